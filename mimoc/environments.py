@@ -33,7 +33,7 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
     Args:
         source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec.
         options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
-            the infant's task (see `mimoc.tasks.binding`); `senses`, a dictionary of objects to sense with besides the
+            the infant's task (see `mimoc.tasks.task`); `senses`, a dictionary of objects to sense with besides the
             infant's senses (see `mimoc.senses.custom`); and `max_episode_steps` for Gymnasium.
 
     Raises:

@@ -1,6 +1,7 @@
 """All that the author of a plug-in needs, in one place: `from mimoc.plugin import Entry, SenseKind, Spec, Term`.
 
-A name is imported from its home when it is first asked for, so that a record stays as light as its own modules.
+`dir(mimoc.plugin)` are the names. Each is imported from its home when it is first asked for, so that a record stays as
+light as its own modules.
 """
 
 from importlib import import_module
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mimoc.actuation.binding import Actuation as Actuation
-    from mimoc.actuation.commands import effort_of as effort_of
+    from mimoc.actuation.binding import effort_of as effort_of
     from mimoc.body.dimensions import Dimensions as Dimensions
     from mimoc.body.dimensions import Shape as Shape
     from mimoc.body.part import ReferenceGeom as ReferenceGeom
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
     from mimoc.kinds import TaskKind as TaskKind
     from mimoc.kinds import ToySource as ToySource
     from mimoc.mjcf.scene import Placed as Placed
-    from mimoc.noise.low_pass import LowPass as LowPass
-    from mimoc.noise.low_pass import Smooth as Smooth
+    from mimoc.noise.noise import LowPass as LowPass
     from mimoc.noise.noise import Noise as Noise
+    from mimoc.noise.noise import Smooth as Smooth
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity
     from mimoc.runtime.term import Concatenated as Concatenated
@@ -47,14 +48,12 @@ if TYPE_CHECKING:
     from mimoc.tasks.task import Verdict as Verdict
 
 _NAMES = {
-    "mimoc.actuation.binding": "Actuation",
-    "mimoc.actuation.commands": "effort_of",
+    "mimoc.actuation.binding": "Actuation effort_of",
     "mimoc.body.dimensions": "Dimensions Shape",
     "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
     "mimoc.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind ToySource",
     "mimoc.mjcf.scene": "Placed",
-    "mimoc.noise.low_pass": "LowPass Smooth",
-    "mimoc.noise.noise": "Noise",
+    "mimoc.noise.noise": "LowPass Noise Smooth",
     "mimoc.plugins": "register",
     "mimoc.quantities": "Quantity",
     "mimoc.runtime.term": "Concatenated Field Term",

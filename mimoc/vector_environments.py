@@ -21,7 +21,7 @@ from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
     from mimoc.runtime.warp.vector_env import WarpInfants
-    from mimoc.training.sb3_infants import VecMonitor
+    from mimoc.training.vector_env import VecMonitor
 
 Source = Bundle | InfantSpec | str | Path
 
@@ -123,7 +123,7 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
         16
         >>> envs.close()
     """
-    from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, monitored
+    from mimoc.training.vector_env import RESET_IN_THE_SAME_STEP, monitored
 
     if options.get("device", "cpu") != "cpu":
         raise MimocError("Stable-Baselines3 learns from infants on the CPU; leave out device")

@@ -53,10 +53,9 @@ PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
 """Layer of the files in the kinds' folders that begin so: `build.py`, `build_points.py`. A record is a `spec`."""
 WITHOUT_PREFIX = {
     "build": "senses.touch.skin_points "
-    "senses.vision.acuity_by_age senses.vision.comparison tasks.ball tasks.setup tasks.standup.grip tasks.standup.rail "
-    "actuation.activation actuation.setup actuation.position.origins actuation.position.inertia "
-    "delays.presets noise.presets",
-    "spec": "tasks.base delays.ages",
+    "senses.vision.acuity_by_age senses.vision.comparison tasks.setup tasks.standup.grip "
+    "actuation.setup delays.presets noise.presets",
+    "spec": "tasks.base delays.__init__",
 }
 """Files that still lack the prefix of their layer. It must go: whoever renames one takes it off."""
 
@@ -68,10 +67,10 @@ LAYERS = {
     "streams": layer("random_streams"),
     "geometry": layer("geometry rounding", "errors units", "scipy"),
     "files": layer("bundle.files bundle.json_text", "errors version geometry"),
-    "grammar": layer("schema.base schema.key_paths", "errors", "pydantic"),
+    "grammar": layer("schema.base", "errors", "pydantic"),
     "part": layer("body.part", "geometry"),
     "parts": layer(
-        "body.anatomy body.parts body.dimensions body.proportions body.published body.sections",
+        "body.anatomy body.parts body.dimensions body.proportions body.sections",
         "errors units geometry part kinds",
     ),
     "language": layer(
@@ -106,7 +105,7 @@ LAYERS = {
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
     "measuring": layer(
-        "quantities.measuring quantities.run_contact quantities.run_motion",
+        "quantities.measuring quantities.run_motion",
         "errors kinds quantities bundle terms runtime",
         "mujoco",
     ),

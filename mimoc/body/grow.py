@@ -15,11 +15,10 @@ from mimoc.body.maturation import maturation, relative_volumes
 from mimoc.body.measurements import measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
-from mimoc.body.prune import prune
 from mimoc.body.reference import Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
 from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, prune
 from mimoc.fits import Measurements, measure
 from mimoc.schema.infant import InfantSpec
 
@@ -136,7 +135,7 @@ def _weigh(child: Measurements, reference: Reference) -> float:
 
 
 def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:
-    left, dimensions = side == "left", shapes.own[side]
+    left, dimensions = side == "left", shapes.built[side]
     return Body(
         name=part.name.format(side=side),
         parent=part.parent and part.parent.format(side=side),

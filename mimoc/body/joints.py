@@ -102,7 +102,7 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: Growth | None) 
         for figures in part.joints:
             left, name = side == "left", figures.name.format(side=side)
             axis = figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left)
-            anchor_m = mirror(shapes.own[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left)
+            anchor_m = mirror(shapes.built[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left)
             place = name, axis, anchor_m
             if growth is None:
                 joints[name] = _published(place, figures)

@@ -1,12 +1,13 @@
-"""Forward kinematics of a body, and its extents in a pose."""
+"""Forward kinematics of a body, its extents in a pose, and its stature, for comparison with growth standards."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 import numpy as np
 
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
-from mimoc.geometry.primitives import Extents, extents
+from mimoc.geometry.primitives import Extents, extents, girth
 from mimoc.geometry.rotations import (
     FloatArray,
     matrices_from_axes,
@@ -14,6 +15,7 @@ from mimoc.geometry.rotations import (
     matrix_from_euler,
     matrix_from_quaternion,
 )
+from mimoc.units import m_to_cm
 
 Frame = tuple[FloatArray, FloatArray]
 """Origin and rotation."""
@@ -61,13 +63,7 @@ class Posed:
 
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     """Return the body with some joint angles; joints that are not named are at zero."""
-    placed = frames(tree, angles_rad)
-    geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
-    homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
-    origins, turns = np.array([origin for origin, _ in homes]), np.array([turn for _, turn in homes])
-    places = np.array([geom.pos_m for geom in geoms])
-    own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
-    return Posed(geoms, origins + (turns @ places[:, :, None])[:, :, 0], turns @ own)
+    return Posed(*_placed(tree, frames(tree, angles_rad)))
 
 
 def pose_all(
@@ -78,13 +74,18 @@ def pose_all(
     Returns:
         The geoms; their centres, shape (p, n, 3), [m]; and the rotations hip from geom, shape (p, n, 3, 3).
     """
-    placed = _frames_of_all(tree, poses_rad)
+    return _placed(tree, _frames_of_all(tree, poses_rad))
+
+
+def _placed(tree: BodyTree, placed: Mapping[str, Frame]) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
+    """Return the n geoms of a body, their centres, shape (..., n, 3), and rotations, from the frames of its parts."""
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
-    origins, turns = (np.swapaxes(np.array(arrays), 0, 1) for arrays in zip(*homes, strict=True))
+    origins = np.stack([origin for origin, _ in homes], axis=-2)
+    turns = np.stack([turn for _, turn in homes], axis=-3)
     places = np.array([geom.pos_m for geom in geoms])
-    own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
-    return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ own
+    tilts = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
+    return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ tilts
 
 
 def centres_of_mass(geoms: Sequence[Geom], centres: FloatArray) -> FloatArray:
@@ -98,11 +99,11 @@ def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
 
     Joints that are not named are at zero.
     """
-    found: dict[str, Frame] = {}
+    placed: dict[str, Frame] = {}
     for body in tree.bodies:
-        parent = found[body.parent] if body.parent else (np.zeros(3), np.eye(3))
-        found[body.name] = _frame(body, angles_rad, *parent)
-    return found
+        parent = placed[body.parent] if body.parent else (np.zeros(3), np.eye(3))
+        placed[body.name] = _frame(body, angles_rad, *parent)
+    return placed
 
 
 def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
@@ -110,12 +111,12 @@ def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
 
     Joints that are not named are at zero.
     """
-    placed, found = frames(tree, angles_rad), {}
+    placed, axes = frames(tree, angles_rad), {}
     for body in tree.bodies:
         if body.parent:
             for joint, anchor, turn in _turns(body, angles_rad, *placed[body.parent]):
-                found[joint.name] = anchor, turn @ joint.axis / np.linalg.norm(joint.axis)
-    return found
+                axes[joint.name] = anchor, turn @ joint.axis / np.linalg.norm(joint.axis)
+    return axes
 
 
 def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
@@ -157,9 +158,9 @@ def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> 
     angles = [[angles_rad.get(name, 0.0) for angles_rad in poses_rad] for name in joints]
     rotations = matrices_from_axes([joint.axis for joint in joints.values()], angles)
     turns = dict(zip(joints, zip(angles, rotations, strict=True), strict=True))
-    found: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
+    placed: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
     for body in tree.bodies:
-        origin, turn = found[body.parent]
+        origin, turn = placed[body.parent]
         origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
         for joint in body.joints:
             angles_rad, rotation = turns[joint.name]
@@ -168,8 +169,8 @@ def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> 
                 anchor_m, before = np.array(joint.anchor_m), turn[turned]
                 turn[turned] = after = before @ rotation[turned]
                 origin[turned] = origin[turned] + before @ anchor_m - after @ anchor_m
-        found[body.name] = origin, turn
-    return {body.name: found[body.name] for body in tree.bodies}
+        placed[body.name] = origin, turn
+    return {body.name: placed[body.name] for body in tree.bodies}
 
 
 def _turns(
@@ -180,3 +181,39 @@ def _turns(
         before = replace(body, joints=body.joints[:count])
         origin, turn = _frame(before, angles_rad, parent_origin, parent_turn)
         yield joint, origin + turn @ joint.anchor_m, turn
+
+
+class Stature(TypedDict):
+    """Measures for which there are WHO standards, with the names of `fits.tables.WHO_FILES`."""
+
+    length_cm: float
+    weight_kg: float
+    head_circumference_cm: float
+    arm_circumference_cm: float | None
+    """None for a child without upper arms."""
+
+
+def stature(tree: BodyTree) -> Stature:
+    """Return the measures of a body: length is crown to sole, and the left arm is preferred, as WHO does."""
+    arm_cm = _arm_circumference_cm(tree)
+    return Stature(
+        length_cm=m_to_cm(length_m(tree)),
+        weight_kg=tree.mass_kg,
+        head_circumference_cm=m_to_cm(_girth_m(tree.geoms["head"])),
+        arm_circumference_cm=arm_cm,
+    )
+
+
+def length_m(tree: BodyTree) -> float:
+    """Return the length of a body from crown to sole, in [m]."""
+    posed, up = pose(tree, {}), np.array([0.0, 0.0, 1.0])
+    return posed.extent(up) + posed.extent(-up)
+
+
+def _arm_circumference_cm(tree: BodyTree) -> float | None:
+    arms = [tree.geoms[name] for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    return m_to_cm(_girth_m(arms[0])) if arms else None
+
+
+def _girth_m(geom: Geom) -> float:
+    return girth(geom.type, geom.size_m)

@@ -105,7 +105,7 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
         return {
             **published_kg,
             **{geom.name: left * published_kg[geom.name] for geom in trunk},
-            **_feet_kg(reference, shapes.own[side]),
+            **_feet_kg(reference, shapes.built[side]),
             "head": (1 - NECK_SHARE) * head_kg,
             "neck": NECK_SHARE * head_kg,
         }

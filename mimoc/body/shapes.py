@@ -1,17 +1,137 @@
-"""Sizes and places of the parts of a child: as they are built, and the volumes that masses and strength follow."""
+"""Sizes and places of the parts of a child: as they are built, and the volumes that masses and strength follow.
 
-from collections.abc import Callable, Mapping
+A spec scales single parts in length and girth; the proportions that result are checked.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
 from mimoc.body.anatomy import Sided
-from mimoc.body.dimensions import Dimensions
+from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
 from mimoc.body.proportions import proportions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
-from mimoc.body.scaling import check_limbs, check_trunk, clear_arms, scale_part
+from mimoc.body.sections import room_beside
+from mimoc.errors import GeometryError
 from mimoc.fits import Measurements
+from mimoc.geometry.rotations import Vec3
+from mimoc.units import deg_to_rad
+
+LIMBS = (
+    ("{side}_uarm1", "{side}_lower_arm"),
+    ("{side}_larm", "{side}_hand"),
+    ("{side}_upper_leg1", "{side}_lower_leg"),
+    ("{side}_lower_leg1", "{side}_foot"),
+)
+"""The solid of each long segment, and the part at whose joint it ends."""
+
+
+def check_limbs(dimensions: Dimensions) -> None:
+    """Check that limbs are longer than wide.
+
+    Raises:
+        GeometryError: If one is not.
+    """
+    for geom, end in LIMBS:
+        length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
+        if thickness_m >= length_m:
+            raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
+
+
+DEEPEST = 1.0
+"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it the upper body would
+begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
+
+
+def check_trunk(dimensions: Dimensions) -> None:
+    """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
+
+    Raises:
+        GeometryError: If they do.
+    """
+    pelvis, belly = dimensions.shapes["lb"], dimensions.shapes["ub1"]
+    on_belly = [
+        sum(axis) for axis in zip(*(dimensions.origins[body] for body in ("lower_body", "upper_body")), strict=True)
+    ]
+    x, _, z = (a + b - c for a, b, c in zip(on_belly, belly.pos_m, pelvis.pos_m, strict=True))
+    depth_m = pelvis.size_m[0] + belly.size_m[0] - math.hypot(x, z)
+    if depth_m > DEEPEST * pelvis.size_m[0]:
+        raise GeometryError(
+            f"the upper body would reach {depth_m:.3f} m into a pelvis {2 * pelvis.size_m[0]:.3f} m thick"
+        )
+
+
+PRESSED = 0.5
+"""How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
+
+
+def clear_arms(dimensions: Dimensions) -> Dimensions:
+    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
+    arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
+    x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
+    chest_x_m, _, chest_z_m = dimensions.origins["chest"]
+    room_m = arm.pos_m[1] + room_beside(
+        outwards_m=-y_m - ribs.size_m[1],
+        above_m=z_m + chest_z_m - ribs.pos_m[2],
+        behind_m=x_m + chest_x_m - ribs.pos_m[0],
+        apart_m=ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0],
+    )
+    if room_m >= 0:
+        return dimensions
+    outwards_m = -room_m / math.cos(deg_to_rad(REST_ABDUCTION_DEG))
+    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
+
+
+def scale_part(
+    dimensions: Dimensions, name: str, parts: Iterable[ReferencePart], length: float, girth: float
+) -> Dimensions:
+    """Return dimensions in which one part is scaled.
+
+    Args:
+        dimensions: Dimensions of one side.
+        name: The part, by its name with `{side}`.
+        parts: All parts of that side, to find those that are attached.
+        length: Factor along the part.
+        girth: Factor across it.
+    """
+    children = [part.name for part in parts if part.parent == name]
+    (part,) = (part for part in parts if part.name == name)
+    scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
+    joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
+    return dimensions | Dimensions(
+        origins={child: _times(dimensions.origins[child], scale) for child in children},
+        shapes={geom.name: _scale_solid(dimensions.shapes[geom.name], geom, scale) for geom in part.geoms},
+        anchors={joint: _times(dimensions.anchors[joint], scale) for joint in joints},
+    )
+
+
+def _scale_solid(solid: Shape, geom: ReferenceGeom, scale: Vec3) -> Shape:
+    x, y, z = _in_geom_frame(geom.euler_deg, scale)
+    if geom.type == "sphere":
+        size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
+    elif geom.type in ("box", "ellipsoid"):
+        size_m = _times((solid.size_m[0], solid.size_m[1], solid.size_m[2]), (x, y, z))
+    else:
+        radius_m, half_m = solid.size_m
+        size_m = (radius_m * math.sqrt(x * y), half_m * z)
+    return Shape(size_m, _times(solid.pos_m, scale))
+
+
+def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
+    """Return scale factors along a body's axes as factors along a geom's axes, turned by at most a right angle."""
+    x, y, z = scale
+    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
+    return turned.get(euler_deg, scale)
+
+
+def _times(vector: Vec3, scale: Vec3) -> Vec3:
+    x, y, z = (component * factor for component, factor in zip(vector, scale, strict=True))
+    return x, y, z
+
 
 SIDES = ("", "right", "left")
 
@@ -29,7 +149,7 @@ T = TypeVar("T")
 class Shapes:
     """The shapes of a child's parts, by side: `right`, `left`, and empty for the middle."""
 
-    own: Mapping[str, Dimensions]
+    built: Mapping[str, Dimensions]
     """As they are built, by the child's law of development."""
     published_m3: Mapping[str, Volumes]
     """Of MIMo's solids with the child's measurements, by the growth law of the paper. They are never built."""
@@ -40,7 +160,7 @@ class Shapes:
 
     def of_sides(self, function: Callable[[str], T]) -> dict[str, T]:
         """Return what a function returns for each side, called once if both sides are alike."""
-        return _of_sides(function, alike=self.own["right"] is self.own["left"])
+        return _of_sides(function, alike=self.built["right"] is self.built["left"])
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
@@ -61,7 +181,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
-    def own(child: Measurements, scales: Scales, side: str) -> Dimensions:
+    def built(child: Measurements, scales: Scales, side: str) -> Dimensions:
         dimensions = _scaled(shape(child, side, reference), anatomy.parts, scales, side)
         (check_limbs if side else check_trunk)(dimensions)
         return dimensions
@@ -70,8 +190,8 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     before = child if anatomy.development == "published" else child.unreplaced
     changed = bool(scales) or before is not child
     usual_m3 = published_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
-    usual = own(before, NO_SCALES, "") if changed else None
-    dimensions = _of_sides(lambda side: own(child, scales, side), alike=alike)
+    usual = built(before, NO_SCALES, "") if changed else None
+    dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
         check_limbs(dimensions[""])
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
@@ -14,9 +15,7 @@ from typing import Any
 
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
-from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.manifest_text import read_manifest
+from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
     MOST_NESTED,
@@ -27,6 +26,34 @@ from mimoc.bundle.regular_files import (
 )
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.errors import BundleError
+
+
+class LaterFiles(Mapping[str, bytes]):
+    """Content by path, read-only."""
+
+    def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
+        """Promise some files.
+
+        Args:
+            arrays: What the file of the large arrays holds, read-only, rounded as it is in the file.
+            make: Returns all files.
+        """
+        self.arrays, self._make = arrays, make
+
+    def __getitem__(self, path: str) -> bytes:
+        """Return the content of a file."""
+        return self._all[path]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    @cached_property
+    def _all(self) -> Mapping[str, bytes]:
+        return self._make()
+
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
 SHARED = "assets/"
@@ -208,8 +235,7 @@ def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
 def _read_folder(folder: Path) -> Bundle:
     try:
         with regular_files(folder) as opened:
-            lock = _read_lock(folder, opened)
-            files = _read_files(folder, opened, _locked_files(lock))
+            lock, files = _read_files(folder, opened)
     except OSError:
         if os.path.isfile(folder):  # Unlike a path's own method, also for paths that no file can have.
             raise BundleError(f"{folder}: there is no such folder, as this is a file; {_ADVICE_FOR_FILES}") from None
@@ -225,20 +251,16 @@ _ADVICE = "build one there with 'mimoc build SPEC -o OUT'"
 _ADVICE_FOR_FILES = "name the folder of a bundle, or a spec that ends in .yaml or .yml"
 
 
-def _read_lock(folder: Path, opened: RegularFiles) -> bytes:
+def _read_files(folder: Path, opened: RegularFiles) -> tuple[bytes, dict[str, bytes]]:
+    """Return a lock and the files that it lists, all of which must be there and have the digests that it says."""
     try:
-        content = opened.read(LOCK, MAX_LOCK_BYTES)
+        lock = opened.read(LOCK, MAX_LOCK_BYTES)
     except UnusableFileError:
-        raise _damaged(folder) from None
-    if content is None:
+        lock = b""
+    if lock is None:
         raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {_ADVICE}")
-    return content
-
-
-def _read_files(folder: Path, opened: RegularFiles, locked: Mapping[str, str] | None) -> dict[str, bytes]:
-    """Return the files that a lock lists, all of which must be there and have the digests that it says."""
-    if locked is None:
-        raise _damaged(folder)
+    if (locked := _locked_files(lock)) is None:
+        raise BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
     files, problems = dict[str, bytes](), list[str]()
     for name in sorted(locked):
         try:
@@ -253,11 +275,7 @@ def _read_files(folder: Path, opened: RegularFiles, locked: Mapping[str, str] | 
     problems += [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
     if problems:
         raise BundleError(f"{folder}: {', '.join(problems)}; build it again with 'mimoc build --force'")
-    return files
-
-
-def _damaged(folder: Path) -> BundleError:
-    return BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
+    return lock, files
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:

@@ -1,11 +1,17 @@
-"""The manifest: everything that the runtime knows about an infant, and its only interface with the compiler."""
+"""The manifest: all that the runtime knows about an infant, its only interface with the compiler; and reading it."""
 
-from typing import Annotated, Literal, Self
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.bundle.regular_files import problems_in
 from mimoc.delays.spec import DelayEntry, DelaysEntry
+from mimoc.errors import BundleError
+from mimoc.kinds import Kinds
 from mimoc.noise.spec import NoiseEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model
@@ -26,7 +32,9 @@ from mimoc.schema.entries import (
     Skin,
     WeldName,
 )
+from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
+from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.spec import task_entry_field
@@ -205,12 +213,12 @@ class Manifest(Model):
 
     @model_validator(mode="after")
     def _all_times_are_whole_steps(self) -> Self:
-        delays = {f"delays.{name}": each for name, each in self.delays if isinstance(each, DelayEntry)}
+        delays = {f"delays.{name}": delay for name, delay in self.delays if isinstance(delay, DelayEntry)}
         times_ms = {
             "step_ms": self.step_ms,
             "noise.delay_jitter_ms": self.noise.delay_jitter_ms,
-            **{f"{name}.ms": each.ms for name, each in delays.items()},
-            **{f"{name}.legs_ms": each.legs_ms or 0.0 for name, each in delays.items()},
+            **{f"{name}.ms": delay.ms for name, delay in delays.items()},
+            **{f"{name}.legs_ms": delay.legs_ms or 0.0 for name, delay in delays.items()},
         }
         for name, time_ms in times_ms.items():
             try:
@@ -236,6 +244,82 @@ class Manifest(Model):
         return f"Manifest({self.name!r}, {self.child.age_months:g} months)"
 
     __str__ = __repr__
+
+
+MANIFEST = "manifest.json"
+MOST_MANIFEST_BYTES = 2**22
+"""4 MB; a room with fifty toys and an infant with ten fingers have 56 kB."""
+
+
+def to_data(manifest: Manifest) -> dict[str, Any]:
+    """Return what is written of a manifest; a sense from outside that the infant has not is left out.
+
+    So a bundle can be read where that sense is unknown.
+    """
+    data = manifest.model_dump()
+    unused = {name for name, entry in data["senses"].items() if entry is None and SENSES.distribution(name) != "mimoc"}
+    for section in ("senses", "delays"):
+        data[section] = {name: entry for name, entry in data[section].items() if name not in unused}
+    return data
+
+
+def read_manifest(content: bytes) -> Manifest:
+    """Return the manifest that a file contains.
+
+    Raises:
+        BundleError: If a plug-in is missing that it needs, or if it is not what mimoc writes.
+    """
+    if len(content) > MOST_MANIFEST_BYTES:
+        raise BundleError(f"{MANIFEST}: it has more than {MOST_MANIFEST_BYTES >> 20} MB, which no infant needs")
+    try:
+        data = json.loads(content)
+    except (ValueError, RecursionError):
+        raise BundleError(f"{MANIFEST}: it is damaged; build it again") from None
+    check_plugins(data)
+    if not isinstance(data, dict) or data.get("manifest", MANIFEST_VERSION) != MANIFEST_VERSION:
+        advice = f"this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"
+        raise BundleError(advice)
+    try:
+        return Manifest.model_validate_json(content)
+    except ValidationError as error:
+        raise BundleError(f"{MANIFEST}: {problems_in(error)}; build it again") from None
+
+
+RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
+"""The kinds of things that a bundle runs, by the section that a manifest names them in."""
+BUILDING = ("scenes", "toys", "parts")
+"""Those that it is only built from."""
+
+
+def check_plugins(manifest: Any) -> None:
+    """Pass the data of a manifest whose plug-ins are all here.
+
+    Raises:
+        BundleError: If one is missing, or another distribution has a kind of that name.
+    """
+    plugins = manifest.get("plugins", {}) if isinstance(manifest, dict) else {}
+    if not isinstance(plugins, dict):
+        raise BundleError("its plug-ins are listed in a way that mimoc never writes; build it again")
+    problems = [_problem(str(key), str(distribution)) for key, distribution in plugins.items()]
+    if missing := [problem for problem in problems if problem]:
+        raise BundleError("; ".join(missing))
+
+
+def _problem(key: str, distribution: str) -> str | None:
+    section, _, name = key.partition(".")
+    if section in BUILDING:
+        return None
+    if section not in RUNNING or not name.isidentifier() or not distribution.isprintable():
+        return f"its plug-in {key!r} is named in a way that mimoc never writes; build it again"
+    table, source = RUNNING[section], f"the plug-in '{distribution}'" if distribution else "a script"
+    if name not in table:
+        advice = f"install '{distribution}'" if distribution else "register it with mimoc.register first"
+        return f"this bundle needs the {table.what} '{name}' from {source}, which is not here; {advice}"
+    current = table.distribution(name)
+    if current != distribution:
+        other = f"'{current}'" if current else "a script"
+        return f"this bundle needs the {table.what} '{name}' from {source}, but here it comes from {other}"
+    return None
 
 
 load_plugins()

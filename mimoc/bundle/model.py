@@ -1,9 +1,11 @@
-"""From a bundle to a compiled MuJoCo model, if it is one that mimoc could have written."""
+"""From a bundle to a compiled MuJoCo model, if it is one that mimoc could have written and its manifest fits it."""
 
 import logging
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any, get_args
 
 import mujoco
 import numpy as np
@@ -13,9 +15,110 @@ from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.mjcf_check import read_mjcf
-from mimoc.bundle.model_names import check_names
 from mimoc.errors import BundleError, ModelError, UnknownNameError
+from mimoc.schema.base import Model
+from mimoc.schema.composition import on_recompose
+from mimoc.schema.entries import NameKind, NameOf
 from mimoc.units import ms_to_s
+
+_SHOWN = 5
+"""Most problems that an error tells of."""
+
+
+def check_names(manifest: Model, model: mujoco.MjModel) -> None:
+    """Check that a model has everything that a manifest names, and that it is what it should be.
+
+    Raises:
+        BundleError: If it does not; the message says which names, and where they stand.
+    """
+    fitting, known = _fitting(model), dict[tuple[NameKind, str], bool]()
+    missing = []
+    for where, kind, name in names_in(manifest):
+        if (kind, name) not in known:
+            index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
+            known[kind, name] = index >= 0 and (kind not in fitting or index in fitting[kind])
+        if not known[kind, name]:
+            missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
+    if missing:
+        rest = [f"and {len(missing) - _SHOWN} more"] if len(missing) > _SHOWN else []
+        raise BundleError(f"its manifest does not fit its model: {'; '.join([*missing[:_SHOWN], *rest])}")
+
+
+def names_in(entry: Model, where: str = "") -> Iterator[tuple[str, NameKind, str]]:
+    """Yield where each name in a manifest stands, what it is the name of, and the name."""
+    for field, kind in _fields(type(entry)):
+        value = getattr(entry, field)
+        if value is not None:
+            yield from _names(value, kind, f"{where}{field}")
+
+
+def _names(value: Any, kind: NameKind | None, where: str) -> Iterator[tuple[str, NameKind, str]]:
+    if isinstance(value, str):
+        if kind:
+            yield where, kind, value
+    elif isinstance(value, Model):
+        yield from names_in(value, f"{where}.")
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _names(inner, kind, f"{where}.{key}")
+    elif isinstance(value, tuple):
+        for index, inner in enumerate(value):
+            yield from _names(inner, kind, f"{where}[{index}]")
+
+
+@lru_cache(maxsize=256)
+def _fields(section: type[Model]) -> tuple[tuple[str, NameKind | None], ...]:
+    """Return the fields of a section that may hold names, themselves or within, and what these name."""
+    fields = section.model_fields.items()
+    kinds: list[tuple[str, NameKind | None]] = [(name, _kind(info.annotation, info.metadata)) for name, info in fields]
+    return tuple((name, kind) for name, kind in kinds if kind or _has_sections(section.model_fields[name].annotation))
+
+
+on_recompose(_fields.cache_clear)
+
+
+def _kind(annotation: Any, metadata: Any = ()) -> NameKind | None:
+    """Return what the texts in a field name, by the mark in its annotation."""
+    marks = [mark for mark in (*metadata, *getattr(annotation, "__metadata__", ())) if isinstance(mark, NameOf)]
+    if marks:
+        return marks[0].kind
+    return next((kind for inner in get_args(annotation) if (kind := _kind(inner))), None)
+
+
+def _has_sections(annotation: Any) -> bool:
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return True
+    return any(map(_has_sections, get_args(annotation)))
+
+
+def _fitting(model: mujoco.MjModel) -> dict[NameKind, set[int]]:
+    """Return, for kinds of names that not every object of a type will do for, those that do."""
+    masks: dict[NameKind, npt.NDArray[np.bool_]] = {
+        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
+        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
+        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
+        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
+        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
+    }
+    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
+
+
+_OBJECTS: Mapping[NameKind, mujoco.mjtObj] = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "hinge": mujoco.mjtObj.mjOBJ_JOINT,
+    "free joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "sensor of three numbers": mujoco.mjtObj.mjOBJ_SENSOR,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
+    "keyframe": mujoco.mjtObj.mjOBJ_KEY,
+    "material": mujoco.mjtObj.mjOBJ_MATERIAL,
+    "skin": mujoco.mjtObj.mjOBJ_SKIN,
+    "lock": mujoco.mjtObj.mjOBJ_EQUALITY,
+    "weld": mujoco.mjtObj.mjOBJ_EQUALITY,
+}
+"""Types of objects that names are looked up among."""
+
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
@@ -62,11 +165,12 @@ def prepare(model: mujoco.MjModel) -> None:
             stacklevel=2,
         )
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    if (
-        model.ntree == 1
-    ):  # Faster, and the same to the bit; with other things that move, neither (benchmarks/resting.py).
+    if model.ntree == 1:  # Faster, and the same to the bit; if other things move, neither (benchmarks/resting.py).
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
-    _keep_mujoco_quiet()
+    # MuJoCo's warnings go to Python's log; by default it prints them and writes MUJOCO_LOG.TXT. None is lost: each is
+    # counted in its `MjData`, and `info["unstable"]` reports the serious ones.
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)
 
 
 @contextmanager
@@ -131,19 +235,6 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     return model, data
 
 
-def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state with all joints at zero.
-
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-    """
-    model = load_model(bundle)
-    with bounded():
-        data = mujoco.MjData(model)
-        begin(model, data)
-    return model, data
-
-
 def broke_down(data: mujoco.MjData) -> bool:
     """Return whether a simulation has become unstable since its reset; MuJoCo then resets it automatically."""
     counts = data.warning.number
@@ -168,15 +259,6 @@ def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.b
     return is_inside
 
 
-def _keep_mujoco_quiet() -> None:
-    """Redirect MuJoCo's warnings to Python's log; by default it prints them and writes MUJOCO_LOG.TXT.
-
-    No warning is lost: each is counted in its `MjData`, and `info["unstable"]` reports the serious ones.
-    """
-    if mujoco.get_mju_user_warning() is None:
-        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)
-
-
 INFANT, SCENE = "infant.xml", "scene.xml"
 """The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
@@ -197,10 +279,10 @@ def check_files(bundle: Bundle) -> None:
     if missing:
         raise BundleError(f"{bundle.path}: {' and '.join(missing)} are missing; build it again")
     try:
-        infant, scene = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
-        if infant.counts["include"]:
+        (elements, references), (_, others) = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
+        if elements["include"]:
             raise BundleError(f"only {SCENE} may include {INFANT}")
-        check_assets(bundle.files, {**infant.references, **scene.references})
+        check_assets(bundle.files, {**references, **others})
     except BundleError as error:
         raise BundleError(f"{bundle.path}: {error}; do not use it") from None
 

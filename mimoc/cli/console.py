@@ -16,8 +16,7 @@ from rich.tree import Tree
 from mimoc.cli.terminal import printable
 from mimoc.errors import counted
 from mimoc.quantities import quantity_of
-from mimoc.quantities.child import INDICATORS
-from mimoc.quantities.columns import TOY_MASS, TOY_SIZE
+from mimoc.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest

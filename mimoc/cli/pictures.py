@@ -131,7 +131,7 @@ def see(
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
     from mimoc.render import picture_files
-    from mimoc.render.picture_grid import tile_pictures
+    from mimoc.render.picture_files import tile_pictures
     from mimoc.schema import VisionSpec
     from mimoc.senses.vision import comparison
     from mimoc.senses.vision.preview import is_blank, preview
@@ -167,8 +167,7 @@ def rooms(
     """Render the scenes of several seeds in one image."""
     from mimoc.cli import console
     from mimoc.compiler import building
-    from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import captioned_grid
+    from mimoc.render.picture_files import captioned_grid, check_picture_name, write_picture
     from mimoc.render.portrait import overview
 
     check_picture_name(file)

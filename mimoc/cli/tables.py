@@ -10,8 +10,7 @@ from rich.text import Text
 
 from mimoc.cli.console import new_table, open_console
 from mimoc.errors import counted
-from mimoc.quantities.child import INDICATORS
-from mimoc.quantities.columns import DIFFERENCE, FROM_AGE, JOB_SIZE, JOB_TIME, TIME_LEFT
+from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status

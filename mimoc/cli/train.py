@@ -95,13 +95,13 @@ def train(
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
     from mimoc.cli import training_output
-    from mimoc.training import hyperparameters
+    from mimoc.training.settings import parse
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes, "force": force}
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": every}
     bundle = load_infant(infant)
-    others |= {"hyper": hyperparameters.parse(algo, assignments or []), "task": import_object(task) if task else None}
+    others |= {"hyper": parse(algo, assignments or []), "task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):
         others |= {"progress": show.report, "on_row": show.on_row}
         done = training.train(bundle, out, algo=algo, steps=steps, seed=seed, envs=envs, **others)

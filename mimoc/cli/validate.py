@@ -63,7 +63,7 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
 
 def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
     from mimoc.cli.tables import print_milestones
-    from mimoc.render.plots.milestones import rows_sheet
+    from mimoc.render.plots.growth import rows_sheet
     from mimoc.studies.milestones import Conditions, validate_milestones
 
     processes = os.cpu_count() or 1

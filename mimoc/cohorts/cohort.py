@@ -307,8 +307,8 @@ def _check(step: StepSpec) -> None:
         if step.name not in EXPERIMENTS:
             raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
     elif isinstance(step, TrainStep):
-        from mimoc.training.growth import growth_settings  # Needs Stable-Baselines3.
         from mimoc.training.settings import Settings
+        from mimoc.training.vector_env import growth_settings  # Needs Stable-Baselines3.
 
         growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
         settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper

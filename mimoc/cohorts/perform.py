@@ -16,9 +16,8 @@ from time import perf_counter
 
 from mimoc.bundle.files import open_new_file, write_error
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.steps import measured
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import JobWorkspace, Work
+from mimoc.cohorts.work import JobWorkspace, Work, measured
 from mimoc.errors import MimocError
 from mimoc.version import __version__
 

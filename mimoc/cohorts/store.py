@@ -10,9 +10,8 @@ from typing import Any
 
 from mimoc.bundle.files import check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
-from mimoc.bundle.json_files import parse_json, read_json_file
 from mimoc.bundle.json_text import render_json
-from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, regular_files
+from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, parse_json, read_json_file, regular_files
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
 from mimoc.errors import BundleError, MimocError, OutputError

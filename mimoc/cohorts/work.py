@@ -1,15 +1,24 @@
-"""What a job is done with: its infant, its seed, and a folder of its own."""
+"""What a job is done with (its infant, its seed, and a folder of its own), and what each step does and measures."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.io import Bundle
-from mimoc.cohorts.job import Job
+from mimoc.bundle.files import check_unlinked
+from mimoc.bundle.io import LOCK, Bundle
+from mimoc.cohorts.job import Job, import_function
 from mimoc.cohorts.store import Store
 from mimoc.compiler.building import builder, sees_skin
+from mimoc.errors import MimocError
+from mimoc.quantities import measured_in
+from mimoc.quantities.measuring import measure
+from mimoc.runtime.check import check_stability
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.rollout import Run
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.source import in_memory_as_text
 
@@ -83,3 +92,112 @@ class JobWorkspace:
         if self._bundle is None:
             self._bundle = builder(spec, skin=sees_skin(spec))(spec.scene.seed)
         return self._bundle
+
+
+Measures = Mapping[str, Any]
+
+
+def measure_child(work: Work) -> Measures:
+    """Return the measures of an infant that a step has whatever it does."""
+    return measure("child", work.job.step, [work.bundle.manifest.child])
+
+
+def build(work: Work) -> Measures:
+    """Build the infant, and keep its bundle."""
+    bundle = work.bundle
+    work.store.write_bundle(work.job, bundle)
+    return {**measure_child(work), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
+
+
+def check(work: Work) -> Measures:
+    """Check that the infant stays stable from every pose."""
+    checks = [*check_stability(work.bundle)]
+    return {**measure_child(work), **measure("pose", "check", checks)}
+
+
+def run(work: Work) -> Measures:
+    """Run the infant under a policy."""
+    options = work.job.options
+    with closing(InfantEnv(work.bundle)) as env:
+        rollout = Run(env, _policy(work, options["policy"]), work.seed)
+        for _ in range(options["steps"]):
+            rollout.step()
+        summary = rollout.summary()
+    return {**measure_child(work), **summary.measures, **summary.metrics}
+
+
+def train(work: Work) -> Measures:
+    """Train a policy; a training that was killed is resumed."""
+    from mimoc.training import train as learn
+
+    folder = check_unlinked(work.store.runs(work.job) / "training", below=work.store.folder)
+    origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
+    training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
+    last = asdict(training.curve.ends[1]) if training.curve.rows else {}
+    learnt = {item.name: last.get(item.curve) for item in measured_in("train") if item.curve}
+    return {**measure_child(work), **learnt}
+
+
+def experiment(work: Work) -> Measures:
+    """Run one of mimoc's experiments; its tables and its page are kept."""
+    from mimoc.studies.experiments import run_experiment
+
+    run_experiment(work.job.options["name"], work.folder, quick=work.job.options["quick"])
+    return {}
+
+
+def python(work: Work) -> Measures:
+    """Call a function of the user's own, which returns measures by name, or nothing."""
+    options = work.job.options
+    function = import_function(options["function"], work.job.folder)
+    returned = function(work, **options["options"])
+    if returned is not None and not isinstance(returned, Mapping):
+        raise MimocError(f"'{options['function']}' returned {type(returned).__name__}; return a dictionary of measures")
+    named = {str(name): _cell(value, options["function"]) for name, value in (returned or {}).items()}
+    return {**measure_child(work), **named}
+
+
+STEPS: Mapping[str, Callable[[Work], Measures]] = {
+    "build": build,
+    "check": check,
+    "run": run,
+    "train": train,
+    "experiment": experiment,
+    "python": python,
+}
+"""What does each step, by name."""
+
+
+def measured(work: Work) -> Measures:
+    """Do a job, and return all that it measures.
+
+    Raises:
+        MimocError: If it cannot be done.
+    """
+    work.measures.update(STEPS[work.job.step](work))
+    for name in work.job.own_measures:
+        work.measures[name] = _cell(import_function(name, work.job.folder)(work), name)
+    return work.measures
+
+
+def _policy(work: Work, name: str) -> Any:
+    """Return the trained policy if the name is that of a file, else the name itself."""
+    if not name.endswith(".zip"):
+        return name
+    from mimoc.training import load_policy
+
+    return load_policy(Path(work.job.folder) / name)
+
+
+def _cell(value: Any, function: str) -> str | bool | int | float | None:
+    """Return a value for the table: NumPy's numbers as Python's.
+
+    Raises:
+        MimocError: If it is no number, text or None, or a whole number of more than 64 bits.
+    """
+    plain = value.item() if getattr(value, "shape", None) == () else value
+    if plain is not None and not isinstance(plain, (str, bool, int, float)):
+        raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")
+    if isinstance(plain, int) and plain.bit_length() > 63:
+        raise MimocError(f"'{function}' measured a whole number of more than 64 bits; return it as a float")
+    return plain

@@ -18,6 +18,7 @@ from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry
+from mimoc.bundle.manifest import to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
@@ -191,7 +192,7 @@ class Builder:
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
             PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
-            "manifest.json": render_json(manifest.model_dump()),
+            "manifest.json": render_json(manifest_data(manifest)),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
 

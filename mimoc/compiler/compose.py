@@ -1,6 +1,6 @@
 """Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
@@ -11,9 +11,8 @@ from mimoc.kinds import function_of
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
 from mimoc.looks.skin.carrying import skin_of
 from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
+from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
-from mimoc.mjcf.sensor_sites import keypoint_sites
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
@@ -77,8 +76,9 @@ def compose(
 
 def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
     """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
-    keypoints, hip_m = keypoint_sites(tree), (0.0, 0.0, standing_height(tree))
-    sites, cameras = _sites(tree, senses, keypoints), dict(sensor_sites.cameras(tree))
+    hip_m = (0.0, 0.0, standing_height(tree))
+    cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
+    sites_by_source += [*(placed.sites for placed in senses.values()), sensor_sites.keypoint_sites(tree)]
     for placed in senses.values():
         cameras |= placed.cameras
     uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
@@ -93,26 +93,11 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
             free_joints=(FREE_JOINT,) if is_root else (),
             joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
             geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
-            sites=sites.get(body.name, ()),
+            sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
             cameras=cameras.get(body.name, ()),
             children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
         )
     return nodes
-
-
-def _sites(
-    tree: BodyTree, senses: Mapping[str, Placed], keypoints: Mapping[str, Sequence[Site]]
-) -> dict[str, tuple[Site, ...]]:
-    """Return the sites of each body: those of sensors, of senses, then keypoints."""
-    of_sensors = sensor_sites.sites(tree)
-    return {
-        body.name: (
-            *of_sensors.get(body.name, ()),
-            *(site for placed in senses.values() for site in placed.sites.get(body.name, ())),
-            *keypoints.get(body.name, ()),
-        )
-        for body in tree.bodies
-    }
 
 
 def _joint(joint: Joint) -> PrintedJoint:

@@ -6,8 +6,8 @@ from typing import Any, Literal
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
+from mimoc.body.kinematics import stature
 from mimoc.body.parts import PARTS
-from mimoc.body.stature import stature
 from mimoc.bundle.manifest import (
     AnatomyEntry,
     ChildEntry,

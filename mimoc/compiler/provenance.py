@@ -15,7 +15,7 @@ from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec, to_data
 from mimoc.schema.source import Source
 from mimoc.tasks.base import TaskEntry
-from mimoc.toys.provenance import mass_entry, trace_toys
+from mimoc.toys.objects import mass_entry, trace_toys
 
 SPEC_FILE = "spec.yaml"
 """The spec in a bundle, as it was written."""

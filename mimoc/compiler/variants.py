@@ -6,8 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mimoc.bundle.io import Bundle
-from mimoc.bundle.later_files import LaterFiles
+from mimoc.bundle.io import Bundle, LaterFiles
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.building import Builder, builder

@@ -4,13 +4,13 @@ from collections import deque
 from typing import Any
 
 from mimoc.delays.signals import Mask, check_controls
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 from mimoc.random_streams import whole_between
 from mimoc.senses.sense import FloatArray, IntArray, Sample
 from mimoc.state_form import check_form, checked_list, demand
 
 
-class Wander:
+class DelayRandomWalk:
     """The deviation of a delay, which grows by a physics step, shrinks by one or stays, each with probability 1/3.
 
     At the bounds it stays instead of leaving them. All values from -most to most are equally likely at any time, so
@@ -44,7 +44,7 @@ class JitteredSamples:
     only sampled when it is to be observed.
     """
 
-    def __init__(self, delay_steps: int, control_steps: int, part: Mask | None, wander: Wander):
+    def __init__(self, delay_steps: int, control_steps: int, part: Mask | None, wander: DelayRandomWalk):
         """Delay samples by a number of physics steps and its deviation, which is not larger."""
         self.part = part
         self._delay, self._period, self._wander = delay_steps, control_steps, wander
@@ -115,7 +115,9 @@ class JitteredCommands:
     At each physics step the latest of those commands is applied that were sent at least as long ago as the delay is.
     """
 
-    def __init__(self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray, wander: Wander):
+    def __init__(
+        self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray, wander: DelayRandomWalk
+    ):
         """Delay commands by a number of physics steps and its deviation, which is not larger."""
         self._delay, self._period, self._wander = delay_steps, control_steps, wander
         self._part, self._actuators = part, actuators

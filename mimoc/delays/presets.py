@@ -13,7 +13,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.origins import Entry, Origin
-from mimoc.delays.ages import AGES_MONTHS
+from mimoc.delays import AGES_MONTHS
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
 from mimoc.kinds import AgeTable
 from mimoc.schema.infant import InfantSpec

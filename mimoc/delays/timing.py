@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.delays.jittered import JitteredCommands, JitteredSamples, Wander
+from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
-from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
@@ -78,7 +78,7 @@ class Timing:
 
     def _groups(
         self, signal: str, in_legs: Mask | None, streams: NoiseStreams
-    ) -> list[tuple[int, Mask | None, Wander | None]]:
+    ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
         """Return the delays of a signal in physics steps, with the numbers that have it (None is all) and its jitter.
 
         Raises:
@@ -90,6 +90,6 @@ class Timing:
             groups = [(signal, delay.ms, ~in_legs), (f"{signal}.legs", delay.legs_ms, in_legs)]
         steps = [to_steps(ms, self.timestep_ms) for _, ms, _ in groups]
         return [
-            (late, part, Wander(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
+            (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
             for late, (name, _, part) in zip(steps, groups, strict=True)
         ]

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from functools import cache
 
 import numpy as np
 
@@ -16,6 +15,8 @@ SMALLEST = 1e-14
 """Least coordinate of a point along a half axis, relative to it, so that its nearest point is on one side."""
 RINGS, SPOKES = 24, 48
 """Nodes of the quadrature of an area: exact to twelve digits for half axes up to two to one."""
+QUADRATURE = np.polynomial.legendre.leggauss(RINGS)
+"""The heights of Gauss' rings and their weights, shape (RINGS,) each."""
 
 
 def ellipse_perimeter(half_axis: float, other: float) -> float:
@@ -30,18 +31,12 @@ def ellipse_perimeter(half_axis: float, other: float) -> float:
 
 def ellipsoid_area(half_axes: Sequence[float]) -> float:
     """Return the area of an ellipsoid: the integral of its image on the unit sphere, by Gauss' quadrature."""
-    heights, weights = _quadrature()
+    heights, weights = QUADRATURE
     radii, angles = np.sqrt(1 - heights**2), 2 * math.pi * (np.arange(SPOKES) + 0.5) / SPOKES
     a, b, c = half_axes
     across = (radii[:, None] * np.cos(angles) / a) ** 2 + (radii[:, None] * np.sin(angles) / b) ** 2
     stretched = np.sqrt(across + (heights[:, None] / c) ** 2).mean(axis=1)
     return float(2 * math.pi * a * b * c * weights @ stretched)
-
-
-@cache
-def _quadrature() -> tuple[FloatArray, FloatArray]:
-    """Return the heights of Gauss' rings and their weights, shape (RINGS,) each."""
-    return np.polynomial.legendre.leggauss(RINGS)
 
 
 def nearest_points(half_axes: Sequence[float], points: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from mimoc.errors import UnknownNameError
 from mimoc.importers.babybench import import_babybench
-from mimoc.importers.imported import Imported
+from mimoc.importers.settings import Imported
 
 IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType({"babybench": import_babybench})
 """Function that converts the configuration of each system."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mimoc.body import BodyTree
-from mimoc.body.stature import stature
+from mimoc.body.kinematics import stature
 from mimoc.geometry.rotations import Vec3
 from mimoc.units import cm_to_m
 

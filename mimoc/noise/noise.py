@@ -10,7 +10,8 @@
             return sample + self.deviation_rad * state, state
 
 It is a term as those of senses are (`mimoc.runtime.term`), so one definition runs on one infant, on many, and on a
-device. On the CPU, each infant draws from its own stream (`mimoc.noise.streams`).
+device. On the CPU, each infant draws from its own streams (`NoiseStreams`). Commands have such noise too: each actuator
+is driven by its command and noise in proportion to it.
 """
 
 import math
@@ -18,17 +19,57 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.actuation.binding import Actuation
 from mimoc.kinds import function_of
 from mimoc.noise.spec import NoiseEntry, noise_keys
-from mimoc.noise.streams import NoiseStreams
+from mimoc.random_streams import stream
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.senses import SENSES
 from mimoc.senses.sense import FloatArray, Sample, Sense
 from mimoc.units import ms_to_s
+
+SEEDS = 2**128
+"""Number of seeds there are: Gymnasium calls the seed of a generator that was set directly -1."""
+
+
+class NoiseStreams:
+    """The streams of an environment, one for each channel, so that no channel changes what another draws.
+
+    Each begins when its channel first draws from it.
+    """
+
+    def __init__(self, seed: int):
+        """Begin all streams at a seed."""
+        self.restart(seed)
+
+    def restart(self, seed: int) -> None:
+        """Begin all streams again, at another seed."""
+        self._seed = seed % SEEDS
+        self._streams: dict[str, np.random.Generator] = {}
+
+    def __getitem__(self, channel: str) -> np.random.Generator:
+        """Return the stream of a channel, such as `motor`."""
+        if channel not in self._streams:
+            self._streams[channel] = stream(self._seed, f"noise.{channel}")
+        return self._streams[channel]
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The seed, and where each stream is."""
+        channels = {channel: generator.bit_generator.state for channel, generator in self._streams.items()}
+        return {"seed": self._seed, "channels": channels}
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        self.restart(state["seed"])
+        for channel, at in state["channels"].items():
+            self[channel].bit_generator.state = at
+
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -57,7 +98,7 @@ class Draw:
 class Noise(Term):
     """A base for noise."""
 
-    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:  # pyright: ignore[reportIncompatibleMethodOverride] - It reads no worlds.
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the signal with noise as a new array, and the state of the noise then.
 
         Args:
@@ -119,3 +160,118 @@ def bind_noise(name: str, sense: Sense, entry: NoiseEntry) -> Noise:
 def noise_of(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> SignalNoise | None:
     """Return the noise of a sense of one infant, drawn by the stream of its name, or None if it has none."""
     return SignalNoise(bind_noise(name, sense, entry), name, streams) if noise_amount(name, entry) else None
+
+
+FORGOTTEN = 700.0
+"""Number of time constants after which nothing of a value is left."""
+
+
+@dataclass(frozen=True, slots=True)
+class LowPass:
+    """White noise after a low-pass filter of first order, whose values correlate by exp(-t / T) over a time t.
+
+    With random numbers n, a value x becomes a x + √(1 - a²) n after a time t, where a = exp(-t / T). Its mean is 0
+    and its standard deviation 1 for any interval between values, so neither depends on the physics step.
+    """
+
+    time_constant_s: float
+    """T."""
+
+    def __call__(self, values: Any, elapsed_s: float, drawn: Any) -> Any:
+        """Return the values after some time, shape (k, n); those drawn if there are none before."""
+        if values is None:
+            return drawn
+        kept = math.exp(-elapsed_s / self.time_constant_s)
+        return kept * values + math.sqrt(1 - kept * kept) * drawn
+
+
+@dataclass(frozen=True, slots=True)
+class Smooth:
+    """White noise after a critically damped low-pass filter of second order: smooth values, and their rates.
+
+    A value has the standard deviation 1, its rate 1 / T, and the rate is the derivative of the value. With p = t / T, a
+    value and T times its rate, z = (x, y), become A z + L n after a time t, where A = exp(-p) (1 + p, p; -p, 1 - p),
+    and L is lower triangular with L Lᵀ = 1 - A Aᵀ.
+    """
+
+    time_constant_s: float
+    """T."""
+
+    def __call__(self, xp: Any, values: Any, elapsed_s: float, drawn: Any) -> Any:
+        """Return the values, then T times their rates after some time, shape (k, 2 n); see `LowPass`."""
+        if values is None:
+            return drawn
+        (xx, xy), (yx, yy), (first, mixed, second) = smooth_step(elapsed_s / self.time_constant_s)
+        count = values.shape[1] // 2
+        value, rate, one, other = values[:, :count], values[:, count:], drawn[:, :count], drawn[:, count:]
+        changed = [xx * value + xy * rate + first * one, yx * value + yy * rate + (mixed * one + second * other)]
+        return xp.concat(changed, axis=1)
+
+
+def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float, float]]:
+    """Return both rows of A, and the numbers of L row by row, after some time constants; see `Smooth`."""
+    past = min(times, FORGOTTEN)
+    decay = math.exp(-past)
+    value, rate = (decay * (1 + past), decay * past), (decay * -past, decay * (1 - past))
+    first = math.sqrt(max(1 - value[0] ** 2 - value[1] ** 2, 0.0))
+    mixed = -(value[0] * rate[0] + value[1] * rate[1]) / first if first else 0.0
+    return value, rate, (first, mixed, math.sqrt(max(1 - rate[0] ** 2 - rate[1] ** 2 - mixed * mixed, 0.0)))
+
+
+CHANNEL = "motor"
+"""Stream of the noise."""
+
+
+@dataclass(frozen=True)
+class MotorNoise(Noise):
+    """Signal-dependent noise: commands u drive actuators by u (1 + c n), with n low-passed and of standard deviation 1.
+
+    The standard deviation of a force thus rises in proportion to its size (Jones, Hamilton & Wolpert 2002).
+    """
+
+    share: FloatArray
+    """The standard deviation c, as a share of the command, shape (1,)."""
+    low: FloatArray
+    """Smallest command, shape (n,)."""
+    high: FloatArray
+    """Largest command, shape (n,)."""
+    low_pass: LowPass
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return the controls that commands become, shape (k, n), and the state of the noise."""
+        xp = draw.xp
+        state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
+        return xp.minimum(xp.maximum(sample, self.low), self.high) * (1 + self.share * state), state
+
+
+def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise:
+    """Return the noise of all commanded actuators; its amount may be 0."""
+    return MotorNoise(np.array([entry.motor]), actuation.low, actuation.high, LowPass(ms_to_s(entry.low_pass_ms)))
+
+
+class NoisyMotors:
+    """The commands of one infant, and the noise with which they drive its actuators."""
+
+    def __init__(self, noise: MotorNoise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
+        """Disturb the commands of all commanded actuators, in each physics step."""
+        self._noise, self._timestep_s = SignalNoise(noise, CHANNEL, streams), timestep_s
+        self._actuators = actuation.actuators
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Begin anew, with the controls of now as commands."""
+        self.commanded = data.ctrl.copy()
+        """Control of each actuator of the model without noise, shape (nu,)."""
+        self._noise(math.inf, self.commanded[self._actuators])
+
+    def __call__(self, data: mujoco.MjData) -> None:
+        """Set the controls for the next physics step."""
+        data.ctrl[self._actuators] = self._noise(self._timestep_s, self.commanded[self._actuators])
+
+    @property
+    def state(self) -> list[Any]:
+        """The commands, and the present noise."""
+        return [self.commanded, self._noise.state]
+
+    @state.setter
+    def state(self, state: list[Any]) -> None:
+        self.commanded, self._noise.state = state

@@ -4,11 +4,21 @@ from collections.abc import Mapping
 
 from mimoc.kinds import Kinds
 from mimoc.quantities.child import AGE, CHILD
-from mimoc.quantities.contact import CONTACTS_SELF
-from mimoc.quantities.motion import FELL_AFTER, HAND_ERROR, HEAD_HEIGHT, HEAD_LOWEST, HIP_PATH, JOINT_SPEED
+from mimoc.quantities.motion import (
+    BEYOND_LIMITS,
+    CONTACTS_SELF,
+    ENERGY,
+    FELL_AFTER,
+    HAND_ERROR,
+    HEAD_HEIGHT,
+    HEAD_LOWEST,
+    HIP_PATH,
+    JOINT_SPEED,
+    STABLE,
+    UNSTABLE,
+)
 from mimoc.quantities.outcome import CURVE, EPISODES, RETURN, SUCCESS, TIME_TO_SUCCESS
 from mimoc.quantities.quantity import Quantity
-from mimoc.quantities.stability import BEYOND_LIMITS, ENERGY, STABLE, UNSTABLE
 
 __all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
 

@@ -1,4 +1,4 @@
-"""How an infant moves."""
+"""How an infant moves, what it touches, and whether its simulation stays stable."""
 
 from functools import partial
 
@@ -19,4 +19,25 @@ FELL_AFTER = Quantity(
     "s",
     "of the policies that keep sitting",
     steps=(),
+)
+
+
+CONTACTS_SELF = Quantity(
+    "contacts_self",
+    "Contacts with the own body",
+    about="mean number of contacts between parts of the own body",
+    read="mimoc.quantities.run_motion",
+    steps=("run",),
+)
+
+
+_of_poses = partial(Quantity, over="pose", steps=("check",))
+
+STABLE = _of_poses(
+    "stable", "Simulation stayed stable", "", "whether it did in all trials", reduce="all", field="passed"
+)
+ENERGY = _of_poses("energy_j_per_kg", "Kinetic energy", "J/kg", "largest of all trials, per body mass", reduce="max")
+BEYOND_LIMITS = _of_poses("beyond_deg", "Beyond joint limits", "°", "largest violation of a joint range", reduce="max")
+UNSTABLE = Quantity(
+    "unstable", "Simulation became unstable", about="whether it did at any time", reduce="any", steps=("run",)
 )

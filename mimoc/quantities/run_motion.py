@@ -1,5 +1,6 @@
-"""Terms of motion: what is measured after a control step, of k infants at once."""
+"""What is measured after a control step: terms of motion of k infants at once, and contacts, which no term counts."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
@@ -62,3 +64,15 @@ def head_height_m(model: mujoco.MjModel, manifest: Manifest) -> Term:
 
 
 head_lowest_m = head_height_m
+
+
+def contacts_self(env: InfantEnv) -> Callable[[], float]:
+    """Return a function that counts the contacts of this moment between parts of the infant's own body."""
+
+    def count() -> float:
+        model = env.model
+        is_own = model.body_rootid[model.geom_bodyid] == model.body(env.manifest.root_body).rootid
+        pairs = env.data.contact.geom.reshape(-1, 2)
+        return int(np.count_nonzero((pairs >= 0).all(axis=1) & is_own[pairs].all(axis=1)))
+
+    return count

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.errors import RecordingError
 from mimoc.senses.sense import Observation
 
 Array = npt.NDArray[Any]
@@ -35,7 +36,13 @@ class Reading:
 
 
 def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
-    """Return how an array of an observation is kept."""
+    """Return how an array of an observation is kept.
+
+    Raises:
+        RecordingError: If it is not one of numbers.
+    """
+    if array.dtype.kind not in "biuf":
+        raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
     is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3
     kind = "picture" if is_picture else "sparse" if array.size > SPARSE_FROM else "dense"
     return Reading(name, array.shape, array.dtype.name, kind, tuple(layout) if len(layout) == array.size else ())
@@ -59,7 +66,7 @@ class Sparse:
         start = self.ends[row]
         end = self.ends[row + 1] = start + len(index)
         if end > len(self.index):
-            self._extend(end)
+            self.index, self.value = np.resize(self.index, 2 * end), np.resize(self.value, 2 * end)
         self.index[start:end] = index
         flat.take(index, out=self.value[start:end], mode="clip")
 
@@ -69,11 +76,6 @@ class Sparse:
         end = self.ends[rows]
         array[np.repeat(np.arange(rows), np.diff(self.ends[: rows + 1])), self.index[:end]] = self.value[:end]
         return array
-
-    def _extend(self, count: int) -> None:
-        """Make room for a number of numbers, and for more."""
-        self.index = np.resize(self.index, 2 * count)
-        self.value = np.resize(self.value, 2 * count)
 
 
 class Block:

@@ -2,19 +2,61 @@
 
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Literal
+from itertools import groupby, takewhile
+from typing import Any, Literal
 
-from mimoc.bundle.json_files import parse_json
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, parse_json
 from mimoc.recording.blocks import Reading
-from mimoc.recording.layout_names import compact_names, expand_names
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
 from mimoc.units import ms_to_s
+
+NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
+MOST = 5_000_000
+"""Names of all numbers of an observation; the densest skins have a tenth."""
+LONG = 100
+"""Layouts of fewer names are written out."""
+
+
+def compact_names(layout: Sequence[str]) -> list[Any]:
+    """Return a layout as it stands in files: names, or runs `{"name", "from", "to", "ends"}` of numbered names."""
+    if len(layout) < LONG:
+        return list(layout)
+    items: list[Any] = []
+    for prefix, names in groupby(layout, key=lambda name: (match := NUMBERED.match(name)) and match[1]):
+        run = list(names)
+        short = None if prefix is None else _run(prefix, run)
+        items += run if short is None else [short]
+    return items
+
+
+def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
+    """Return the names of a layout as it stands in files."""
+    runs = [item for item in layout if not isinstance(item, str)]
+    numbered = sum(max(0, run["to"] + 1 - run["from"]) * len(run["ends"]) for run in runs)
+    if len(layout) - len(runs) + numbered > MOST:
+        raise ValueError("a layout of more numbers than any infant has")
+    return tuple(name for item in layout for name in ([item] if isinstance(item, str) else _names(item)))
+
+
+def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
+    """Return a run that says all names, or None if there is none."""
+    parts = [match for name in names if (match := NUMBERED.match(name))]
+    first = parts[0][2]
+    ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
+    run = {"name": prefix, "from": int(first), "to": int(parts[-1][2]), "ends": ends}
+    return run if _names(run) == list(names) else None
+
+
+def _names(run: Mapping[str, Any]) -> list[str]:
+    numbers = range(run["from"], run["to"] + 1)
+    return [f"{run['name']}{number}{end}" for number in numbers for end in run["ends"]]
+
 
 KEY = b"mimoc"
 """Key of the description in the schema's metadata."""

@@ -8,7 +8,6 @@ from typing import Any
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording import tables
-from mimoc.recording.arrow import pa
 from mimoc.recording.description import as_json
 from mimoc.recording.folder import (
     EPISODES,
@@ -23,7 +22,7 @@ from mimoc.recording.folder import (
     write_json,
 )
 from mimoc.recording.reading import ReadRecording
-from mimoc.recording.table_check import STEP, check_rows
+from mimoc.recording.tables import STEP, check_rows, pa
 
 FILE = re.compile(r"([0-9]{4,}-[0-9]{6,})(?:\.part([0-9]{4,}))?(\.json|\.parquet|\.arrow|\.[^/]+\.mkv)")
 MOST_PART_BYTES, MOST_COPIED_BYTES = 2**30, 2**33

@@ -1,27 +1,89 @@
-"""The journal of one infant whose episodes are recorded."""
+"""The journal of one infant whose episodes are recorded, and the thread that writes them meanwhile."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from queue import Queue
+from threading import Thread
+from typing import Any, cast
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import RecordingError
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Block, Reading, reading_of
+from mimoc.recording.blocks import Block, reading_of
 from mimoc.recording.described import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
-from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import Journal
 from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.senses.sense import Observation
+
+Job = Callable[[], None]
+WAITING = 4
+"""Jobs that wait at most; who brings another one waits as well, so that memory does not grow."""
+
+
+class Writer:
+    """Does jobs one after the other in a thread of its own; after one has failed, none is done any more.
+
+    A forked process has no such thread, and writes nothing into the recording of the process that it comes from.
+    """
+
+    def __init__(self) -> None:
+        self._jobs: Queue[Job | None] = Queue(WAITING)
+        self._error: BaseException | None = None
+        self._thread = Thread(target=self._work, name="mimoc recording", daemon=True)
+        self._thread.start()
+
+    def __call__(self, job: Job) -> None:
+        """Have a job done, unless this process is a fork.
+
+        Raises:
+            MimocError: What one of the jobs before has raised.
+        """
+        self._check()
+        if self._thread.is_alive():
+            self._jobs.put(job)
+
+    def drain(self) -> None:
+        """Wait until all jobs are done.
+
+        Raises:
+            MimocError: What one of them has raised.
+        """
+        if self._thread.is_alive():
+            self._jobs.join()
+        self._check()
+
+    def close(self) -> None:
+        """Do what is left, and end the thread; closing twice is fine.
+
+        Raises:
+            MimocError: What one of the jobs has raised, unless it was raised before.
+        """
+        if self._thread.is_alive():
+            self._jobs.put(None)
+            self._thread.join()
+        self._check()
+
+    def _work(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            if self._error is None:
+                try:
+                    job()
+                except BaseException as error:
+                    self._error = error
+            self._jobs.task_done()
+
+    def _check(self) -> None:
+        if self._error is not None:
+            raise self._error
+
 
 NOTHING_YET = 0.0, False, False
 """Reward, terminated and truncated of what is observed before the first step."""
@@ -29,16 +91,6 @@ ACTION = "float32"
 """Type of actions, unless a change says otherwise."""
 SINCE_RESET = ("physics", "signals", "steps")
 """Parts of a state that a reset makes anew, and that it needs not know."""
-
-
-@dataclass(frozen=True, slots=True)
-class Pace:
-    """How often something is kept of an episode."""
-
-    rows: int
-    """Rows of a part of its files."""
-    states_every: int
-    """Control steps from one complete state to the next."""
 
 
 @dataclass
@@ -69,7 +121,8 @@ class RecordingObserver(Journal):
         writer: Writer,
         stem_of: Callable[[int], Path],
         first: int,
-        pace: Pace,
+        part_rows: int,
+        states_every: int,
         about: Mapping[str, Any],
     ):
         """Begin with the next reset or step of an infant.
@@ -79,11 +132,12 @@ class RecordingObserver(Journal):
             writer: What does the writing.
             stem_of: Returns the path of the files of an episode by its number, without extension.
             first: Number of the first episode.
-            pace: How often something is kept.
+            part_rows: Rows of a part of the files of an episode.
+            states_every: Control steps from one complete state to the next.
             about: What the sidecar of each episode says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
-        self._next, self._pace, self._about = first, pace, dict(about)
+        self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
         self._episode: _Episode | None = None
         self._block: Block | None = None
         self._before: dict[str, Any] | None = None
@@ -130,7 +184,7 @@ class RecordingObserver(Journal):
         if self._block is not None:
             self._block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
-        if episode.steps % self._pace.states_every == 0:
+        if episode.steps % self._states_every == 0:
             episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
         if judged[1] or judged[2]:
             self.end("terminated" if judged[1] else "truncated")
@@ -159,8 +213,7 @@ class RecordingObserver(Journal):
         self._next = number
 
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
-        start = self._infant.get_state()
-        head = {**self._about, "reset": reset, "start": start}
+        head = {**self._about, "reset": reset, "start": self._infant.get_state()}
         self._episode, self._block = _Episode(self._next, head), None
         self._next += 1
         self._put(None, (*NOTHING_YET, info), observation)
@@ -174,8 +227,7 @@ class RecordingObserver(Journal):
             block = None
         if block is None:
             described = self._described
-            block = Block(described.readings, len(described.actions), self._pace.rows, episode.steps)
-            self._block = block
+            block = self._block = Block(described.readings, len(described.actions), self._part_rows, episode.steps)
         block.put(self._infant.data.time, action, judged, observation)
 
     def _write_part(self, **ended: str) -> None:
@@ -232,13 +284,11 @@ def _described(infant: InfantEnv) -> Described:
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
     observation = {**infant.schedule.observe(), **infant.task.observe()}
-    readings = tuple(_reading(name, array, layouts.get(name, ())) for name, array in observation.items())
+    readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
     return Described(readings, actuators, infant.manifest.step_ms)
 
 
-def _reading(name: str, array: Any, layout: Sequence[str]) -> Reading:
-    array = np.asarray(array)
-    if array.dtype.kind not in "biuf":
-        raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
-    return reading_of(name, array, layout)
+def spaces_of(infant: InfantEnv) -> Mapping[str, Any]:
+    """Return the space of each array of what an infant observes, by name."""
+    return cast("Any", infant.observation_space).spaces

@@ -17,7 +17,7 @@ from mimoc.recording.described import OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, description_in, digest, episodes_in
 from mimoc.recording.state_text import from_plain
-from mimoc.recording.table_check import MEASURE, OPTIONAL
+from mimoc.recording.tables import MEASURE, OPTIONAL
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,10 @@ class Episode:
         columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
         usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
-            array = self.column("action") if name == "action" else self._numbers(name)
+            if name != "action" and self.reading(name).kind == "picture":
+                numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
+                raise UnknownNameError("recorded observation of numbers", name, numbers)
+            array = self.column("action") if name == "action" else self.observation(name)
             flat = array.reshape(len(array), -1)
             layout = self.layout(name) or [f"{index}" for index in range(flat.shape[1])]
             columns |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
@@ -241,12 +244,6 @@ class Episode:
         if name not in known:
             raise UnknownNameError("recorded observation", name, known)
         return known[name]
-
-    def _numbers(self, name: str) -> Array:
-        if self.reading(name).kind == "picture":
-            numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
-            raise UnknownNameError("recorded observation of numbers", name, numbers)
-        return self.observation(name)
 
     def _restored(self, plain: Any) -> Any:
         try:

@@ -1,20 +1,160 @@
-"""Recording a run as a video in real time."""
+"""Recording a run as a video in real time: the infant, followed by a camera, and beside it the views of its eyes."""
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
 
-from mimoc.recording.film import VideoFrames
+from mimoc.errors import RenderingError
 from mimoc.recording.video import Video, check_video, open_video
-from mimoc.render.renderer import Shown
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
+from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
 from mimoc.senses.sense import Observation
+from mimoc.senses.vision.eyes import Eyes
 from mimoc.units import ms_to_s
+
+SHAPE = 4 / 3
+"""Aspect ratio of the camera image."""
+SPACE = 1.25
+"""Margin of the field of view around the infant, so that limbs can move without moving the camera."""
+CLOSER = 0.7
+"""The camera moves closer when its distance would be reduced by this factor."""
+FOLLOWING_S = 1.0
+"""Time constant of the camera's motion."""
+HURRY = 0.1
+"""Step by which the camera's motion is sped up until the whole infant is in view."""
+GAP_PX = 4
+"""Gap between the images of a frame."""
+BACKGROUND = 255
+SHARP = 2
+"""Factor of supersampling for the views of eyes that the infant does not observe."""
+
+
+class VideoFrames:
+    """Renders the frames of a video of one environment."""
+
+    def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
+        """Open the cameras.
+
+        Args:
+            env: The environment.
+            height_px: Height of a frame; the camera image is a third wider than high.
+            eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
+            shown: Whether infants are drawn with their skins, or their solids.
+
+        Raises:
+            RenderingError: If OpenGL is not available, or the infant has no eyes.
+        """
+        self._env, vision = env, env.manifest.senses.vision
+        self._observed = vision.cameras if eyes and vision else ()
+        """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
+        self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
+        root = env.manifest.root_body
+        view = view_of_body(FROM_THE_SIDE, env.data, root)
+        size_px = round(SHAPE * height_px), height_px
+        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
+        """The camera outside."""
+        self.camera.turn(env.data)
+        self.shot: Shot | None = None
+        """Shot of the last frame."""
+        self._goal = self.camera.shot(env.data)
+        """Shot that the camera is moving to."""
+        self._time_s = 0.0
+
+    def frame(self, observation: Observation) -> Picture:
+        """Return a frame of the current state, shape (height, width, 3).
+
+        Args:
+            observation: The current observation.
+        """
+        self.shot = self._followed()
+        self._time_s = self._env.data.time
+        outside = self.camera.render(self._env.data, shot=self.shot)
+        seen = [observation[camera] for camera in self._observed]
+        if self._sharp:
+            sharp = average_down(self._sharp(self._env.data).astype(np.float32), SHARP)
+            seen = list(np.rint(sharp).astype(np.uint8))
+        return _beside(outside, seen) if seen else outside
+
+    def close(self) -> None:
+        """Free the OpenGL contexts; closing twice is fine."""
+        self.camera.close()
+        if self._sharp:
+            self._sharp.close()
+
+    def _followed(self) -> Shot:
+        """Return the next shot: the previous one, unless the infant leaves it or becomes small in it."""
+        data, aspect = self._env.data, self.camera.aspect
+        spheres, wanted, passed_s = self.camera.spheres(data), self.camera.shot(data), data.time - self._time_s
+        if self.shot is None or passed_s < 0:  # A new episode: cut.
+            self._goal = wanted
+            return wanted
+        if not shows(self._goal, spheres, aspect) or wanted.depth_m < CLOSER * self._goal.depth_m:
+            self._goal = wanted
+        share = 1 - math.exp(-passed_s / FOLLOWING_S)
+        while not shows(shot := _between(self.shot, self._goal, share), spheres, aspect) and share < 1:
+            share = min(1.0, share + HURRY)
+        return shot
+
+
+def _sharp_eyes(env: InfantEnv, size_px: int, shown: Shown) -> Eyes:
+    """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way.
+
+    Raises:
+        RenderingError: If it has no eyes.
+    """
+    model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
+    if not cameras:
+        raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
+    bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
+    hidden = {model.body(index).name for body in bodies for index in (body, model.body_parentid[body])}
+    return Eyes(model, cameras, size_px, size_px, hidden, shown)
+
+
+def _between(one: Shot, other: Shot, share: float) -> Shot:
+    """Return the linear interpolation between two shots, with the view direction of the second."""
+    return Shot(
+        one.position_m + share * (other.position_m - one.position_m),
+        one.depth_m + share * (other.depth_m - one.depth_m),
+        other.view,
+        one.fovy_deg + share * (other.fovy_deg - one.fovy_deg),
+    )
+
+
+def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
+    """Return a frame with a column of further images on the right, scaled to fit with square pixels."""
+    height = outside.shape[0]
+    cell_px = _cell_px(height)
+    fitted = [_fitted(picture, cell_px) for picture in seen]
+    column = np.full((height, GAP_PX + max(picture.shape[1] for picture in fitted), 3), BACKGROUND, np.uint8)
+    for number, picture in enumerate(fitted):
+        top = number * (height - cell_px)
+        column[top : top + cell_px, GAP_PX : GAP_PX + picture.shape[1]] = picture
+    return np.concatenate([outside, column], axis=1)
+
+
+def _cell_px(height_px: int) -> int:
+    """Return the height of an eye's view in a frame; the two are stacked."""
+    return (height_px - GAP_PX) // 2
+
+
+def _fitted(picture: Picture, height_px: int) -> Picture:
+    """Return an image scaled to another height: averaged down if much larger, then by nearest neighbour."""
+    times = max(1, min(picture.shape[0] // height_px, picture.shape[1]))
+    rows, columns = (side // times * times for side in picture.shape[:2])
+    smaller = np.rint(average_down(picture[:rows, :columns].astype(np.float32), times)).astype(np.uint8)
+    height, width = smaller.shape[:2]
+    width_px = max(1, round(width * height_px / height))
+    return smaller[np.arange(height_px) * height // height_px][:, np.arange(width_px) * width // width_px]
+
 
 RATE_HZ = 25
 """Default frame rate: four hundredths of a second per frame, which a GIF can represent."""

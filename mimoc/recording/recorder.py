@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
@@ -13,14 +13,13 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
-from mimoc.recording.observer import Pace, RecordingObserver
+from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
-from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.senses.custom import CustomSense
-from mimoc.tasks.binding import CustomTask
+from mimoc.tasks.task import CustomTask
 
 PART_ROWS = 1000
 """Control steps in a part of an episode: what a kill can lose."""
@@ -46,7 +45,7 @@ class Recording:
         for infant in infants:
             if infant.journal is not UNTOLD:
                 raise RecordingError("this infant is being recorded already; close that recording first")
-        if any(space.dtype == "uint8" for infant in infants for space in _spaces(infant)):
+        if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
         bundles = [infant.bundle for infant in infants]
         self._infants = tuple(infants)
@@ -55,7 +54,7 @@ class Recording:
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
                 files.discard(leftover)
             self._writer = Writer()
-            self._journals = self._begun(Pace(part_rows, states_every), [digest(bundle) for bundle in bundles])
+            self._journals = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
         except BaseException:
             self._folder.close()
             raise
@@ -68,7 +67,9 @@ class Recording:
     @property
     def notes(self) -> tuple[str, ...]:
         """What cannot be replayed without help, one line each."""
-        return tuple(dict.fromkeys(note for infant in self._infants for note in _notes_on(infant)))
+        objects = dict.fromkeys(item for infant in self._infants for item in _objects(infant).items())
+        advice = "which no recording contains: pass an equal one to replay it"
+        return tuple(f"{what} is an object of a script's own ({name}), {advice}" for what, name in objects)
 
     def wait(self) -> None:
         """Wait until what was handed over to be written is written.
@@ -120,41 +121,25 @@ class Recording:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
 
-    def _begun(self, pace: Pace, digests: Sequence[str]) -> list[RecordingObserver]:
-        """Give each infant its journal."""
+    def _begun(self, part_rows: int, states_every: int, digests: Sequence[str]) -> list[RecordingObserver]:
+        """Give each infant its journal, with parts of as many rows as the memory suffices for."""
         software, journals, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
             about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
-            fitting = _fitting(pace, infant, len(digests))
-            infant.journal = RecordingObserver(
-                infant, self._writer, partial(folder.stem, number), first, fitting, about
-            )
+            row_bytes = 1 + sum(math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values())
+            rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
+            stem_of = partial(folder.stem, number)
+            infant.journal = RecordingObserver(infant, self._writer, stem_of, first, rows, states_every, about)
             journals.append(infant.journal)
         return journals
 
 
-class EnvRecorder(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """The environment of one infant whose episodes are recorded."""
+class _Closing:
+    """What both wrappers do: they end the recording before they close what they wrap."""
 
-    def __init__(self, env: gymnasium.Env[Any, Any], recording: Recording):
-        """Wrap an environment whose infant is being recorded."""
-        super().__init__(env)
-        self.recording = recording
-
-    def close(self) -> None:
-        """End the recording, and close the environment."""
-        try:
-            self.recording.close()
-        finally:
-            super().close()
-
-
-class VectorRecorder(VectorWrapper):
-    """A vector environment whose infants' episodes are recorded."""
-
-    def __init__(self, env: VectorEnv[Any, Any, Any], recording: Recording):
-        """Wrap a vector environment whose infants are being recorded."""
-        super().__init__(env)
+    def __init__(self, env: Any, recording: Recording):
+        """Wrap an environment that is being recorded."""
+        super().__init__(env)  # pyright: ignore[reportCallIssue] - That of Gymnasium's wrapper.
         self.recording = recording
 
     def close(self, **options: Any) -> None:
@@ -162,15 +147,23 @@ class VectorRecorder(VectorWrapper):
         try:
             self.recording.close()
         finally:
-            super().close(**options)
+            super().close(**options)  # pyright: ignore[reportAttributeAccessIssue]
 
-    def __enter__(self) -> "VectorRecorder":
+    def __enter__(self) -> Self:
         """Return itself."""
         return self
 
     def __exit__(self, *error: object) -> None:
         """Close it."""
         self.close()
+
+
+class EnvRecorder(_Closing, gymnasium.Wrapper[Any, Any, Any, Any]):
+    """The environment of one infant whose episodes are recorded."""
+
+
+class VectorRecorder(_Closing, VectorWrapper):
+    """A vector environment whose infants' episodes are recorded."""
 
 
 def Recorder(  # noqa: N802 - It stands for the classes above.
@@ -230,26 +223,6 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
         f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
         " the CPU"
     )
-
-
-def _fitting(pace: Pace, infant: InfantEnv, infants: int) -> Pace:
-    """Return a pace at which the memory suffices."""
-    row_bytes = 1 + sum(math.prod(space.shape or ()) * space.dtype.itemsize for space in _spaces(infant))
-    most = max(LEAST_ROWS, ROOM_BYTES // (infants * row_bytes))
-    return Pace(min(pace.rows, most), pace.states_every)
-
-
-def _spaces(infant: InfantEnv) -> list[Any]:
-    spaces: Any = infant.observation_space
-    return list(spaces.spaces.values())
-
-
-def _notes_on(infant: InfantEnv) -> list[str]:
-    """Return what of an infant cannot be made again from its bundle."""
-    return [
-        f"{what} is an object of a script's own ({name}), which no recording contains: pass an equal one to replay it"
-        for what, name in _objects(infant).items()
-    ]
 
 
 def _objects(infant: InfantEnv) -> dict[str, str]:

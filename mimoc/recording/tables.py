@@ -1,7 +1,7 @@
-"""Rows of a recording as Parquet, with the names and units of all numbers in its schema."""
+"""Rows of a recording as Parquet: columns of exact types, which follow from its description, with checked values."""
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -10,21 +10,143 @@ import numpy as np
 
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.errors import MissingExtraError
 from mimoc.quantities import QUANTITIES
-from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import opened
-from mimoc.recording.table_check import (
-    MEASURE,
-    STEP,
-    check_rows,
-    check_schema,
-    has_numbers,
-    lists_of,
-    pairs_of,
-    sparse_of,
-)
+
+try:
+    import pyarrow
+    import pyarrow.parquet
+except ImportError:
+    raise MissingExtraError("pyarrow", "record") from None
+
+pa: Any = pyarrow
+pq: Any = pyarrow.parquet
+
+
+STEP = "step"
+NUMBERS = ("time_s", "reward")
+FLAGS = ("terminated", "truncated")
+MEASURE = "measure."
+"""What the names of columns of quantities begin with."""
+OPTIONAL = ("info.", "term.", MEASURE)
+"""What the names of columns begin with that a table may have besides: numbers or flags."""
+_SHOWN = 60
+"""Most characters of a name or type in an error."""
+
+
+def check_schema(schema: Any, described: Described) -> None:
+    """Check that a table has the columns of its description, of exactly their types, and otherwise only optional ones.
+
+    Raises:
+        UnusableFileError: If it has not.
+    """
+    names, wanted = schema.names, columns_of(described)
+    if missing := [name for name in wanted if name not in names]:
+        raise UnusableFileError(f"the column {_shown(missing[0])} is missing")
+    if len(set(names)) < len(names):
+        raise UnusableFileError("it has two columns of one name")
+    for field in schema:
+        optional = [pa.float64(), pa.bool_()] if field.name.startswith(OPTIONAL) else []
+        kinds = [wanted[field.name]] if field.name in wanted else optional
+        if not kinds:
+            raise UnusableFileError(f"the column {_shown(field.name)} is not one that mimoc writes")
+        if field.nullable or field.type not in kinds:
+            given = f"{field.type}{' or null' if field.nullable else ''}"
+            raise UnusableFileError(f"the column {_shown(field.name)} is of type {_shown(given)}, not {kinds[0]}")
+
+
+def columns_of(described: Described) -> Mapping[str, Any]:
+    """Return the Arrow type of each column that a table with a description has; none of them has nulls."""
+    actions = len(described.actions)
+    columns = {STEP: pa.int32(), ACTION: lists_of(pa.float64(), actions)}
+    columns |= dict.fromkeys(NUMBERS, pa.float64()) | dict.fromkeys(FLAGS, pa.bool_())
+    for reading in described.readings:
+        if reading.kind != "picture":
+            number = pa.from_numpy_dtype(np.dtype(reading.dtype))
+            is_sparse = reading.kind == "sparse"
+            columns[OBSERVATION + reading.name] = pairs_of(number) if is_sparse else lists_of(number, reading.size)
+    return {name: kind for name, kind in columns.items() if has_numbers(kind)}
+
+
+def has_numbers(kind: Any) -> bool:
+    """Return whether a column of this type is written: lists without numbers are not.
+
+    Such are the actions of an infant whose joints are all locked. Parquet as pyarrow 26 writes it has no such lists:
+    with a type that admits no nulls, writing them ends Python.
+    """
+    return not (pa.types.is_fixed_size_list(kind) and kind.list_size == 0)
+
+
+def lists_of(number: Any, size: int) -> Any:
+    """Return the type of lists of one length."""
+    return pa.list_(pa.field("element", number, nullable=False), size)
+
+
+def pairs_of(number: Any) -> Any:
+    """Return the type of lists of the index and the value of numbers that are not zero."""
+    pair = pa.struct([pa.field("index", pa.int32(), nullable=False), pa.field("value", number, nullable=False)])
+    return pa.list_(pa.field("element", pair, nullable=False))
+
+
+def check_rows(table: Any, described: Described, first_step: int) -> None:
+    """Check the values of a table that has the columns of its description.
+
+    Args:
+        table: The table.
+        described: Its description.
+        first_step: What its first row must have as `step`.
+
+    Raises:
+        UnusableFileError: If there are nulls, steps that do not follow each other, actions that are no numbers, or
+            indices that an observation does not have.
+    """
+    table.validate(full=True)
+    for name in table.column_names:
+        if any(map(_has_nulls, table.column(name).chunks)):
+            raise UnusableFileError(f"the column {_shown(name)} has nulls")
+    if not np.array_equal(table.column(STEP).to_numpy(), np.arange(first_step, first_step + len(table))):
+        raise UnusableFileError(f"the column '{STEP}' does not count the control steps from {first_step}")
+    acted = table.select([ACTION] if ACTION in table.column_names else []).slice(1 if first_step == 0 else 0)
+    if not all(np.isfinite(chunk.flatten().to_numpy()).all() for column in acted.columns for chunk in column.chunks):
+        raise UnusableFileError(f"the column '{ACTION}' has numbers that are not finite")
+    for reading in described.readings:
+        if reading.kind == "sparse":
+            _check_indices(table, reading)
+
+
+def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
+    """Return row, index and value of all numbers of a sparse column that are not zero."""
+    column = table.column(name).combine_chunks()
+    rows = np.repeat(np.arange(len(column)), np.diff(column.offsets.to_numpy()))
+    pairs = column.flatten()
+    return rows, pairs.field("index").to_numpy(), pairs.field("value").to_numpy(zero_copy_only=False)
+
+
+def _check_indices(table: Any, reading: Reading) -> None:
+    rows, index, _ = sparse_of(table, OBSERVATION + reading.name)
+    is_inside = (index >= 0).all() and (index < reading.size).all()
+    if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
+        raise UnusableFileError(
+            f"the column '{OBSERVATION}{reading.name}' has an index that there is not, or one twice"
+        )
+
+
+def _has_nulls(array: Any) -> bool:
+    """Return whether an array has nulls, or the lists or pairs in it have."""
+    if array.null_count:
+        return True
+    if pa.types.is_struct(array.type):
+        return any(map(_has_nulls, array.flatten()))
+    return pa.types.is_nested(array.type) and _has_nulls(array.flatten())
+
+
+def _shown(text: object) -> str:
+    """Return the beginning of a stranger's text in quotes, with what cannot be printed escaped."""
+    return f"{str(text)[:_SHOWN]!r}"
+
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
@@ -44,7 +166,24 @@ def write_block(path: Path, block: Block, described: Described) -> None:
     Raises:
         OutputError: If the file cannot be written.
     """
-    write_table(path, _table(block, described))
+    rows = block.rows
+    columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
+    columns[ACTION] = _fixed(block.action[:rows])
+    columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
+    for reading in block.readings:
+        if reading.kind == "dense":
+            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
+        elif reading.kind == "sparse":
+            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
+    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
+    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
+    write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
+
+
+def _metadata(column: str) -> dict[str, str] | None:
+    """Return what is written of a column besides its type: label and unit of a quantity."""
+    quantity = QUANTITIES.get(column.removeprefix(MEASURE)) if column.startswith(MEASURE) else None
+    return {"label": quantity.label, "unit": quantity.unit, "about": quantity.about} if quantity else None
 
 
 def write_table(path: Path, table: Any) -> None:
@@ -127,27 +266,6 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
     return dense.reshape(len(column), *reading.shape)
 
 
-def _table(block: Block, described: Described) -> Any:
-    rows = block.rows
-    columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
-    columns[ACTION] = _fixed(block.action[:rows])
-    columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
-    for reading in block.readings:
-        if reading.kind == "dense":
-            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
-        elif reading.kind == "sparse":
-            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
-    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
-    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
-    return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
-
-
-def _metadata(column: str) -> dict[str, str] | None:
-    """Return what is written of a column besides its type: label and unit of a quantity."""
-    quantity = QUANTITIES.get(column.removeprefix(MEASURE)) if column.startswith(MEASURE) else None
-    return {"label": quantity.label, "unit": quantity.unit, "about": quantity.about} if quantity else None
-
-
 def _listed(kept: Sparse, rows: int) -> Any:
     """Return rows of index and value of the numbers that are not zero."""
     end = kept.ends[rows]
@@ -159,15 +277,10 @@ def _listed(kept: Sparse, rows: int) -> Any:
 
 def _fixed(array: Array) -> Any:
     """Return an array of rows as lists of one length."""
-    kind = lists_of(pa.from_numpy_dtype(array.dtype), flat_size(array))
+    kind = lists_of(pa.from_numpy_dtype(array.dtype), int(np.prod(array.shape[1:])))
     if not has_numbers(kind):
         return pa.array([[]] * len(array), kind)
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
-
-
-def flat_size(array: Array) -> int:
-    """Return how many numbers a row has."""
-    return int(np.prod(array.shape[1:]))
 
 
 def _aligned(table: Any, schema: Any) -> Any:
@@ -205,24 +318,23 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         size = path.stat().st_size
         if described_by(file.schema_arrow) != described:
             raise UnusableFileError("it describes other columns than the recording")
-        _check_packed(file.metadata, size)
+        groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
+        numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
+        _check_packed(numbers, MOST_RATIO * size)
         table = file.read()
         check_rows(table, described, first_step)
         dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
-        if 8 * dense * len(table) > max(SMALL_BYTES, MOST_DENSE_RATIO * size):
-            raise UnusableFileError("it would unpack to more than it can hold")
+        _check_packed(dense * len(table), MOST_DENSE_RATIO * size)
         return table
 
 
-def _check_packed(about: Any, size: int) -> None:
+def _check_packed(numbers: int, most_bytes: int) -> None:
     """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well.
 
     Raises:
         UnusableFileError: If it is.
     """
-    groups = [about.row_group(index) for index in range(about.num_row_groups)]
-    numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
-    if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * size):
+    if 8 * numbers > max(SMALL_BYTES, most_bytes):
         raise UnusableFileError("it would unpack to more than it can hold")
 
 

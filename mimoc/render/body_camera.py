@@ -7,12 +7,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.render.averaging import average_down
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
     MARGIN,
-    Planes,
     Shot,
     Spheres,
     View,
@@ -22,8 +20,7 @@ from mimoc.render.camera import (
     unobstructed_view,
 )
 from mimoc.render.markers import Markers, add_markers
-from mimoc.render.renderer import Picture, Renderer, Shown
-from mimoc.render.visual_settings import Setting, visual_settings
+from mimoc.render.renderer import Picture, Renderer, Setting, Shown, average_down, visual_settings
 
 STILL, MOVING = 3, 2
 """Supersampling of single pictures and of moving ones: they are drawn so many times larger and then averaged down,
@@ -117,11 +114,13 @@ class BodyCamera:
 
     def turn(self, data: mujoco.MjData) -> None:
         """Look from now on from where the walls leave space."""
-        self.view = unobstructed_view(self.spheres(data), self._walls(data), self.view, self.aspect, self._fovy_deg)
+        walls = planes_of(self._model, data)
+        self.view = unobstructed_view(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg)
 
     def shot(self, data: mujoco.MjData) -> Shot:
         """Return the shot that shows all of it."""
-        return fit_shot(self.spheres(data), self._walls(data), self.view, self.aspect, self._fovy_deg, self._margin)
+        walls = planes_of(self._model, data)
+        return fit_shot(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg, self._margin)
 
     def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
         """Return a picture of all of it or of a shot; markers are drawn without shadows.
@@ -152,9 +151,6 @@ class BodyCamera:
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""
         self._renderer.close()
-
-    def _walls(self, data: mujoco.MjData) -> Planes:
-        return planes_of(self._model, data)
 
     def _compose(self, data: mujoco.MjData, shot: Shot) -> None:
         """Fill the scene with what a shot shows."""

@@ -1,6 +1,7 @@
-"""An OpenGL context to draw in, with or without a screen."""
+"""An OpenGL context to draw in, with or without a screen, beside a triton that brings an LLVM of its own."""
 
 import atexit
+import ctypes
 import importlib
 import os
 import sys
@@ -8,11 +9,12 @@ import threading
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from mimoc.errors import RenderingError
-from mimoc.render import triton
 
 _NO_OPENGL = (
     "no picture can be drawn, because OpenGL does not start here ({}); install EGL or OSMesa "
@@ -38,7 +40,7 @@ def open_context(width: int, height: int) -> Any:
         RenderingError: If none of them works.
     """
     os.environ.setdefault(_MESA_THREADS, "0")
-    triton.keep_apart()
+    keep_apart()
     failures = []
     for name in _backends():
         try:
@@ -177,3 +179,24 @@ def opengl_driver() -> str:
     finally:
         context.free()
     return f"{type(context).__module__.split('.')[1]}, {renderer.decode(errors='replace')}"
+
+
+_LIBRARY = "triton._C.libtriton"
+
+
+def keep_apart() -> None:
+    """Load triton's library so that it uses its own LLVM, if triton is installed and not loaded yet.
+
+    Mesa draws without a graphics card by means of LLVM, whose symbols the OpenGL libraries make global in the process.
+    A triton that is loaded later finds that LLVM before the one it brings, and the process ends without a message;
+    torch builds for CUDA load it with the first optimizer. RTLD_DEEPBIND makes it look at itself first. What is
+    loaded stays so when triton is imported. A library that cannot be loaded is left for triton itself to tell of.
+    """
+    if sys.platform != "linux" or not hasattr(os, "RTLD_DEEPBIND") or _LIBRARY in sys.modules:
+        return
+    with suppress(ImportError, ValueError, OSError):  # ValueError: something else is called triton here.
+        triton = find_spec("triton")
+        for folder in (triton.submodule_search_locations or ()) if triton else ():
+            library = Path(folder, "_C", "libtriton.so")
+            if library.is_file():
+                ctypes.CDLL(str(library), os.RTLD_LAZY | os.RTLD_LOCAL | os.RTLD_DEEPBIND)

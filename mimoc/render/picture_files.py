@@ -1,13 +1,14 @@
-"""Pictures as files, in the format that the file's name says."""
+"""Pictures as files, in the format that the name says; several in one, with captions; a bar of a round length."""
 
 import io
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from mimoc.bundle.files import write_file
 from mimoc.errors import OutputError
@@ -24,8 +25,6 @@ FORMATS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     ".tiff": _TIFF,
 }
 """Pillow's name of the format, and how it is to be written, by the end of a file's name."""
-
-
 OPAQUE = {".jpg", ".jpeg", ".bmp"}
 """Formats that have no transparent background."""
 
@@ -60,3 +59,109 @@ def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(np.rint(picture).astype(np.uint8)).save(buffer, name, **settings)
     return buffer.getvalue()
+
+
+Picture = npt.NDArray[np.uint8]
+"""Shape (height, width, 3)."""
+
+BACKGROUND, TEXT = (255, 255, 255), (40, 40, 40)
+GAP_PX = 6
+FONT_HEIGHT = 0.07
+"""Height of the letters, as a share of a picture's."""
+FONT_PX = 11, 24
+"""The least that can be read, and the most that is ever needed."""
+
+
+def tile_pictures(
+    pictures: Sequence[Sequence[Picture]], columns: Sequence[str] = (), rows: Sequence[str] = ()
+) -> Picture:
+    """Return pictures in rows and columns as one picture, shape (height, width, 3).
+
+    Args:
+        pictures: In rows, all of one size; a row may be shorter than others.
+        columns: Caption above each column.
+        rows: Caption to the left of each row, running upwards.
+    """
+    height, width, _ = pictures[0][0].shape
+    font_px = int(np.clip(FONT_HEIGHT * height, *FONT_PX))
+    left, top = (GAP_PX + bool(labels) * 2 * font_px for labels in (rows, columns))
+    down, across = height + GAP_PX, width + GAP_PX
+    size = left + across * max(map(len, pictures)), top + down * len(pictures)
+    canvas = Image.new("RGB", size, BACKGROUND)
+    for row, line in enumerate(pictures):
+        for column, picture in enumerate(line):
+            canvas.paste(Image.fromarray(picture), (left + column * across, top + row * down))
+    for column, text in enumerate(columns):
+        canvas.paste(_label(text, width, top, font_px), (left + column * across, 0))
+    for row, text in enumerate(rows):
+        canvas.paste(_label(text, height, left, font_px).rotate(90, expand=True), (0, top + row * down))
+    return np.asarray(canvas)
+
+
+def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Picture:
+    """Return pictures in rows as one picture, wider than high, each below its caption.
+
+    Args:
+        pictures: All of one size.
+        captions: One for each.
+    """
+    pairs = zip(pictures, captions, strict=True)
+    return in_rows([tile_pictures([[picture]], columns=[caption]) for picture, caption in pairs])
+
+
+def in_rows(pictures: Sequence[Picture]) -> Picture:
+    """Return pictures of one size in rows as one picture, wider than high."""
+    across = math.ceil(math.sqrt(len(pictures) * 4 / 3))
+    return tile_pictures([pictures[start : start + across] for start in range(0, len(pictures), across)])
+
+
+def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:
+    """Return a caption in the middle of a box, in letters small enough to fit into its width."""
+    label = Image.new("RGB", (width, height), BACKGROUND)
+    pen = ImageDraw.Draw(label)
+    font = ImageFont.load_default(font_px)
+    shrunk = font_px * min(1.0, width / max(pen.textlength(text, font), 1.0))
+    pen.text((width / 2, height / 2), text, TEXT, ImageFont.load_default(shrunk), anchor="mm")
+    return label
+
+
+LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+"""Of bars: the longest that fits, or the shortest."""
+SHARE = 0.3
+"""Of the width of a picture that a bar takes at most."""
+COLOUR, RIM = (20, 20, 20, 255), (255, 255, 255, 255)
+"""Dark with a light rim, which shows on any background."""
+LETTERS = 0.04
+"""Height of the letters, as a share of the picture's."""
+LETTERS_PX = 9, 60
+
+
+def bar_length_cm(width_px: int, px_per_m: float) -> int:
+    """Return how long the bar of a picture is."""
+    return max(
+        (length_cm for length_cm in LENGTHS_CM if length_cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0]
+    )
+
+
+def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:
+    """Return a picture with a bar and its length in its lower left corner.
+
+    Args:
+        picture: Shape (height, width, 3), or (height, width, 4) with opacity.
+        px_per_m: Pixels of a metre at the distance of what it shows.
+    """
+    height, width, _ = picture.shape
+    length_cm = bar_length_cm(width, px_per_m)
+    letters_px = int(np.clip(LETTERS * height, *LETTERS_PX))
+    thick_px, rim_px = max(letters_px // 4, 2), max(letters_px // 12, 1)
+    image = Image.fromarray(picture)
+    pen = ImageDraw.Draw(image)
+    left, bottom = letters_px, height - letters_px
+    right = left + max(round(length_cm / 100 * px_per_m), 1) - 1  # Pillow draws both ends.
+    top = bottom - thick_px + 1
+    pen.rectangle((left - rim_px, top - rim_px, right + rim_px, bottom + rim_px), RIM)
+    pen.rectangle((left, top, right, bottom), COLOUR)
+    where = (left + right) / 2, top - rim_px - letters_px // 4
+    text = f"{length_cm} cm"
+    pen.text(where, text, COLOUR, ImageFont.load_default(letters_px), "mb", stroke_width=rim_px, stroke_fill=RIM)
+    return np.asarray(image)

@@ -1,4 +1,4 @@
-"""Pictures of infants: one in a pose, or several in a row."""
+"""Pictures of infants: one in a pose, one among its toys, or several in a row."""
 
 from collections.abc import Sequence
 from contextlib import closing
@@ -7,56 +7,174 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import load_posed
+from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
 from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
 from mimoc.render.markers import Markers, join_markers
+from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.renderer import Picture, Shown
-from mimoc.render.row import row_of
 
-LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-"""Of bars: the longest that fits, or the shortest."""
-SHARE = 0.3
-"""Of the width of a picture that a bar takes at most."""
-COLOUR, RIM = (20, 20, 20, 255), (255, 255, 255, 255)
-"""Dark with a light rim, which shows on any background."""
-LETTERS = 0.04
-"""Height of the letters, as a share of the picture's."""
-LETTERS_PX = 9, 60
+GAP_M = 0.06
+"""Between one infant and the next."""
+UP = (0.0, 0.0, 1.0)
+NAME_BYTES = 40
+"""For the name of a body in MuJoCo's file of a skin."""
+BESIDE_M = 1.0
+"""How far beyond the ends of a row things cast shadows."""
+FLOOR = """
+<mujoco model="row">
+  <statistic center="0 0 0.3" extent="1"/>
+  <visual>
+    <headlight ambient="0.43 0.43 0.43" diffuse="0.24 0.24 0.24" specular="0 0 0"/>
+    <quality shadowsize="4096" numslices="48" numstacks="32"/>
+    <map znear="0.005" zfar="60" shadowclip="2"/>
+    <rgba haze="0.86 0.92 0.95 1"/>
+  </visual>
+  <asset>
+    <texture name="sky" type="skybox" builtin="gradient" width="32" height="192"
+      rgb1="0.86 0.92 0.95" rgb2="0.97 0.96 0.92"/>
+    <texture name="mat" type="2d" builtin="checker" width="64" height="64" rgb1="0.93 0.91 0.86" rgb2="0.87 0.86 0.82"/>
+    <material name="mat" texture="mat" texrepeat="4 4" texuniform="true" specular="0.1" shininess="0.1"/>
+  </asset>
+  <worldbody>
+    <light name="sun" directional="true" pos="1.8 -0.9 2.4" dir="-0.6 0.3 -0.8"
+      diffuse="0.46 0.46 0.46" specular="0.1 0.1 0.1"/>
+    <geom name="floor" type="plane" size="30 30 1" material="mat"/>
+  </worldbody>
+</mujoco>
+"""
+"""What is around a row: floor, light and sky of `scene: {kind: flat}`, as in `templates/scene.xml.j2`.
+
+Rooms and cribs are too small for a row, and their toys would be in its way.
+"""
 
 
-def bar_length_cm(width_px: int, px_per_m: float) -> int:
-    """Return how long the bar of a picture is."""
-    return max(
-        (length_cm for length_cm in LENGTHS_CM if length_cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0]
-    )
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A turn about the vertical, and then a shift."""
+
+    turn_rad: float
+    shift_m: FloatArray
+    """Shape (3,)."""
+
+    @property
+    def row_from_scene(self) -> FloatArray:
+        """The rotation, shape (3, 3)."""
+        return matrix_from_axis(UP, self.turn_rad)
+
+    def points_m(self, scene_m: FloatArray) -> FloatArray:
+        """Return points, shape (..., 3), where they are afterwards."""
+        return scene_m @ self.row_from_scene.T + self.shift_m
+
+    def quaternion(self, scene_quat: FloatArray) -> FloatArray:
+        """Return an orientation, shape (4,), as it is afterwards."""
+        turn, turned = np.empty(4), np.empty(4)
+        mujoco.mju_axisAngle2Quat(turn, UP, self.turn_rad)
+        mujoco.mju_mulQuat(turned, turn, scene_quat)
+        return turned
 
 
-def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:
-    """Return a picture with a bar and its length in its lower left corner.
+def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
+    """Return infants side by side along y, all of which face +x, on a floor.
 
     Args:
-        picture: Shape (height, width, 3), or (height, width, 4) with opacity.
-        px_per_m: Pixels of a metre at the distance of what it shows.
+        bundles: The infants, from the left.
+        pose: A keyframe of all; else of each bundle its own.
+
+    Returns:
+        A model of all and its state; the names of their root bodies, from the left; and what takes each infant, and
+        what belongs to it, from its own scene to its place.
+
+    Raises:
+        UnknownNameError: If a bundle has no such pose.
     """
-    height, width, _ = picture.shape
-    length_cm = bar_length_cm(width, px_per_m)
-    letters_px = int(np.clip(LETTERS * height, *LETTERS_PX))
-    thick_px, rim_px = max(letters_px // 4, 2), max(letters_px // 12, 1)
-    image = Image.fromarray(picture)
-    pen = ImageDraw.Draw(image)
-    left, bottom = letters_px, height - letters_px
-    right = left + max(round(length_cm / 100 * px_per_m), 1) - 1  # Pillow draws both ends.
-    top = bottom - thick_px + 1
-    pen.rectangle((left - rim_px, top - rim_px, right + rim_px, bottom + rim_px), RIM)
-    pen.rectangle((left, top, right, bottom), COLOUR)
-    where = (left + right) / 2, top - rim_px - letters_px // 4
-    text = f"{length_cm} cm"
-    pen.text(where, text, COLOUR, ImageFont.load_default(letters_px), "mb", stroke_width=rim_px, stroke_fill=RIM)
-    return np.asarray(image)
+    posed = [load_posed(bundle, pose) for bundle in bundles]
+    model, prefixes = _model_of(bundles)
+    data = mujoco.MjData(model)
+    moves, end_m = [], 0.0
+    for bundle, alone, prefix in zip(bundles, posed, prefixes, strict=True):
+        move, width_m = _to_place(*alone, bundle.manifest.root_body, end_m)
+        _take_pose(data, prefix, alone, move)
+        moves.append(move)
+        end_m += width_m + GAP_M
+    model.vis.map.shadowclip = max(model.vis.map.shadowclip, end_m / 2 + BESIDE_M)
+    mujoco.mj_forward(model, data)
+    roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
+    return model, data, roots, moves
+
+
+def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
+    """Return what takes an infant from where its scene has it to where its least y is *left_m*, and its width."""
+    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
+    turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
+    geoms = np.flatnonzero(in_subtrees(model, [model.body(root).id])[model.geom_bodyid])
+    across = turn.row_from_scene[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
+    middles_m, halves_m = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    y_m = turn.points_m(data.geom_xpos[geoms])[:, 1] + (across * middles_m).sum(axis=1)
+    reach_m = (np.abs(across) * halves_m).sum(axis=1)
+    low_m, high_m = float((y_m - reach_m).min()), float((y_m + reach_m).max())
+    x_m, _, _ = turn.points_m(data.body(root).xpos)
+    return Move(turn.turn_rad, np.array([-x_m, left_m - low_m, 0.0])), high_m - low_m
+
+
+def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mujoco.MjData], move: Move) -> None:
+    """Give an infant in a row the pose that it has alone; the toys of its scene are not there."""
+    alone, state = posed
+    for number in range(alone.njnt):
+        joint = alone.joint(number)
+        if mujoco.mj_name2id(data.model, mujoco.mjtObj.mjOBJ_JOINT, prefix + joint.name) < 0:
+            continue
+        qpos = state.joint(number).qpos.copy()
+        if joint.type == mujoco.mjtJoint.mjJNT_FREE:
+            qpos = np.concatenate([move.points_m(qpos[:3]), move.quaternion(qpos[3:])])
+        data.joint(prefix + joint.name).qpos[:] = qpos
+
+
+def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
+    """Return a model of several infants on a floor, and what the names of their parts begin with."""
+    prefixes = [f"{number}: " for number in range(len(bundles))]
+    files: dict[str, bytes] = {}
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        files |= _files(bundle, ".png")
+        files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
+    row = mujoco.MjSpec.from_string(FLOOR, assets=files)
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=_files(bundle, ".png"))
+        scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
+        for geom in infant.geoms:
+            geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
+        infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
+        row.attach(infant, frame=row.worldbody.add_frame(), prefix=prefix)
+        for skin in scene.skins:
+            name, file, material = (prefix + text for text in (skin.name, skin.file, skin.material))
+            row.add_skin(name=name, file=file, material=material, group=skin.group)
+    return row.compile(), prefixes
+
+
+def _files(bundle: Bundle, ending: str) -> dict[str, bytes]:
+    return {name: file for name, file in bundle.files.items() if name.endswith(ending)}
+
+
+def _renamed(skin: bytes, prefix: str) -> bytes:
+    """Return a file of a skin of bodies whose names begin with *prefix*; not every MuJoCo does this itself (3.5).
+
+    The file has four counts, of vertices, texture coordinates, triangles and bodies, these vertices, coordinates and
+    triangles, and then for each body its name, seven numbers of its pose, a count, and as many vertices and weights.
+    """
+    vertices, texcoords, triangles, bodies = np.frombuffer(skin, "<i4", 4).tolist()
+    start = 4 * (4 + 3 * vertices + 2 * texcoords + 3 * triangles)
+    parts = [skin[:start]]
+    for _ in range(bodies):
+        counted = start + NAME_BYTES + 4 * 7
+        (moved,) = np.frombuffer(skin, "<i4", 1, counted).tolist()
+        end = counted + 4 * (1 + 2 * moved)
+        name = prefix.encode() + skin[start : start + NAME_BYTES].rstrip(b"\0")
+        parts += [name.ljust(NAME_BYTES, b"\0"), skin[start + NAME_BYTES : end]]
+        start = end
+    return b"".join(parts)
 
 
 ROW_FOVY_DEG = 10.0
@@ -144,14 +262,14 @@ def lineup(
         UnknownNameError: If a bundle has no such pose.
         RenderingError: If there is no OpenGL here.
     """
-    row = row_of(bundles, pose)
+    model, data, roots, moves = row_of(bundles, pose)
     drawn = None
     if markers is not None:
-        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, row.moves, strict=True))
+        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, moves, strict=True))
     azimuth, _ = FROM_THE_FRONT
-    steepest = min(view_of_body(FROM_THE_FRONT, row.data, root)[1] for root in row.roots)
+    steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
     view = framing.view((azimuth, steepest), azimuth)
-    return _picture(row.model, row.data, row.roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
+    return _picture(model, data, roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
 
 
 def _picture(

@@ -1,8 +1,13 @@
-"""Off-screen drawing of a model: an OpenGL context, a scene, and the buffer that pictures are read from."""
+"""Off-screen drawing of a model: an OpenGL context, maybe shared, a scene, and the buffer pictures are read from."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from threading import Lock
+from contextvars import ContextVar
+from copy import copy
+from functools import reduce
+from hashlib import sha256
+from operator import add
+from threading import Lock, get_ident
 from typing import Any, Literal
 
 import mujoco
@@ -12,7 +17,24 @@ import numpy.typing as npt
 from mimoc.errors import RenderingError
 from mimoc.mujoco_layout import SOLIDS_GROUP
 from mimoc.render.opengl import Finalizer, current, open_context
-from mimoc.render.visual_settings import Setting, visual_settings
+
+Setting = tuple[Any, str, Any]
+"""A part of a model's `vis`, the name of one of its fields, and the number or colour that it gets."""
+
+
+@contextmanager
+def visual_settings(settings: Iterable[Setting]) -> Iterator[None]:
+    """Change visual settings of a model, and restore them in the end."""
+    wanted = tuple(settings)
+    usual = [(part, name, copy(getattr(part, name))) for part, name, _ in wanted]
+    try:
+        for part, name, value in wanted:
+            setattr(part, name, value)
+        yield
+    finally:
+        for part, name, value in usual:
+            setattr(part, name, value)
+
 
 Picture = npt.NDArray[np.uint8]
 """Red, green and blue, shape (height, width, 3)."""
@@ -22,10 +44,6 @@ Shown = Literal["skin", "solids"]
 
 SPARE_GEOMS = 100
 """Room in a scene for what is drawn besides the model's geoms and sites."""
-
-
-def _no_settings(model: mujoco.MjModel) -> Iterable[Setting]:
-    return ()
 
 
 class Renderer:
@@ -44,7 +62,7 @@ class Renderer:
         model: mujoco.MjModel,
         width_px: int,
         height_px: int,
-        settings: Callable[[mujoco.MjModel], Iterable[Setting]] = _no_settings,
+        settings: Callable[[mujoco.MjModel], Iterable[Setting]] = lambda model: (),
         shown: Shown = "skin",
     ):
         """Open an OpenGL context.
@@ -61,7 +79,10 @@ class Renderer:
         """
         self.buffer = mujoco.MjrRect(0, 0, width_px, height_px)
         self._settings = settings
-        self._options, self._perturbation = _options(shown), mujoco.MjvPerturb()
+        self._options, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
+        if shown == "solids":
+            self._options.flags[mujoco.mjtVisFlag.mjVIS_SKIN] = False
+            self._options.geomgroup[SOLIDS_GROUP] = True
         self._gl, self._busy = open_context(width_px, height_px), Lock()
         with current(self._gl):
             self._load(model)
@@ -174,16 +195,73 @@ class Renderer:
             raise RenderingError(f"OpenGL cannot draw {pixels} here ({error}); choose smaller pictures") from None
 
 
-def _options(shown: Shown) -> mujoco.MjvOption:
-    """Return what MuJoCo draws."""
-    options = mujoco.MjvOption()
-    if shown == "solids":
-        options.flags[mujoco.mjtVisFlag.mjVIS_SKIN] = False
-        options.geomgroup[SOLIDS_GROUP] = True
-    return options
-
-
 def _free(context: mujoco.MjrContext, gl: Any) -> None:
     with suppress(RenderingError), current(gl):  # At exit, a thread that was left alone may be drawing with it.
         context.free()
         gl.free()
+
+
+def average_down(pictures: Any, times: int) -> Any:
+    """Return pictures that are smaller so many times, in both directions.
+
+    Args:
+        pictures: Shape (..., height, width, colours), of any array library, in 32 bits.
+        times: How many times.
+    """
+    rows = reduce(add, (pictures[..., start::times, :, :] for start in range(times)))  # 8 times faster than a mean.
+    return reduce(add, (rows[..., start::times, :] for start in range(times))) / float(times**2)
+
+
+ASSETS = ("tex_", "mesh_", "hfield_", "skin_face", "skin_tex", "skin_vertnum", "mat_tex")
+"""How the fields of a model begin that are uploaded to OpenGL when a renderer is made; all others are read for each
+picture, the places of a skin's vertices among them."""
+
+
+class SharedRenderers:
+    """One renderer in each thread for all models of the same meshes and textures, and for each size of pictures."""
+
+    def __init__(self):
+        """Begin with none."""
+        self._found: dict[tuple[int, bytes, tuple[int, int], Shown], Renderer] = {}
+        self._opening = Lock()
+
+    def of(self, assets: bytes, size_px: tuple[int, int], shown: Shown, make: Callable[[], Renderer]) -> Renderer:
+        """Return the renderer of this thread for some assets, a size and what it shows, made when first asked for."""
+        key = (get_ident(), assets, size_px, shown)
+        if key not in self._found:
+            with self._opening:
+                self._found[key] = make()
+        return self._found[key]
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._found)
+
+    def close(self) -> None:
+        """Free all OpenGL contexts; closing twice is fine."""
+        for renderer in self._found.values():
+            renderer.close()
+        self._found.clear()
+
+
+SHARED: ContextVar[SharedRenderers | None] = ContextVar("shared_renderers", default=None)
+"""The renderers that eyes which are opened now share, or None for one of their own."""
+
+
+@contextmanager
+def sharing(renderers: SharedRenderers) -> Iterator[None]:
+    """Let all eyes that are opened meanwhile draw with shared renderers from then on."""
+    before = SHARED.set(renderers)
+    try:
+        yield
+    finally:
+        SHARED.reset(before)
+
+
+def assets_of(model: mujoco.MjModel) -> bytes:
+    """Return a digest of what of a model is uploaded to OpenGL."""
+    digest = sha256()
+    for name in dir(model):
+        if name.startswith(ASSETS) and isinstance(array := getattr(model, name), np.ndarray):
+            digest.update(f"{name} {array.shape} ".encode() + array.tobytes())
+    return digest.digest()

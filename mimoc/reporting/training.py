@@ -18,17 +18,16 @@ from mimoc.quantities.outcome import (
     UNFINISHED,
     UNFINISHED_RETURN,
 )
+from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.infant import infant_sections
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
-from mimoc.training.hyperparameters import HYPERPARAMETERS
 from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
-from mimoc.training.settings import Settings
+from mimoc.training.settings import HYPERPARAMETERS, Settings
 from mimoc.version import __version__
 
 NAMES = {

@@ -2,7 +2,7 @@
 
 import math
 
-from mimoc.render.plots.svg import MINUS
+from mimoc.render.plots.drawing import MINUS
 
 THIN_SPACE, TIMES, NOTHING = "\u202f", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0

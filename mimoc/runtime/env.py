@@ -20,7 +20,7 @@ from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
 from mimoc.errors import check_name
 from mimoc.model_fields import ModelFields
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 from mimoc.random_streams import checked_seed
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
@@ -35,8 +35,7 @@ from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.binding import bind_task
-from mimoc.tasks.task import NO_REWARD, Task
+from mimoc.tasks.task import NO_REWARD, Task, bind_task
 from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
@@ -264,7 +263,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        return verdict.reward, verdict.terminated or unstable, truncated, info | {growing.AGE: self.age_months}
+        info[growing.AGE] = self.age_months
+        return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.

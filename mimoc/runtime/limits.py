@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from mimoc.actuation.binding import bind_actuation
-from mimoc.actuation.commands import all_commanded
+from mimoc.actuation.binding import all_commanded, bind_actuation
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 

@@ -10,7 +10,7 @@ import mujoco
 from mimoc.bundle.manifest import Manifest
 from mimoc.delays.schedule import Schedule
 from mimoc.model_fields import ModelFields
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.physics_state import physics_of, set_physics, time_of
 from mimoc.state_form import check_form

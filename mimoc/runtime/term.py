@@ -40,6 +40,19 @@ class Term:
 
     `term(worlds, ...)` returns what is measured of k infants, an array of shape (k, ...), or what a kind asks of its
     terms; what else a kind gives them has a leading axis of k, too.
+
+    Example:
+        >>> import mimoc
+        >>> from dataclasses import dataclass
+        >>> import numpy as np
+        >>> from mimoc.plugin import check_term
+        >>> @dataclass(frozen=True)
+        ... class Height(mimoc.Term):
+        ...     head: np.ndarray
+        ...     def __call__(self, worlds):
+        ...         return worlds.xp.take(worlds.xpos, self.head, axis=1)[..., 2]
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> check_term(Height(np.array([env.model.body("head").id])), env.model)
     """
 
     __call__: ClassVar[Callable[..., Any]]
@@ -82,6 +95,19 @@ def stack_terms(terms: Sequence[T], put: Put = np.asarray) -> T:
     """
     first = terms[0]
     return replace(first, **{name: _stacked(values, put) for name, values in _fields(terms).items()})
+
+
+def take_rows(term: T, rows: Any) -> T:
+    """Return a stacked term of NumPy's of some of its infants, by their rows."""
+
+    def taken(value: Any) -> Any:
+        if isinstance(value, Term):
+            return take_rows(value, rows)
+        if isinstance(value, tuple):
+            return tuple(map(taken, value))
+        return value[rows] if is_amount(value) else value
+
+    return replace(term, **{field.name: taken(getattr(term, field.name)) for field in fields(term)})
 
 
 def differing_field(terms: Sequence[Term]) -> str | None:

@@ -18,6 +18,7 @@ from mimoc.runtime.worlds import Worlds, worlds_of_many, worlds_of_one
 INFANTS = 7
 TOLERANCE = 1e-5
 """Of 32-bit numbers, in terms of the larger of 1 and the number itself."""
+RESULT = "the result"
 STEPS = 20
 """Physics steps with random controls from the first keyframe, after which contacts press."""
 
@@ -105,7 +106,7 @@ def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) 
         TermError: If it fails.
     """
     try:
-        return dict(_arrays("the result", stack_terms(terms, put)(worlds, *args)))
+        return dict(_arrays(RESULT, stack_terms(terms, put)(worlds, *args)))
     except Exception as error:
         text = str(error).partition("\n")[0]
         raise TermError(f"{_name(terms[0])} does not run with {library}: {type(error).__name__}: {text}") from error
@@ -159,18 +160,23 @@ def _mapped(values: Any, function: Callable[[Any], Any]) -> Any:
 
 
 def _arrays(name: str, result: Any) -> list[tuple[str, Any]]:
-    """Return the arrays in what a term returned, by name."""
+    """Return the arrays in what a term returned, by name; what computes them when called is called."""
     parts: dict[str, Any] = {}
-    if isinstance(result, dict):
-        parts = result
+    if isinstance(result, Mapping):
+        parts = dict(result)
+    elif hasattr(result, "_asdict"):
+        parts = result._asdict()
     elif isinstance(result, tuple):
         items: tuple[Any, ...] = result
         parts = {f"{name}[{index}]": value for index, value in enumerate(items)}
     elif is_dataclass(result):
         parts = {field.name: getattr(result, field.name) for field in fields(result)}
-    elif result is not None:
+    elif callable(result):
+        return _arrays(name, result())
+    elif not isinstance(result, (bool, int, str, type(None))):
         return [(name, result)]
-    return [item for key, value in parts.items() for item in _arrays(key, value)]
+    prefix = "" if name == RESULT else f"{name} "
+    return [item for key, value in parts.items() for item in _arrays(f"{prefix}{key}", value)]
 
 
 def _name(term: Term) -> str:

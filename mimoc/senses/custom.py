@@ -33,7 +33,7 @@ class Measure:
         return self._term(self._worlds)[0].copy()
 
 
-class TermSense(Vector):
+class TermSense(Measure, Vector):
     """A sense of n numbers that a term measures: `term(worlds)` returns them, shape (k, n)."""
 
     def __init__(
@@ -55,12 +55,9 @@ class TermSense(Vector):
             high: Largest one, likewise.
             bodies: The body in which each is measured, shape (n,).
         """
-        super().__init__(name, layout, low, high, bodies)
-        self.term, self._measure = term, Measure(term)
-
-    def __call__(self, data: mujoco.MjData) -> Sample:
-        """Return the numbers now, as a new array."""
-        return self._measure(data)
+        Vector.__init__(self, name, layout, low, high, bodies)
+        Measure.__init__(self, term)
+        self.term = term
 
 
 @dataclass(frozen=True)

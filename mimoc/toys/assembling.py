@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel, join
-from mimoc.toys.solids import bounds
+from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel, bounds, join
 
 SOURCE = "made by mimoc"
 

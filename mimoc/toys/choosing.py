@@ -8,8 +8,7 @@ import numpy as np
 
 from mimoc.mjcf.furniture import Rgba
 from mimoc.random_streams import between, pick, stream, whole_between
-from mimoc.toys.model import Tint, ToyModel
-from mimoc.toys.solids import radius
+from mimoc.toys.model import Tint, ToyModel, radius
 from mimoc.toys.spec import ToysSpec
 from mimoc.units import cm_to_m
 

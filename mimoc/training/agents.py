@@ -14,8 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.hyperparameters import Number
-from mimoc.training.settings import Settings
+from mimoc.training.settings import Number, Settings
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
@@ -146,7 +145,7 @@ def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.
     optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
 
 
-def _learnt(agent: BaseAlgorithm) -> tuple[dict[str, torch.nn.Module | torch.optim.Optimizer], list[str]]:
+def _learnt(agent: BaseAlgorithm) -> "tuple[dict[str, torch.nn.Module | torch.optim.Optimizer], list[str]]":
     """Return the networks and optimisers of an agent by name, and the names of its other variables."""
     names, variables = agent._get_torch_save_params()
     return {name: attrgetter(name)(agent) for name in names}, variables

@@ -12,15 +12,13 @@ from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.bundle.json_files import parse_json
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, parse_json
 from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import agent_state, restore_agent
-from mimoc.training.archives import Archive
 from mimoc.training.curve import Curve
-from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS
+from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS, Archive
 from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"

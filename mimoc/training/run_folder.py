@@ -15,13 +15,12 @@ from typing import Any, Literal
 
 from mimoc.bundle.files import check_unlinked, make_folder, remove, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
-from mimoc.bundle.json_files import one_line, read_json_file
-from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
 from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded
-from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
+from mimoc.training.policies import MOST_BYTES
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 

@@ -1,14 +1,105 @@
-"""Settings of a training run, which together with the bundle determine its result."""
+"""Settings and hyperparameters of a training run, which with the bundle determine its result; what learning needs."""
 
 import json
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from hashlib import sha256
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any, Self, cast
 
-from mimoc.errors import TrainingError
-from mimoc.training.hyperparameters import HYPERPARAMETERS, Number, complete
+from gymnasium.spaces import Dict
+
+from mimoc.errors import TrainingError, UnknownNameError
+from mimoc.runtime.env import InfantEnv
+from mimoc.units import ms_to_s
+
+Number = int | float
+
+
+@dataclass(frozen=True, slots=True)
+class Hyperparameter:
+    """A hyperparameter's default and range; its values are integers if its default is one."""
+
+    default: Number
+    low: Number
+    high: Number
+
+
+_COMMON = {
+    "gamma": Hyperparameter(0.98, 0.0, 1.0),
+    "learning_rate": Hyperparameter(3e-4, 1e-8, 1.0),
+    "batch_size": Hyperparameter(256, 2, 2**20),
+    "layers": Hyperparameter(2, 1, 16),
+    "width": Hyperparameter(64, 1, 2**14),
+    "observation_clip": Hyperparameter(5.0, 0.1, 1e6),
+    "observation_floor": Hyperparameter(0.01, 1e-6, 1e6),
+}
+
+HYPERPARAMETERS: Mapping[str, Mapping[str, Hyperparameter]] = {
+    "ppo": {
+        **_COMMON,
+        "clip_range": Hyperparameter(0.2, 1e-3, 10.0),
+        "ent_coef": Hyperparameter(0.0, 0.0, 10.0),
+        "gae_lambda": Hyperparameter(0.95, 0.0, 1.0),
+        "n_epochs": Hyperparameter(10, 1, 1000),
+        "n_steps": Hyperparameter(256, 2, 2**20),
+    },
+    "sac": {
+        **_COMMON,
+        "buffer_size": Hyperparameter(100_000, 100, 10**8),
+        "gradient_steps": Hyperparameter(1, 1, 1000),
+        "learning_starts": Hyperparameter(2000, 1, 10**8),
+        "tau": Hyperparameter(0.005, 1e-6, 1.0),
+        "width": Hyperparameter(256, 1, 2**14),
+    },
+}
+"""Hyperparameters by algorithm. Those of the algorithm itself have Stable-Baselines3's names. Networks have `layers`
+hidden layers of `width` units. Observations are normalised: divided by their standard deviation, or by
+`observation_floor` (in the observation's unit) if they vary less, so that tremor of joints at rest is not amplified,
+and clipped at `observation_clip`."""
+
+
+def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
+    """Return all hyperparameters of an algorithm, with defaults for those that were not chosen.
+
+    Raises:
+        UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
+        TrainingError: If a value is out of range.
+    """
+    if algo not in HYPERPARAMETERS:
+        raise UnknownNameError("learning algorithm", algo, HYPERPARAMETERS)
+    known = HYPERPARAMETERS[algo]
+    for name in chosen.keys() - known.keys():
+        raise UnknownNameError(f"hyperparameter of {algo}", name, known)
+    return {name: _checked(name, chosen.get(name, one.default), one) for name, one in sorted(known.items())}
+
+
+def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
+    """Return the hyperparameters set by assignments such as `learning_rate=1e-3`.
+
+    Raises:
+        UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
+        TrainingError: If a text is not an assignment, or a value is out of range.
+    """
+    chosen: dict[str, Number] = {}
+    for text in assignments:
+        name, _, value = text.partition("=")
+        try:
+            chosen[name] = float(value)
+        except ValueError:
+            raise TrainingError(f"'{text}' is not an assignment; write NAME=NUMBER, such as gamma=0.99") from None
+    completed = complete(algo, chosen)
+    return {name: completed[name] for name in chosen}
+
+
+def _checked(name: str, value: Number, known: Hyperparameter) -> Number:
+    whole = isinstance(known.default, int)
+    if not known.low <= value <= known.high or (whole and value != int(value)):
+        kind = "an integer" if whole else "a number"
+        raise TrainingError(f"{name}: expected {kind} from {known.low:g} to {known.high:g}, got {value:g}")
+    return int(value) if whole else float(value)
+
 
 CHECKPOINT_EVERY = 20_480
 
@@ -115,3 +206,60 @@ def _flat(settings: Settings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
     return {**data.pop("hyper"), **data.pop("custom"), **data.pop("growth"), **data}
+
+
+MIN_IMAGE_PX = 36
+"""Smallest image that Stable-Baselines3's convolutional network accepts."""
+STEPS_PER_EPISODE = 500
+"""Control steps of an episode that neither the caller nor the task limits: 5 s, with control steps of 10 ms."""
+NOTHING = "nothing"
+"""The observation of an infant without senses."""
+
+
+def check_learnable(infant: InfantEnv) -> None:
+    """Check that an infant can be trained.
+
+    Raises:
+        TrainingError: If it observes nothing, its images are too small, or its action is empty.
+    """
+    manifest, space = infant.manifest, cast("Dict", infant.observation_space)
+    if not any(actuator.commanded for actuator in manifest.actuation.actuators):
+        raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
+    if [*space] == [NOTHING]:
+        raise TrainingError(
+            f"'{manifest.name}' observes nothing to learn from; give its spec a sense, such as senses: "
+            "{proprioception: {}}"
+        )
+    vision = manifest.senses.vision
+    if vision and min(vision.width_px, vision.height_px) < MIN_IMAGE_PX:
+        size = f"{vision.width_px} x {vision.height_px}"
+        raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
+
+
+def episode_limit(infant: InfantEnv, chosen: int | None) -> int:
+    """Return after how many control steps the episodes of a training end: as was chosen, or as the task says.
+
+    If neither says it, it is STEPS_PER_EPISODE, with a warning.
+
+    Args:
+        infant: An infant with its task.
+        chosen: The number that the caller has chosen, if any.
+
+    Raises:
+        TrainingError: If the task ends episodes before that.
+    """
+    of_task = infant.max_steps
+    if of_task is None and chosen is None:
+        duration_s = ms_to_s(STEPS_PER_EPISODE * infant.manifest.step_ms)
+        warnings.warn(
+            f"the task of '{infant.manifest.name}' does not limit its episodes: this training ends them after "
+            f"{STEPS_PER_EPISODE} control steps ({duration_s:g} s); choose another number with steps_per_episode",
+            stacklevel=3,
+        )
+        return STEPS_PER_EPISODE
+    if of_task is not None and chosen is not None and chosen > of_task:
+        raise TrainingError(
+            f"steps_per_episode: the task ends episodes after {of_task} control steps; give at most as many, or change "
+            "the steps of the task"
+        )
+    return chosen or of_task or STEPS_PER_EPISODE

@@ -26,15 +26,11 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import has_learnt, make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve, Row
-from mimoc.training.growth import growth_of, growth_settings, seek
-from mimoc.training.hyperparameters import Number
-from mimoc.training.learnable import check_learnable, episode_limit
 from mimoc.training.policies import pack_policy
-from mimoc.training.recorder import Recorder, RewardWatch
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.settings import Settings
-from mimoc.training.tracking import tracked
-from mimoc.training.vector_env import make_vector_env
+from mimoc.training.settings import Number, Settings, check_learnable, episode_limit
+from mimoc.training.tracking import Recorder, RewardWatch, tracked
+from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
 from mimoc.units import ms_to_s
 
 Source = Bundle | InfantSpec | str | Path
@@ -104,7 +100,7 @@ def train(
             warning, 500 if it has none.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
             whole episode of each environment if that takes more.
-        hyper: Hyperparameters that differ from the defaults in `mimoc.training.hyperparameters`.
+        hyper: Hyperparameters that differ from the defaults in `mimoc.training.settings`.
         threads: Threads that share the work of all environments, unless *processes* is given; by default, as many as
             this process may use. The result is the same.
         processes: Whether to run each environment in a process of its own, which pays for tasks and senses of a

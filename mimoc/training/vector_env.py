@@ -1,11 +1,14 @@
-"""Parallel environments with normalised observations, for Stable-Baselines3."""
+"""Parallel environments with normalised observations, for Stable-Baselines3, of infants that may grow."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import gymnasium
 import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import (
@@ -19,13 +22,149 @@ from stable_baselines3.common.vec_env import (
 )
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
+from mimoc.bundle.io import Bundle
+from mimoc.compiler.variants import BundleVariants
+from mimoc.errors import TrainingError
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growing_env import Growing
-from mimoc.runtime.many.growing import GrowingInfants
+from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.runtime.many.vector_env import ManyInfants
-from mimoc.training.growth import Growth
-from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 from mimoc.training.settings import Settings
+
+RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
+"""What Stable-Baselines3 expects of its environments."""
+
+
+class InfantVecEnv(DummyVecEnv):
+    """Stable-Baselines3's view of many infants: those whose episode ends are reset in the same step.
+
+    The `info` of a last step has what was observed then as `terminal_observation`, and `TimeLimit.truncated`.
+    Attributes and methods of single infants are reached as in its `DummyVecEnv`.
+    """
+
+    def __init__(self, infants: ManyInfants):
+        """Give infants that are reset in the same step to Stable-Baselines3, which closes them."""
+        assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
+        self.infants, self.envs = infants, list[gymnasium.Env](infants.infants)
+        VecEnv.__init__(self, infants.num_envs, infants.single_observation_space, infants.single_action_space)
+        self._actions: npt.NDArray[Any] = np.zeros(infants.action_space.shape or (), np.float32)
+
+    def reset(self) -> VecEnvObs:
+        """Reset all infants with the seeds and options that were set, and return what they observe."""
+        seeds, options = list(self._seeds), list(self._options)
+        observation, infos = self.infants.reset_each(seeds, options)
+        self.reset_infos = [infos[infant] for infant in range(self.num_envs)]
+        self._reset_seeds()
+        self._reset_options()
+        return observation
+
+    def step_async(self, actions: npt.NDArray[Any]) -> None:
+        """Take the actions of the next step."""
+        self._actions = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Make the step; rewards are in single precision."""
+        observation, rewards, terminated, truncated, infos = self.infants.step_each(self._actions)
+        done = terminated | truncated
+        last_infos = []
+        for infant in range(self.num_envs):
+            info = infos[infant]
+            if done[infant]:
+                final, info, self.reset_infos[infant] = _taken_apart(info)
+                info["terminal_observation"] = final
+            info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
+            last_infos.append(info)
+        return observation, rewards.astype(np.float32), done, last_infos
+
+    def seek(self, steps_done: int) -> None:
+        """Let growing infants go on as after a number of control steps of each; a reset must follow."""
+        self.infants.seek(steps_done)
+
+    def close(self) -> None:
+        """Close all infants; closing twice is fine."""
+        self.infants.close()
+
+    def get_images(self) -> list[npt.NDArray[np.uint8] | None]:
+        """Return a picture of each infant."""
+        return self.env_method("render")
+
+
+def monitored(infants: ManyInfants) -> VecMonitor:
+    """Return infants that are reset in the same step as Stable-Baselines3 wants them, with returns of episodes."""
+    return VecMonitor(InfantVecEnv(infants))
+
+
+def _taken_apart(info: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """Return what was observed last, the info of the last step and that of the reset after it."""
+    final, last = info["final_obs"], dict(info["final_info"])
+    return final, last, {name: value for name, value in info.items() if name not in ("final_obs", "final_info")}
+
+
+GROWN = "grown"
+"""The schedule if none is given."""
+
+
+def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, steps: int) -> dict[str, Any]:
+    """Return the settings of growth: none without a range of ages.
+
+    Args:
+        grow: The youngest and the oldest age in months, such as `6:12`; None if the infant does not grow.
+        schedule: In which order it has these ages.
+        grow_steps: Control steps that growth takes, summed over all environments; None is the whole training.
+        steps: Control steps of the training.
+
+    Raises:
+        MimocError: If this is no range of ages, no schedule, or no number of steps.
+        TrainingError: If there is a schedule or a number of steps without a range of ages.
+    """
+    if grow is None:
+        if schedule != GROWN or grow_steps is not None:
+            name = "schedule" if schedule != GROWN else "grow_steps"
+            raise TrainingError(f"{name} needs a range of ages as well: grow, such as 6:12")
+        return {}
+    growth_schedule(schedule, read_ages(grow), grow_steps or steps)
+    return {"grow": grow, "schedule": schedule, "grow_steps": grow_steps or steps}
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """How the infants of a training grow, all alike."""
+
+    schedule: GrowthSchedule
+    """Their age by the control steps that each has taken."""
+    variants: BundleVariants
+    """The infant at each age."""
+
+
+def growth_of(bundle: Bundle, settings: Settings) -> Growth | None:
+    """Return how the infants of a training grow, if the settings say so.
+
+    Args:
+        bundle: The infant.
+        settings: Settings of the training run.
+
+    Raises:
+        MimocError: If the infant cannot be built at the first or the last age, or has other parts there.
+    """
+    if not settings.growth:
+        return None
+    growth, variants = settings.growth, BundleVariants(bundle)
+    ages_months = read_ages(growth["grow"])
+    youngest, oldest = (variants(age_months, bundle.manifest.seed) for age_months in ages_months)
+    check_same_body(youngest.model, oldest.model)
+    steps = max(growth["grow_steps"] // settings.envs, 1)
+    return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
+
+
+def seek(env: VecNormalize, settings: Settings, steps_done: int) -> None:
+    """Let infants that grow go on as after a number of control steps, summed over all environments."""
+    if not settings.growth:
+        return
+    if isinstance(env.unwrapped, InfantVecEnv):
+        env.unwrapped.seek(steps_done // settings.envs)
+    else:
+        env.env_method("seek", steps_done // settings.envs)
 
 
 class SinglePrecisionRewards(VecEnvWrapper):
@@ -114,9 +253,8 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
 def _together(
     openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
 ) -> VecEnv:
-    if growth is None:
-        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit))
-    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP, limit))
+    schedule = growth and growth.schedule
+    return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
 
 
 def _apart(

@@ -1,4 +1,4 @@
-"""Materials, pictures and skins of a model, for a page."""
+"""Materials, pictures and skins of a model, and what is around the infant, for a page."""
 
 import io
 from collections.abc import Sequence
@@ -10,7 +10,8 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.bundle.variants import Variant
-from mimoc.viewer.growth import own_parts
+from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
 from mimoc.viewer.packing import EncodedArrays
 
@@ -65,8 +66,8 @@ def describe_skins(
 def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
-    verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
-    first, _ = model.skin_texcoordadr[index], model.skin_vertnum[index]
+    verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
+    first = model.skin_texcoordadr[index]
     texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
     moved_by, weights = _strongest(skin_of(model, index).weights)
     return {
@@ -95,3 +96,54 @@ def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray
     shares = np.rint(255 * chosen / chosen.sum(axis=1, keepdims=True)).astype(int)
     shares[:, 0] += 255 - shares.sum(axis=1)
     return order, shares.astype(np.uint8)
+
+
+def describe_surroundings(
+    packed: EncodedArrays, model: mujoco.MjModel, data: mujoco.MjData, parts: Own
+) -> dict[str, Any]:
+    """Return the geoms that are not the infant's, with their bodies where they are now.
+
+    Args:
+        packed: Where the arrays go.
+        model: The model.
+        data: Its state, with what is derived from it.
+        parts: What is the infant's.
+    """
+    shown, bodies = _geoms(model, parts), bodies_around(model, parts)
+    mesh_of_geom = model.geom_dataid[shown]
+    meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
+    rgba = np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown])
+    return {
+        "bodies": {
+            "names": [model.body(body).name for body in bodies],
+            "pos": packed.put(data.xpos[bodies]),
+            "quat": packed.put(data.xquat[bodies]),
+        },
+        "geoms": {
+            "names": [model.geom(geom).name for geom in shown],
+            "body": packed.put(np.searchsorted(bodies, model.geom_bodyid[shown])),
+            "type": packed.put(model.geom_type[shown]),
+            "material": packed.put(model.geom_matid[shown]),
+            "mesh": packed.put(np.where(np.isin(mesh_of_geom, meshes), np.searchsorted(meshes, mesh_of_geom), -1)),
+            "rgba": packed.put(rgba),
+            "pos": packed.put(model.geom_pos[shown]),
+            "quat": packed.put(model.geom_quat[shown]),
+            "size": packed.put(model.geom_size[shown]),
+        },
+        "meshes": [
+            {
+                "verts": packed.put(model.mesh_vert[rows_of(model, "mesh_vert", mesh)]),
+                "faces": packed.put(model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.uint32)),
+            }
+            for mesh in meshes.tolist()
+        ],
+    }
+
+
+def bodies_around(model: mujoco.MjModel, parts: Own) -> IntArray:
+    """Return the bodies with geoms that are not the infant's, sorted."""
+    return np.unique(model.geom_bodyid[_geoms(model, parts)])
+
+
+def _geoms(model: mujoco.MjModel, parts: Own) -> IntArray:
+    return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), parts.geoms)

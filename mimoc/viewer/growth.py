@@ -1,6 +1,6 @@
 """An infant at all ages, as arrays that a page interpolates: its solids, joints, poses, eyes and skin points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from mimoc.senses.binding import bind_sense
 from mimoc.viewer.packing import EncodedArrays
 
 IntArray = npt.NDArray[np.intp]
+ByAge = Callable[[str, str], dict[str, Any]]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
 """Ages of which a page has the numbers, close together where children grow fastest. Between them it interpolates
@@ -74,71 +75,66 @@ def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_mon
         MimocError: If it has other parts at some age.
     """
     parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
-    counts = {tuple(len(getattr(own, name)) for name in Own.__slots__) for own in parts}
+    counts = {tuple(len(getattr(infant, name)) for name in Own.__slots__) for infant in parts}
     if len(counts) > 1:
         raise MimocError(f"'{variants[0].bundle.manifest.name}' has other parts at other ages; a page cannot show that")
-    models = [variant.model for variant in variants]
+    at_ages = list(zip([variant.model for variant in variants], parts, strict=True))
+
+    def by_age(name: str, kind: str) -> dict[str, Any]:
+        """Return an array of a model at each age, of what is the infant's."""
+        return packed.put(np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages]))
+
     return {
         "ages_months": list(ages_months),
-        **_skeleton(packed, models, parts),
-        **_flesh(packed, models, parts),
+        **_skeleton(packed, *at_ages[0], by_age),
+        **_flesh(packed, *at_ages[0], by_age),
         "poses": dict(_poses(packed, variants, parts)),
     }
 
 
-def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _skeleton(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
     """Return bodies and joints; numbers of bodies are those within the infant."""
-    model, own = models[0], parts[0]
-    number = {body: index for index, body in enumerate(own.bodies.tolist())}
+    number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
-            "names": [model.body(body).name for body in own.bodies],
-            "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in own.bodies])),
-            "quat": packed.put(model.body_quat[own.bodies]),
-            "pos": _by_age(packed, models, parts, "body_pos", "bodies"),
+            "names": [model.body(body).name for body in infant.bodies],
+            "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in infant.bodies])),
+            "quat": packed.put(model.body_quat[infant.bodies]),
+            "pos": by_age("body_pos", "bodies"),
         },
         "joints": {
-            "names": [model.joint(joint).name for joint in own.joints],
-            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[own.joints]], int)),
-            "axis": packed.put(model.jnt_axis[own.joints]),
-            "reference": packed.put(model.qpos0[own.qpos[7:]]),
-            "pos": _by_age(packed, models, parts, "jnt_pos", "joints"),
-            "range": _by_age(packed, models, parts, "jnt_range", "joints"),
+            "names": [model.joint(joint).name for joint in infant.joints],
+            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[infant.joints]], int)),
+            "axis": packed.put(model.jnt_axis[infant.joints]),
+            "reference": packed.put(model.qpos0[infant.qpos[7:]]),
+            "pos": by_age("jnt_pos", "joints"),
+            "range": by_age("jnt_range", "joints"),
         },
     }
 
 
-def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _flesh(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
     """Return geoms and eyes, with the numbers of their bodies within the infant."""
-    model, own = models[0], parts[0]
     return {
         "geoms": {
-            "names": [model.geom(geom).name for geom in own.geoms],
-            "body": packed.put(np.searchsorted(own.bodies, model.geom_bodyid[own.geoms])),
-            "type": packed.put(model.geom_type[own.geoms]),
-            "material": packed.put(model.geom_matid[own.geoms]),
-            "group": packed.put(model.geom_group[own.geoms]),
-            "solid": packed.put((model.geom_contype | model.geom_conaffinity)[own.geoms] != 0),
-            "quat": packed.put(model.geom_quat[own.geoms]),
-            "pos": _by_age(packed, models, parts, "geom_pos", "geoms"),
-            "size": _by_age(packed, models, parts, "geom_size", "geoms"),
+            "names": [model.geom(geom).name for geom in infant.geoms],
+            "body": packed.put(np.searchsorted(infant.bodies, model.geom_bodyid[infant.geoms])),
+            "type": packed.put(model.geom_type[infant.geoms]),
+            "material": packed.put(model.geom_matid[infant.geoms]),
+            "group": packed.put(model.geom_group[infant.geoms]),
+            "solid": packed.put((model.geom_contype | model.geom_conaffinity)[infant.geoms] != 0),
+            "quat": packed.put(model.geom_quat[infant.geoms]),
+            "pos": by_age("geom_pos", "geoms"),
+            "size": by_age("geom_size", "geoms"),
         },
         "eyes": {
-            "names": [model.camera(camera).name for camera in own.cameras],
-            "body": packed.put(np.searchsorted(own.bodies, model.cam_bodyid[own.cameras])),
-            "quat": packed.put(model.cam_quat[own.cameras]),
-            "fovy_deg": packed.put(model.cam_fovy[own.cameras]),
-            "pos": _by_age(packed, models, parts, "cam_pos", "cameras"),
+            "names": [model.camera(camera).name for camera in infant.cameras],
+            "body": packed.put(np.searchsorted(infant.bodies, model.cam_bodyid[infant.cameras])),
+            "quat": packed.put(model.cam_quat[infant.cameras]),
+            "fovy_deg": packed.put(model.cam_fovy[infant.cameras]),
+            "pos": by_age("cam_pos", "cameras"),
         },
     }
-
-
-def _by_age(
-    packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
-) -> dict[str, Any]:
-    """Return an array of a model at each age, of what is the infant's."""
-    found = [getattr(model, name)[getattr(own, kind)] for model, own in zip(models, parts, strict=True)]
-    return packed.put(np.stack(found))
 
 
 def describe_touch(
@@ -148,10 +144,10 @@ def describe_touch(
     if variants[0].bundle.manifest.senses.touch is None:
         return None
     senses = [bind_sense("touch", variant.bundle, variant.model) for variant in variants]
-    own = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
+    bodies = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "body": packed.put(np.array([own.index(body) for body in senses[0].receptors.bodies])),
+        "body": packed.put(np.array([bodies.index(body) for body in senses[0].receptors.bodies])),
         "points": packed.put_places(np.stack([sense.receptors.points_m for sense in senses])),
     }
 
@@ -162,7 +158,7 @@ def _poses(
     """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
-            keys = [variant.model.key(pose).qpos[own.qpos] for variant, own in zip(variants, parts, strict=True)]
+            keys = [variant.model.key(pose).qpos[infant.qpos] for variant, infant in zip(variants, parts, strict=True)]
             yield pose, packed.put(np.stack(keys))
 
 

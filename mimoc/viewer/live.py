@@ -1,20 +1,120 @@
-"""A page that shows an environment while it runs, served by viser to browsers on this machine."""
+"""A page that shows an environment while it runs, served to the one browser on this machine that opened its address."""
 
 import io
+import re
+import secrets
 import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager, redirect_stdout
+from http import HTTPStatus
+from importlib import import_module
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import parse_qs
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.errors import MimocError, MissingExtraError
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
-from mimoc.viewer.access import HOST, Access
 from mimoc.viewer.meshes import coloured_faces, mesh_of, skin_of, texture_of
+
+HOST = "localhost"
+"""Where pages are served: others on the network see nothing."""
+LOCAL_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
+"""What this machine calls itself. Other names may be a stranger's that were made to lead here (DNS rebinding)."""
+TOKEN = "token"
+"""Key of the token in the address."""
+REFUSAL = "This page is only for the browser that opened the address which mimoc printed; the address works once.\n"
+
+ProcessRequest = Callable[[Any, Any], Any]
+"""What the library `websockets` asks for each request: from connection and request to a response; None to go on."""
+
+
+class Access:
+    """Decides which requests a server on this machine answers.
+
+    A request has to name this machine as its host. A page that makes it has to come from the same server: what another
+    page, from elsewhere or from another port, asks for is refused. And it has to prove that it comes from whoever reads
+    what mimoc prints: by the token in the address, which is exchanged for a cookie when it is first used, or by that
+    cookie.
+    """
+
+    def __init__(self) -> None:
+        """Make a token and a cookie that nobody can guess."""
+        self._token, self._is_token_used = secrets.token_urlsafe(16), False
+        self._cookie = secrets.token_urlsafe(16)
+
+    def address(self, port: int) -> str:
+        """Return the address to open in a browser, which works once."""
+        return f"http://{HOST}:{port}/?{TOKEN}={self._token}"
+
+    def guard(self, process_request: ProcessRequest) -> ProcessRequest:
+        """Return what processes only the requests that may be answered, and refuses all others."""
+
+        def process(connection: Any, request: Any) -> Any:
+            # Of a header that is sent twice, both values count, and so it is not what is expected.
+            host, origin, cookies = (", ".join(request.headers.get_all(name)) for name in ("Host", "Origin", "Cookie"))
+            if LOCAL_HOST.fullmatch(host) and origin in ("", f"http://{host}"):
+                if self._has_cookie(host, cookies):
+                    return process_request(connection, request)
+                if self._use_token(request.path):
+                    return self._hand_out_cookie(connection, host)
+            return connection.respond(HTTPStatus.FORBIDDEN, REFUSAL)
+
+        return process
+
+    def serve(self, start: Callable[[], Any]) -> Any:
+        """Return what *start* returns, which starts a server of the library `websockets`, with its requests guarded.
+
+        Viser has no option for that, so what makes its server is wrapped while it starts.
+
+        Raises:
+            MimocError: If the server that was started is not guarded.
+        """
+        module: Any = import_module("websockets.asyncio.server")
+        guarded: list[bool] = []
+
+        def guarded_serve(*arguments: Any, process_request: ProcessRequest, **options: Any) -> Any:
+            guarded.append(True)
+            return original(*arguments, process_request=self.guard(process_request), **options)
+
+        original, module.serve = module.serve, guarded_serve
+        try:
+            server = start()
+        finally:
+            module.serve = original
+        if not guarded:
+            server.stop()
+            raise MimocError("this version of viser serves in a way that mimoc cannot guard; install viser 1.1")
+        return server
+
+    def _has_cookie(self, host: str, header: str) -> bool:
+        pairs = (part.strip().partition("=") for part in header.split(";"))
+        cookies = {name: value for name, _, value in pairs}
+        return secrets.compare_digest(cookies.get(_cookie_name(host), "").encode(), self._cookie.encode())
+
+    def _use_token(self, path: str) -> bool:
+        """Return whether a path has the token, which then cannot be used again."""
+        (token, *_) = parse_qs(path.partition("?")[2]).get(TOKEN, [""])
+        if self._is_token_used or not secrets.compare_digest(token.encode(), self._token.encode()):
+            return False
+        self._is_token_used = True
+        return True
+
+    def _hand_out_cookie(self, connection: Any, host: str) -> Any:
+        """Return the response that gives a browser the cookie and leads it to the page."""
+        response = connection.respond(HTTPStatus.SEE_OTHER, "")
+        response.headers["Location"] = "/"
+        response.headers["Set-Cookie"] = f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
+        return response
+
+
+def _cookie_name(host: str) -> str:
+    """Return the name of the cookie: browsers share cookies among all ports of a machine."""
+    return f"mimoc-{host.rpartition(':')[2]}"
+
 
 PORT = 8080
 CAMERA_M = (0.9, 0.6, 0.5)
@@ -54,7 +154,7 @@ class LiveView:
         self._bodies = self._add_bodies(env.model)
         self._skins = self._add_skins(env.model)
         self._pause = self._server.gui.add_checkbox("Pause", initial_value=False)
-        self._told = self._server.gui.add_markdown("")
+        self._clock = self._server.gui.add_markdown("")
         root = env.data.body(env.manifest.root_body).xpos
         self._server.initial_camera.look_at = tuple(root)
         self._server.initial_camera.position = tuple(root + np.array(CAMERA_M))
@@ -88,7 +188,7 @@ class LiveView:
             for mesh, bodies in self._skins:
                 for bone, body in zip(mesh.bones, bodies, strict=True):
                     bone.position, bone.wxyz = data.xpos[body], data.xquat[body]
-        self._told.content = f"{data.time:.1f} s"
+        self._clock.content = f"{data.time:.1f} s"
 
     def close(self) -> None:
         """Stop serving; closing twice is fine."""
@@ -129,14 +229,14 @@ class LiveView:
 
     def _add_skins(self, model: mujoco.MjModel) -> list[tuple[Any, list[int]]]:
         """Add all skins, and return their meshes, each with the bodies that move it."""
-        found = []
+        skins = []
         for index in range(model.nskin):
             skin = skin_of(model, index)
             for colour, faces in coloured_faces(model, index, COLOURS):
                 used, renumbered = np.unique(faces, return_inverse=True)
                 movers = np.flatnonzero(skin.weights[used].any(axis=0))
                 mesh = self._server.scene.add_mesh_skinned(
-                    f"/skins/{model.skin(index).name}/{len(found)}",
+                    f"/skins/{model.skin(index).name}/{len(skins)}",
                     skin.vertices_m[used],
                     renumbered.reshape(-1, 3),
                     bone_wxyzs=skin.bind_quat[movers],
@@ -145,8 +245,8 @@ class LiveView:
                     color=colour,
                     side="double",
                 )
-                found.append((mesh, skin.bodies[movers].tolist()))
-        return found
+                skins.append((mesh, skin.bodies[movers].tolist()))
+        return skins
 
     def _ahead_s(self) -> float:
         """Return how far the simulation's clock is ahead of the wall's, but for a constant."""
@@ -176,11 +276,9 @@ def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int]:
     """Return the colour of a geom, 0 to 255; of a textured one, the mean of its texture."""
     material = model.geom_matid[geom]
     if material < 0:
-        return _whole(255 * model.geom_rgba[geom, :3])
-    pixels = texture_of(model, material)
-    return _whole(model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))
-
-
-def _whole(rgb: npt.NDArray[Any]) -> tuple[int, int, int]:
+        rgb = 255 * model.geom_rgba[geom, :3]
+    else:
+        pixels = texture_of(model, material)
+        rgb = model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1)))
     red, green, blue = np.rint(rgb).astype(int).tolist()
     return red, green, blue

@@ -29,9 +29,10 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
     kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
     if kind == GEOM.mjGEOM_MESH:
         mesh = model.geom_dataid[geom]
-        first, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-        vertices_m = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
-        return vertices_m.astype(float), model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64)
+        return (
+            model.mesh_vert[rows_of(model, "mesh_vert", mesh)].astype(float),
+            model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.int64),
+        )
     shape: Any
     if kind == GEOM.mjGEOM_BOX:
         shape = creation.box(2 * size)
@@ -72,11 +73,10 @@ class BoundSkin:
 
 def skin_of(model: mujoco.MjModel, index: int) -> BoundSkin:
     """Return a skin by its number."""
-    verts, bones = rows_of(model, "vert", index), rows_of(model, "bone", index)
+    verts, bones = rows_of(model, "skin_vert", index), rows_of(model, "skin_bone", index)
     weights = np.zeros((verts.stop - verts.start, bones.stop - bones.start))
     for bone in range(bones.start, bones.stop):
-        first = model.skin_bonevertadr[bone]
-        rows = slice(first, first + model.skin_bonevertnum[bone])
+        rows = rows_of(model, "skin_bonevert", bone)
         weights[model.skin_bonevertid[rows], bone - bones.start] = model.skin_bonevertweight[rows]
     return BoundSkin(
         model.skin_vert[verts],
@@ -88,14 +88,14 @@ def skin_of(model: mujoco.MjModel, index: int) -> BoundSkin:
 
 
 def rows_of(model: mujoco.MjModel, kind: str, index: int) -> slice:
-    """Return the rows of a skin in the model's arrays of a kind: `vert`, `face` or `bone`."""
-    first = getattr(model, f"skin_{kind}adr")[index]
-    return slice(first, first + getattr(model, f"skin_{kind}num")[index])
+    """Return the rows of a mesh or a skin in the model's arrays of a kind: `mesh_vert` or `skin_bone`, say."""
+    first = getattr(model, f"{kind}adr")[index]
+    return slice(first, first + getattr(model, f"{kind}num")[index])
 
 
 def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[tuple[tuple[int, int, int], Array]]:
     """Yield the colours of a skin, 0 to 255, at most so many, each with its faces, shape (m, 3)."""
-    faces, material = model.skin_face[rows_of(model, "face", index)], model.skin_matid[index]
+    faces, material = model.skin_face[rows_of(model, "skin_face", index)], model.skin_matid[index]
     rgba = model.mat_rgba[material] if material >= 0 else model.skin_rgba[index]
     pixels, first = texture_of(model, material), model.skin_texcoordadr[index]
     if pixels is None or first < 0:

@@ -1,19 +1,23 @@
-"""Pages as text: what they know, the program that shows it, and its style, in one file."""
+"""Pages as text: what they know, maybe with physics, the program that shows it, and its style, in one file."""
 
+import base64
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
+from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
 from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
-from mimoc.viewer.appearance import describe_materials, describe_skins
+from mimoc.viewer.appearance import describe_materials, describe_skins, describe_surroundings
 from mimoc.viewer.growth import (
     AGES_MONTHS,
     SKIN_AGES_MONTHS,
@@ -24,9 +28,66 @@ from mimoc.viewer.growth import (
     posed,
 )
 from mimoc.viewer.packing import EncodedArrays, built, source
-from mimoc.viewer.physics import AGES_MONTHS as PHYSICS_AGES_MONTHS
-from mimoc.viewer.physics import describe_physics, engine
-from mimoc.viewer.surroundings import describe_surroundings
+
+ENGINE, WASM = "mujoco.js", "mujoco.wasm.gz"
+PHYSICS_AGES_MONTHS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 24.0)
+"""Ages that a page has models of, besides the infant's own."""
+SHOWN_ONLY = ("material", "texture", "skin")
+"""Elements of MJCF that physics does not need."""
+
+
+def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
+    """Return the models of an infant at some ages as MJCF, and what of them is the infant's.
+
+    Args:
+        packed: Where the arrays go.
+        variants: The infant at each age.
+    """
+    model, manifest = variants[0].model, variants[0].bundle.manifest
+    parts = own_parts(model, manifest)
+    return {
+        "models": [_model(packed, variant) for variant in variants],
+        "bodies": packed.put(parts.bodies),
+        "qpos": packed.put(parts.qpos),
+        "around": [model.body(body).name for body in range(model.nbody)],
+        "step_s": manifest.step_ms / 1000,
+        "commanded": packed.put(
+            np.array([model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int)
+        ),
+    }
+
+
+def engine() -> Mapping[str, str]:
+    """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
+
+    Raises:
+        MimocError: If it has not been built.
+    """
+    # MuJoCo's program makes functions of text when it starts; without physics, a page forbids itself that.
+    return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
+
+
+def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
+    """Return a model and the files that it refers to, bare: MJCF and meshes."""
+    scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
+    bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
+    needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
+    return {
+        "age_months": variant.bundle.manifest.child.age_months,
+        "scene": packed.put(np.frombuffer(_bare(scene), np.uint8)),
+        "files": {name: packed.put(np.frombuffer(content, np.uint8)) for name, content in needed.items()},
+    }
+
+
+def _bare(mjcf: str) -> bytes:
+    """Return MJCF without what only shows."""
+    root = ElementTree.fromstring(mjcf)
+    for parent in list(root.iter()):
+        parent.attrib.pop("material", None)
+        for child in [element for element in parent if element.tag in SHOWN_ONLY]:
+            parent.remove(child)
+    return ElementTree.tostring(root)
+
 
 Progress = Callable[[int, int], None]
 PROGRAM, LICENCES = "viewer.js", "LICENCES.txt"
@@ -61,6 +122,8 @@ def describe(
     sparse = [at(age) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
     shown = at(manifest.child.age_months)
+    simulated_months = sorted({*PHYSICS_AGES_MONTHS, manifest.child.age_months}) if physics else []
+    simulated = [at(age, age in SKIN_AGES_MONTHS) for age in simulated_months]
     model, data = shown.model, posed(shown)
     return {
         "name": manifest.name,
@@ -76,7 +139,7 @@ def describe(
         "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
         "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
         **describe_materials(packed, model),
-        "physics": describe_physics(packed, _models(at, manifest.child.age_months)) if physics else None,
+        "physics": describe_physics(packed, simulated) if physics else None,
         "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
     }
 
@@ -125,11 +188,6 @@ def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
     }
     parts = {name: part.replace("</script", "<\\/script") for name, part in parts.items()}
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
-
-
-def _models(at: "_Ages", age_months: float) -> list[Variant]:
-    """Return the infants whose models a page has: that of its own age, too."""
-    return [at(age, age in SKIN_AGES_MONTHS) for age in sorted({*PHYSICS_AGES_MONTHS, age_months})]
 
 
 class _Ages:

@@ -1,6 +1,6 @@
 """One episode of a recording for a page: how the infant and what is around it moved, what it felt, saw and did."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,10 +15,10 @@ from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
+from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.packing import EncodedArrays
-from mimoc.viewer.page import describe, fill
-from mimoc.viewer.surroundings import bodies_around, describe_surroundings
+from mimoc.viewer.page import Progress, describe, fill
 
 FRAMES = 3000
 """Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""
@@ -28,19 +28,6 @@ LEVELS = 65535
 """Steps between the least and the largest value of a curve."""
 
 Array = npt.NDArray[Any]
-Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedPage:
-    """The page of an episode."""
-
-    text: str
-    """HTML."""
-    episode: Episode
-    """What it shows."""
-    difference: str | None
-    """The first number that did not come out again when it was simulated for the page, if any."""
 
 
 def page_of_recording(
@@ -49,8 +36,8 @@ def page_of_recording(
     number: int | None = None,
     physics: bool = False,
     progress: Progress = lambda *_: None,
-) -> RecordedPage:
-    """Return the page of an episode, which is simulated again for it.
+) -> tuple[str, str | None]:
+    """Return the page of an episode, which is simulated again for it, and the first number that did not come out again.
 
     Args:
         recording: The recording.
@@ -68,7 +55,7 @@ def page_of_recording(
     packed = EncodedArrays()
     data = describe(packed, recording.bundle(episode.infant), physics)
     replayed, difference = describe_episode(packed, recording, episode, progress)
-    return RecordedPage(fill(packed, {**data, **replayed}), episode, difference)
+    return fill(packed, {**data, **replayed}), difference
 
 
 def describe_episode(
@@ -111,7 +98,7 @@ class _Film:
     expressions: list[str | None] = field(default_factory=list)
     around: list[Array] = field(default_factory=list)
     felt: list[tuple[Array, Array]] = field(default_factory=list)
-    """Skin points and the forces on them, as observed."""
+    """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
     _row: int = 0
 
@@ -132,7 +119,9 @@ class _Film:
         bodies = bodies_around(env.model, parts)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
-            self.felt.append(_felt(observation["touch"], len(env.skin.bodies)))
+            forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
+            touched = np.flatnonzero(forces_n)
+            self.felt.append((touched, forces_n[touched]))
 
     def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
@@ -159,28 +148,14 @@ class _Film:
         }
 
 
-def _sum_n(observed: Array) -> float:
-    """Return the sum of all forces of a row, [N], whatever was measured of each."""
-    return float(np.abs(observed).sum())
-
-
-def _felt(observed: Array, points: int) -> tuple[Array, Array]:
-    """Return the skin points with any force, and its size, [N]."""
-    forces_n = np.linalg.norm(observed.reshape(points, -1), axis=1)
-    points_felt = np.flatnonzero(forces_n)
-    return points_felt, forces_n[points_felt]
-
-
 def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
     yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
     yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
     for reading in episode.described.readings:
         if reading.name == "touch":
-            forces = episode.observation(reading.name)
-            yield _curve(
-                packed, "touch", ("sum of forces [N]",), np.stack([_sum_n(row) for row in forces[rows]])[:, None]
-            )
+            sums_n = [[float(np.abs(forces).sum())] for forces in episode.observation(reading.name)[rows]]
+            yield _curve(packed, "touch", ("sum of forces [N]",), np.array(sums_n))
         elif reading.kind == "dense":
             values = episode.observation(reading.name)[rows]
             yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))

@@ -16,10 +16,10 @@ from mimoc.compiler.pipeline import compiled
 from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import Progress, describe, fill, page_of
-from mimoc.viewer.surroundings import describe_surroundings
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
@@ -117,16 +117,14 @@ def view(
     if (recording := _recording_of(shown)) is not None:
         from mimoc.viewer.replayed import page_of_recording
 
-        page = page_of_recording(recording, infant, episode, physics, progress)
-        made = View(page.text, page.difference)
+        made = View(*page_of_recording(recording, infant, episode, physics, progress))
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         made = View(_page_of_env(shown.unwrapped, physics))
-    elif isinstance(shown, (Bundle, InfantSpec)):
-        made = View(page_of(compiled(shown), physics, progress))
-    elif isinstance(shown, (str, Path)):
-        made = View(page_of(compiled(Path(shown).expanduser()), physics, progress))
+    elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
+        source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
+        made = View(page_of(compiled(source), physics, progress))
     else:
         kind = type(shown).__name__
         raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment")
@@ -156,10 +154,10 @@ def _page_of_env(env: InfantEnv, physics: bool) -> str:
     """Return the page of an infant that is as it is now; at other ages the same, as high as it is long."""
     packed = EncodedArrays()
     data: dict[str, Any] = describe(packed, env.bundle, physics)
-    own = own_parts(env.model, env.manifest)
+    infant = own_parts(env.model, env.manifest)
     lengths_cm = packed.arrays[data["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
-    posture = np.tile(env.data.qpos[own.qpos], (len(lengths_cm), 1))
+    posture = np.tile(env.data.qpos[infant.qpos], (len(lengths_cm), 1))
     posture[:, 2] *= lengths_cm / env.manifest.child.length_cm
     data["poses"][NOW] = packed.put(posture)
-    around = describe_surroundings(packed, env.model, env.data, own)
+    around = describe_surroundings(packed, env.model, env.data, infant)
     return fill(packed, {**data, "pose": NOW, "surroundings": around})

@@ -7,8 +7,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.actuation.binding import Actuation
-from mimoc.actuation.commands import command_range, effort_of, find_actuators, limits_of_motors
+from mimoc.actuation.binding import Actuation, command_range, effort_of, find_actuators, limits_of_motors
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain

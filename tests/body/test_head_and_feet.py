@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimoc.body import Body, BodyTree, assemble, grow_tree
+from mimoc.body.kinematics import stature
 from mimoc.body.reference import head_share
-from mimoc.body.stature import stature
 from mimoc.compiler.validation.segment_masses import (
     ARMS,
     DUMMIES,

@@ -1,7 +1,7 @@
 import pytest
 
 from mimoc.body import assemble, grow_tree
-from mimoc.body.stature import stature
+from mimoc.body.kinematics import stature
 from mimoc.fits import load_tables, measure
 from mimoc.units import m_to_cm
 

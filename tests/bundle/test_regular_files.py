@@ -5,8 +5,13 @@ import os
 import pytest
 
 from mimoc.bundle.files import make_folder, open_new_file, write_file
-from mimoc.bundle.json_files import read_json_file
-from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, read_regular_file, regular_files
+from mimoc.bundle.regular_files import (
+    UnusableFileError,
+    open_regular_file,
+    read_json_file,
+    read_regular_file,
+    regular_files,
+)
 from mimoc.errors import OutputError
 from mimoc.schema.base import Model
 

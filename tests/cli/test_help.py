@@ -13,8 +13,8 @@ import mimoc
 from mimoc.cli import cohort, commands
 from mimoc.compiler.validation import who
 from mimoc.studies.experiments import growth
-from mimoc.training import hyperparameters
-from mimoc.training.hyperparameters import HYPERPARAMETERS
+from mimoc.training import settings
+from mimoc.training.settings import HYPERPARAMETERS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 COMMANDS = {command.name or command.callback.__name__: command for command in commands.app.registered_commands}
@@ -48,7 +48,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     """Those that train, validate and experiment do less of it than elsewhere."""
     ppo = HYPERPARAMETERS["ppo"]
     brief = {"n_steps": replace(ppo["n_steps"], default=32), "n_epochs": replace(ppo["n_epochs"], default=1)}
-    monkeypatch.setattr(hyperparameters, "HYPERPARAMETERS", {"ppo": ppo | brief})
+    monkeypatch.setattr(settings, "HYPERPARAMETERS", {"ppo": ppo | brief})
     monkeypatch.setattr(who, "MONTHS", (0, 12))
     monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
     (here / "config.yml").symlink_to(CONFIGS / "babybench.yml")

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from mimoc.cohorts.engines.tasks import End, RefusedError, do_on, tasks_of
+from mimoc.cohorts.engines import End, RefusedError, do_on, tasks_of
 from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.work import JobWorkspace

@@ -7,7 +7,7 @@ import pytest
 from support import store
 
 from mimoc.body import assemble, grow_tree
-from mimoc.body.stature import stature
+from mimoc.body.kinematics import stature
 from mimoc.bundle.manifest import Manifest
 from mimoc.fits import measure
 

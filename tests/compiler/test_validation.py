@@ -5,7 +5,7 @@ import pytest
 from support.full import full_rows
 
 from mimoc import body, fits
-from mimoc.body.stature import Stature, stature
+from mimoc.body.kinematics import Stature, stature
 from mimoc.compiler import validation
 from mimoc.compiler.validation import (
     GrowthReport,

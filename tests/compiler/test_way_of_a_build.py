@@ -72,7 +72,7 @@ def test_a_build_comes_back_to_a_module_at_most_twenty_times(spec):
 def test_a_body_goes_through_its_stages_once_in_their_order(spec):
     grow_body(spec)
     way = way_of(lambda: grow_body(spec))
-    stages = ("reference", "measurements", "shapes", "masses", "joints", "strength", "prune")
+    stages = ("reference", "measurements", "shapes", "masses", "joints", "strength", "tree")  # `prune` is in `tree`.
     places = [way.index(f"body/{stage}.py") for stage in stages]
     assert places == sorted(places), way
     assert returns(way) <= 5, way

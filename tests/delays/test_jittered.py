@@ -10,8 +10,8 @@ from support.slider import MODEL, MOTORS
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
 from mimoc.delays.timing import Timing
+from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
-from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Vector
 
 LONG = 4000

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow_tree
-from mimoc.body.prune import prune
+from mimoc.body.tree import prune
 from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.fits import measure

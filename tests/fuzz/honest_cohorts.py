@@ -30,7 +30,7 @@ from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.source import in_memory
 from mimoc.schema.yaml_document import dump
-from mimoc.training.learnable import check_learnable
+from mimoc.training.settings import check_learnable
 
 MOST_INFANTS = 4
 TRIES = 1000

@@ -10,8 +10,8 @@ from fuzz.mutations import changed_bytes, changed_data, pick
 from support.mesh_kinds import WRITERS, box, confetti, cup, glb_of
 
 from mimoc.toys.toys4k import processing, subprocesses, worker
+from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.dataset import find_toys
-from mimoc.toys.toys4k.meshes import load_toy
 
 SHAPES = {"box": box(), "cup": cup(), "soup": confetti(150)}
 

@@ -9,8 +9,8 @@ from support.mesh_kinds import glb_of
 
 from mimoc.errors import TextureError, ToyError
 from mimoc.looks.own_textures import read_textures
+from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.dataset import find_toys
-from mimoc.toys.toys4k.meshes import load_toy
 
 PNG, *_, TIFF = pictures.prepare(None)
 PICTURES = {

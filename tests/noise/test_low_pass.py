@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimoc.noise.low_pass import LowPass, Smooth
+from mimoc.noise.noise import LowPass, Smooth
 from mimoc.runtime.array_library import NUMPY
 
 COUNT = 40_000

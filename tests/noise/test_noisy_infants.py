@@ -11,9 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.noise.low_pass import LowPass, Smooth
-from mimoc.noise.motor import MotorNoise
-from mimoc.noise.noise import Draw, Noise
+from mimoc.noise.noise import Draw, LowPass, MotorNoise, Noise, Smooth
 from mimoc.noise.spec import NoiseEntry
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import stack_terms
@@ -125,7 +123,7 @@ def library(request):
     """Return an array library, and what moves NumPy's arrays there."""
     if request.param == "numpy":
         return NUMPY, np.asarray
-    torch = pytest.importorskip("torch")
+    torch = importlib.import_module("torch")
     return importlib.import_module("array_api_compat.torch"), lambda array: torch.as_tensor(
         array, dtype={"f": torch.float32}.get(array.dtype.kind)
     )

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 
 channels = st.sampled_from(["motor", "touch", "jitter.touch", "jitter.motor", "proprioception"])
 

@@ -53,7 +53,7 @@ def recorded(tmp_path_factory) -> Path:
                 env.unwrapped.set_expression("happy")
             env.step(env.action_space.sample())
     path = folder / "recording.html"
-    path.write_text(page_of_recording(mimoc.read_recording(folder / "senses")).text, encoding="utf-8")
+    path.write_text(page_of_recording(mimoc.read_recording(folder / "senses"))[0], encoding="utf-8")
     return path
 
 

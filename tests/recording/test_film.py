@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from mimoc.errors import RenderingError
-from mimoc.recording.film import GAP_PX, VideoFrames
+from mimoc.recording.record import GAP_PX, VideoFrames
 from mimoc.render.camera import shows
 
 HEIGHT_PX = 2 * 32 + GAP_PX
@@ -86,7 +86,7 @@ def test_an_infant_stays_in_the_picture_while_the_camera_hardly_moves(open_env, 
     first, moves_m = None, []
     for step in range(40):
         film.frame(observation)
-        assert shows(film.shot, film.spheres, film.aspect)
+        assert shows(film.shot, film.camera.spheres(env.unwrapped.data), film.camera.aspect)
         first = film.shot if first is None else first
         moves_m.append(np.linalg.norm(film.shot.position_m - first.position_m))
         if step == 20:

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from mimoc.errors import RecordingError
-from mimoc.recording import frames, layout_names
+from mimoc.recording import described, frames
 from mimoc.recording.blocks import Sparse, reading_of
-from mimoc.recording.layout_names import compact_names, expand_names
+from mimoc.recording.described import compact_names, expand_names
 from mimoc.recording.state_text import from_plain, is_same, to_plain
 
 numbers = arrays.arrays(
@@ -63,7 +63,7 @@ names = st.builds(
 
 @given(layout=st.lists(names | st.text(max_size=3), max_size=14))
 def test_any_layout_comes_back_whatever_counts_as_long(layout):
-    with mock.patch.object(layout_names, "LONG", 0):
+    with mock.patch.object(described, "LONG", 0):
         assert expand_names(json.loads(json.dumps(compact_names(layout)))) == tuple(layout)
     assert expand_names(compact_names(layout)) == tuple(layout)
 

@@ -5,7 +5,7 @@ from threading import Event
 import pytest
 from support.forks import status_of_fork
 
-from mimoc.recording.writer import WAITING, Writer
+from mimoc.recording.observer import WAITING, Writer
 
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")

@@ -8,8 +8,8 @@ import pytest
 from scipy import ndimage
 
 from mimoc.bundle.model import load_model, load_posed
-from mimoc.render.portrait import COLOUR, Framing, bar_length_cm, lineup, portrait
-from mimoc.render.row import GAP_M, row_of
+from mimoc.render.picture_files import COLOUR, bar_length_cm
+from mimoc.render.portrait import GAP_M, Framing, lineup, portrait, row_of
 
 SIZE = {"width": 160, "height": 120}
 POSES = ("supine", "prone", "sitting", "standing")
@@ -90,17 +90,17 @@ def test_a_row_is_the_same_wherever_its_infants_live(kind, built, posed):
 def test_infants_in_a_row_face_forward_and_keep_their_distance(pose, built, posed):
     """The feet of those that sat, and the hands of those that lay, went through each other."""
     older = built(age_months=20, scene={"kind": "room", "seed": 5})
-    row = row_of([older, posed["supine"], older], pose)
-    for root in row.roots:
-        assert row.data.body(root).xpos[0] == pytest.approx(0, abs=1e-9)
-        assert row.data.body(root).xmat.reshape(3, 3)[:2, 1] == pytest.approx([0, 1], abs=0.02)
-    ends_m = [ends_of(row.model, row.data, root, axis=1) for root in row.roots]
+    model, data, roots, _ = row_of([older, posed["supine"], older], pose)
+    for root in roots:
+        assert data.body(root).xpos[0] == pytest.approx(0, abs=1e-9)
+        assert data.body(root).xmat.reshape(3, 3)[:2, 1] == pytest.approx([0, 1], abs=0.02)
+    ends_m = [ends_of(model, data, root, axis=1) for root in roots]
     (_, first), (second, third), (fourth, _) = ends_m
     assert (second - first, fourth - third) == pytest.approx((GAP_M, GAP_M))
 
 
 def test_the_floor_of_a_row_is_that_of_flat_scenes(posed):
-    row, flat = surroundings(row_of([posed["sitting"]], None).model), surroundings(load_model(posed["sitting"]))
+    row, flat = surroundings(row_of([posed["sitting"]], None)[0]), surroundings(load_model(posed["sitting"]))
     for name, value in flat.items():
         assert np.array_equal(row[name], value), name
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mimoc.render.picture_grid import FONT_PX, GAP_PX, tile_pictures
+from mimoc.render.picture_files import FONT_PX, GAP_PX, tile_pictures
 
 PLAIN = [[np.full((40, 60, 3), 10 * row + column, np.uint8) for column in range(3)] for row in range(2)]
 

@@ -7,7 +7,7 @@ import pytest
 from scipy import ndimage
 
 import mimoc
-from mimoc.bundle.model import load_model, load_posed, load_straight
+from mimoc.bundle.model import load_model, load_posed
 from mimoc.errors import RenderingError, UnknownNameError
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, Planes, Spheres, fit_shot, view_of_body
@@ -326,4 +326,4 @@ def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
 def test_an_infant_without_touch_has_no_skin_to_show(bundle_at):
     bundle = bundle_at(9)
     with pytest.raises(RenderingError, match=r"'infant' has no sense of touch.* add `senses: \{touch: \{\}\}`"):
-        skin_markers(bundle, *load_straight(bundle))
+        skin_markers(bundle, *load_posed(bundle))

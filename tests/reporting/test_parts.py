@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.quantities.child import AGE
+from mimoc.render.plots.drawing import around, draw_svg, ticks
 from mimoc.render.plots.plot import Dots, Plot
-from mimoc.render.plots.svg import around, draw_svg, ticks
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.strength import strength

@@ -15,7 +15,7 @@ from stable_baselines3.common.monitor import Monitor
 import mimoc
 from mimoc.environments import open_infant
 from mimoc.runtime.closing import STAYS
-from mimoc.runtime.many.growing import GrowingInfants
+from mimoc.runtime.many.vector_env import ManyInfants
 
 EYES = {"proprioception": {}, "touch": {"density": 0.1}, "vision": {"width_px": 16, "height_px": 16}}
 SIZE = {"render_mode": "rgb_array", "width": 32, "height": 32}
@@ -30,7 +30,7 @@ def seeing(built) -> mimoc.Bundle:
 KINDS = {
     "one": lambda bundle: mimoc.make(bundle, **SIZE).unwrapped,
     "many": lambda bundle: mimoc.make_vec(bundle, 2, **SIZE),
-    "growing many": lambda bundle: GrowingInfants([partial(open_infant, bundle, **SIZE)], lambda _: 9.5),
+    "growing many": lambda bundle: ManyInfants([partial(open_infant, bundle, **SIZE)], schedule=lambda _: 9.5),
 }
 WRAPPED = {
     "gymnasium": lambda bundle, _: mimoc.make(bundle, **SIZE),

@@ -164,3 +164,10 @@ def test_bad_input_is_told_like_any_other(tmp_path):
         mimoc.build(tmp_path / "spec.yaml")
     keys = [problem.key for problem in error.value.problems]
     assert keys == ["senses.height.max_m", "senses.height.min_m", "delays.height_ms"]
+
+
+def test_a_bundle_of_an_infant_without_it_can_be_read_where_it_is_unknown():
+    spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=9)
+    content = mimoc.build(spec).files["manifest.json"]
+    assert b"vestibular" in content
+    assert b"sound" not in content

@@ -15,7 +15,7 @@ import pytest
 
 from mimoc.render import renderer
 from mimoc.render.opengl import open_context
-from mimoc.render.visual_settings import visual_settings
+from mimoc.render.renderer import visual_settings
 
 MjrContext = mujoco.MjrContext
 SHADOWS_PX = 1024

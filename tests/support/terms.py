@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.kinds import function_of
-from mimoc.noise.motor import bind_motor_noise
-from mimoc.noise.noise import Draw, Noise, bind_noise
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
 from mimoc.noise.spec import NoiseEntry, noise_keys
 from mimoc.quantities import QUANTITIES
 from mimoc.runtime.env import InfantEnv
@@ -69,24 +68,6 @@ def _terms_of_noise(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]
         yield f"noise of {name}", TwoSamples(noise), (samples, generator.normal(size=(INFANTS, 2 * sizes[name])))
 
 
-@dataclass(frozen=True)
-class Judged(Term):
-    """All arrays of a task's judgement, by name, also of what it changes in the model."""
-
-    term: Term
-
-    def __call__(self, worlds, actions, memory):
-        """Return them for actions of shape (k, n) and what the task remembers, shape (k, ...) each."""
-        judgement = self.term(worlds, actions, memory)
-        ends = {"success": judgement.success, "terminated": judgement.terminated}
-        return {
-            **{f"reward {name}": values for name, values in judgement.reward_terms.items()},
-            **{name: values for name, values in ends.items() if values is not False},
-            **{f"memory {name}": values for name, values in judgement.memory.items()},
-            **{f"change of {name}": (change.where, change.values()) for name, change in judgement.changes.items()},
-        }
-
-
 def _terms_of_task(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]]:
     """Yield what judges an infant, with what the task remembers at the starts of some episodes."""
     if env.task.term is not None:
@@ -95,11 +76,7 @@ def _terms_of_task(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]
         for seed in range(INFANTS):
             env.reset(seed=seed)
             states.append(env.task.state)
-        yield (
-            "task",
-            Judged(env.task.term),
-            (actions, {name: np.stack([s[name] for s in states]) for name in states[0]}),
-        )
+        yield "task", env.task.term, (actions, {name: np.stack([s[name] for s in states]) for name in states[0]})
 
 
 def check_terms(env: InfantEnv) -> list[str]:

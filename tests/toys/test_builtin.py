@@ -10,8 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
 from mimoc.toys.builtin import NAMES, load_toy
-from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.solids import bounds, solid_volume
+from mimoc.toys.model import Mesh, ToyModel, bounds, solid_volume
 
 CATEGORIES = set(
     """

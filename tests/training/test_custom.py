@@ -72,7 +72,7 @@ def test_a_run_is_only_resumed_with_the_same_task(learn):
 def invoke(monkeypatch, capfd, tmp_path, bundle):
     """Return what runs `mimoc train` in a folder with a module of tasks."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "my_tasks.py").write_text(MODULE)
+    (tmp_path / "tasks_of_a_test.py").write_text(MODULE)
     mimoc.write_bundle(bundle, "out")
 
     def run(*arguments):
@@ -84,24 +84,24 @@ def invoke(monkeypatch, capfd, tmp_path, bundle):
         return 0, capfd.readouterr().err
 
     yield run
-    sys.modules.pop("my_tasks", None)
+    sys.modules.pop("tasks_of_a_test", None)
 
 
 SMALL = ["--steps", "64", "--envs", "2", "--one-process", "--set", "n_steps=32", "--set", "batch_size=64"]
 
 
 def test_a_task_can_be_named_on_the_command_line(invoke, tmp_path):
-    assert invoke("--task", "my_tasks:Stillness", *SMALL)[0] == 0
-    assert "--task my_tasks:Stillness" in (tmp_path / "run" / "run.json").read_text()
+    assert invoke("--task", "tasks_of_a_test:Stillness", *SMALL)[0] == 0
+    assert "--task tasks_of_a_test:Stillness" in (tmp_path / "run" / "run.json").read_text()
 
 
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("my_tasks", "'my_tasks' does not name a class; write MODULE:CLASS, such as my_task:Stillness"),
+        ("tasks_of_a_test", "'tasks_of_a_test' does not name a class; write MODULE:CLASS, such as my_task:Stillness"),
         ("your_tasks:Stillness", "No module named 'your_tasks'; run this command in the folder of the module"),
-        ("my_tasks:Swiftness", "the module has no class 'Swiftness'"),
-        ("my_tasks:Demanding", "give all its arguments defaults"),
+        ("tasks_of_a_test:Swiftness", "the module has no class 'Swiftness'"),
+        ("tasks_of_a_test:Demanding", "give all its arguments defaults"),
     ],
 )
 def test_a_task_that_is_not_there_is_a_clear_error(name, message, invoke, tmp_path):

@@ -10,7 +10,7 @@ from gymnasium.spaces import Box
 import mimoc
 from mimoc.errors import TrainingError
 from mimoc.runtime.rollout import Run
-from mimoc.training.learnable import STEPS_PER_EPISODE
+from mimoc.training.settings import STEPS_PER_EPISODE
 
 FREE = {"kind": "free"}
 EVERY = 128

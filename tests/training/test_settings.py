@@ -1,8 +1,7 @@
 import pytest
 
 from mimoc.errors import TrainingError, UnknownNameError
-from mimoc.training import hyperparameters
-from mimoc.training.settings import Settings
+from mimoc.training.settings import HYPERPARAMETERS, Settings, parse
 
 
 def settings(**changed):
@@ -11,7 +10,7 @@ def settings(**changed):
 
 
 def test_every_hyperparameter_has_a_value():
-    for algo, known in hyperparameters.HYPERPARAMETERS.items():
+    for algo, known in HYPERPARAMETERS.items():
         assert settings(algo=algo).hyper.keys() == known.keys()
         assert all(each.low <= each.default <= each.high for each in known.values())
 
@@ -40,11 +39,11 @@ def test_all_differences_but_the_steps_are_named():
 def test_the_options_give_the_same_settings():
     options = settings(hyper={"gamma": 0.9, "width": 32}).options()
     chosen = [options[place + 1] for place, option in enumerate(options) if option == "--set"]
-    assert hyperparameters.parse("ppo", chosen) == {"gamma": 0.9, "width": 32}
+    assert parse("ppo", chosen) == {"gamma": 0.9, "width": 32}
 
 
 def test_assignments_set_hyperparameters():
-    assert hyperparameters.parse("ppo", ["gamma=0.99", "n_steps=1e2"]) == {"gamma": 0.99, "n_steps": 100}
+    assert parse("ppo", ["gamma=0.99", "n_steps=1e2"]) == {"gamma": 0.99, "n_steps": 100}
 
 
 @pytest.mark.parametrize(
@@ -59,9 +58,9 @@ def test_assignments_set_hyperparameters():
 )
 def test_invalid_assignments_are_refused(text, said):
     with pytest.raises(TrainingError, match=said):
-        hyperparameters.parse("ppo", [text])
+        parse("ppo", [text])
 
 
 def test_each_algorithm_has_its_own_hyperparameters():
     with pytest.raises(UnknownNameError, match="'n_epochs' is not a hyperparameter of sac"):
-        hyperparameters.parse("sac", ["n_epochs=3"])
+        parse("sac", ["n_epochs=3"])

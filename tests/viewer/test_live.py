@@ -12,8 +12,7 @@ from websockets.sync.client import connect
 
 import mimoc
 from mimoc.errors import MimocError
-from mimoc.viewer.access import Access
-from mimoc.viewer.live import LiveView
+from mimoc.viewer.live import Access, LiveView
 
 
 @pytest.fixture(scope="module")

@@ -79,7 +79,7 @@ def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_it
         parts = list(coloured_faces(model, index, 6))
         assert 1 <= len(parts) <= 6
         together = np.concatenate([faces for _, faces in parts])
-        theirs = model.skin_face[rows_of(model, "face", index)]
+        theirs = model.skin_face[rows_of(model, "skin_face", index)]
         assert np.array_equal(np.unique(together, axis=0), np.unique(theirs, axis=0))
         assert len(together) == len(theirs)
         assert np.allclose(skin_of(model, index).weights.sum(axis=1), 1)

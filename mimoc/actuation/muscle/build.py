@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.activation import activation, activation_origin
-from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.actuation.setup import ActuationSetup, Origin, activation, activation_origin
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE

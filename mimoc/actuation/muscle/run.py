@@ -6,8 +6,7 @@ Two antagonists a joint, each of which pulls one way as its activation, length a
 import mujoco
 import numpy as np
 
-from mimoc.actuation.binding import Actuation
-from mimoc.actuation.commands import activations, command_range, effort_of, find_actuators
+from mimoc.actuation.binding import Actuation, activations, command_range, effort_of, find_actuators
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.mujoco_layout import MUSCLE_FORCE
 

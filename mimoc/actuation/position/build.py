@@ -16,19 +16,153 @@ with muscles .19 s. A target that follows within 60 ms would make that .25 s.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
-from mimoc.actuation.position.inertia import inertias
-from mimoc.actuation.position.origins import FINEST_STEP_S, LAG_S, STEPS_OF_LAG, servo_origins
-from mimoc.actuation.setup import ActuationSetup
-from mimoc.body import BodyTree, Joint, Motor
+from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.body import BodyTree, Geom, Joint, Motor
+from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
+from mimoc.body.origins import LAW, REFERENCE
+from mimoc.body.strength import FORWARDS
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 from mimoc.mujoco_layout import AffineBias
 from mimoc.units import deg_to_rad
+
+POSES = 4
+"""Number of sampled poses, distributed evenly over the ranges of all joints."""
+
+
+def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
+    """Return the smallest and the largest inertia about each joint over sampled poses, with armature, in [kg m²].
+
+    In other poses it is hardly less than half of the smallest returned; in one of hundreds, a third.
+    """
+    moved, joints, by_pose = _turning_masses(tree), tree.joints, []
+    for angles_rad in _spread_poses(tree):
+        anchors, axes = (np.array(column) for column in zip(*hinges(tree, angles_rad).values(), strict=True))
+        by_pose.append(_inertias(pose(tree, angles_rad), moved, anchors, axes))
+    armatures = np.array([joint.armature_kgm2 for joint in joints.values()])
+    least, largest = np.min(by_pose, axis=0) + armatures, np.max(by_pose, axis=0) + armatures
+    return dict(zip(joints, zip(least.tolist(), largest.tolist(), strict=True), strict=True))
+
+
+def _spread_poses(tree: BodyTree) -> list[dict[str, float]]:
+    """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker).
+
+    Left and right get the same angles, regardless of the order of joints, so that their inertias are equal.
+    """
+    joints = sorted({_sideless(name) for name in tree.joints})
+    steps = dict(zip(joints, np.sqrt(np.arange(2, 2 + len(joints)) + 0.5) % 1, strict=True))
+    return [
+        {
+            name: deg_to_rad(low + (0.5 + number * float(steps[_sideless(name)])) % 1 * (high - low))
+            for name, (low, high) in ((name, joint.range_deg) for name, joint in tree.joints.items())
+        }
+        for number in range(POSES)
+    ]
+
+
+def _sideless(joint: str) -> str:
+    return joint.replace("left_", "").replace("right_", "")
+
+
+def _turning_masses(tree: BodyTree) -> FloatArray:
+    """Return 1 where a joint moves a geom, 0 elsewhere, shape (joints, geoms)."""
+    above: dict[str, list[str]] = {}
+    for body in tree.bodies:
+        inherited = above[body.parent] if body.parent else []
+        above[body.name] = [*inherited, *(joint.name for joint in body.joints)]
+    columns = [[joint in above[body.name] for joint in tree.joints] for body in tree.bodies for _ in body.geoms]
+    return np.array(columns, float).T
+
+
+def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatArray) -> FloatArray:
+    """Return the inertia about each joint's axis of all parts that it moves, shape (joints,)."""
+    masses = np.array([geom.mass_kg for geom in posed.geoms])
+    arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
+    gyrations = np.array([_gyration_squares(geom) for geom in posed.geoms])
+    local = np.einsum("gij,ki->kgj", posed.rotations, axes)
+    squares = (arms**2).sum(axis=2) + (local**2 * gyrations).sum(axis=2)
+    return (moved * masses * squares).sum(axis=1)
+
+
+def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
+    """Return the squared radii of gyration about a geom's axes, in [m²]; a capsule is treated as its cylinder."""
+    if geom.type == "box":
+        x, y, z = (half_m**2 / 3 for half_m in geom.size_m)
+        return y + z, x + z, x + y
+    if geom.type == "ellipsoid":
+        x, y, z = (half_m**2 / 5 for half_m in geom.size_m)
+        return y + z, x + z, x + y
+    if geom.type == "sphere":
+        square = 0.4 * geom.size_m[0] ** 2
+        return square, square, square
+    radius_m, half_m = geom.size_m
+    across = radius_m**2 / 4 + half_m**2 / 3
+    return across, across, radius_m**2 / 2
+
+
+LAG_S = 0.03
+"""Time constant with which the target follows the command, and least time by which the joint is behind the target; both
+smooth what is commanded."""
+STEPS_OF_LAG = 2
+"""The least number of physics steps by which a joint is behind its target."""
+FINEST_STEP_S = 0.005
+"""Shorter physics steps make no stiffer servos."""
+
+MODEL_KEY, STEP_KEY = "spec.actuation.model", "spec.control.timestep_ms"
+_DAMPING = (
+    f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {LONGEST - SHORTEST:.2f}), "
+    "where that is more than the joint has with torque motors"
+)
+_STOP = f"least inertia about the joint / physics step (of {1000 * FINEST_STEP_S:g} ms at least)"
+_STIFFNESS = f"({_STOP} + damping of the joint) / lag ({LAG_S:g} s, and {STEPS_OF_LAG} physics steps at least)"
+
+
+def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
+    """Yield where each number of the servos comes from, and of the joints' dampers, by key."""
+    for joint in tree.joints:
+        gears = (f"actuator.{motor.name}.gear" for motor in tree.motors if motor.joint == joint)
+        yield f"joint.{joint}.damping", Origin(_DAMPING, (MODEL_KEY, *gears, f"joint.{joint}.range"))
+    for motor in tree.motors:
+        low, high = motor.force_range
+        at, gains = f"actuator.{motor.name}", _sources(tree, motor)
+        limits = (
+            f"gear x part of it that is reached towards negative and positive angles: {low:.6g} and {high:.6g} "
+            f"({REFERENCE}{_matured(tree, motor)})"
+        )
+        bias = f"torque at angle 0, then by angle: -{_STIFFNESS}, less the joint's own spring, and by speed: -{_STOP}"
+        yield f"{at}.forcerange", Origin(limits, (f"{at}.gear",), "N m")
+        yield f"{at}.gainprm", Origin(f"{_STIFFNESS} x half of the joint's range", gains)
+        yield f"{at}.biasprm", Origin(bias, gains)
+
+
+def _matured(tree: BodyTree, motor: Motor) -> str:
+    """Return what is said of a motor whose two directions mature apart."""
+    if tree.growth is None or motor.name not in FORWARDS:
+        return ""
+    return f", towards positive angles x strength of its front by that of its back at this age by {LAW}; D"
+
+
+def _sources(tree: BodyTree, motor: Motor) -> tuple[str, ...]:
+    """Return the keys of what a servo's stiffness and damping follow."""
+    constants = (f"joint.{motor.joint}.{name}" for name in ("range", "stiffness", "springref", "damping", "armature"))
+    return (*constants, STEP_KEY, *(f"body.{body}.mass" for body in _moved(tree, motor.joint)))
+
+
+def _moved(tree: BodyTree, joint: str) -> list[str]:
+    """Return the bodies that a joint moves."""
+    moved: list[str] = []
+    for body in tree.bodies:
+        if body.parent in moved or joint in [hinge.name for hinge in body.joints]:
+            moved.append(body.name)
+    return moved
+
 
 SERVO = (
     ("forcelimited", "true"),

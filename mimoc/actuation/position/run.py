@@ -2,8 +2,7 @@
 
 import mujoco
 
-from mimoc.actuation.binding import Actuation
-from mimoc.actuation.commands import command_range, effort_of, find_actuators, limits_of_motors
+from mimoc.actuation.binding import Actuation, command_range, effort_of, find_actuators, limits_of_motors
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.runtime.term import Field
 

@@ -6,7 +6,7 @@ import socket
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mimoc.cohorts.engines.tasks import End, Task, check_positive, do_on, tasks_of
+from mimoc.cohorts.engines import End, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store

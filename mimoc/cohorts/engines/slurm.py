@@ -10,7 +10,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from mimoc.bundle.files import make_folder
-from mimoc.cohorts.engines.tasks import End, RefusedError, Task, check_positive, do_on, tasks_of
+from mimoc.cohorts.engines import End, RefusedError, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store

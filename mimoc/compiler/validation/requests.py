@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.setup import build_actuation
+from mimoc.body.kinematics import Stature, stature
 from mimoc.body.measurements import targets
-from mimoc.body.stature import Stature, stature
 from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose
 from mimoc.compiler.furnish import SceneAssets, furnish

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from mimoc import fits
-from mimoc.body.stature import Stature
+from mimoc.body.kinematics import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.validation.requests import (
     PRIMITIVES,

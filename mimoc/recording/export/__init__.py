@@ -8,15 +8,50 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pyarrow as pa
+from pyarrow import csv
+
 from mimoc.errors import OutputError, RecordingError, UnknownNameError
+from mimoc.recording.described import OBSERVATION
 from mimoc.recording.earlier import convert
-from mimoc.recording.export.csv import export_csv
 from mimoc.recording.export.lerobot import export_lerobot
 from mimoc.recording.export.minari import export_minari
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
+from mimoc.recording.tables import sparse_of
 
 Progress = Callable[[int, int], None]
 """Called with how much is written, and how much there is."""
+
+
+def export_csv(recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Progress) -> list[str]:
+    """Write a table for each episode, one of touch with a row for each number that is not zero, and a list of all.
+
+    Returns:
+        What a table cannot hold.
+    """
+
+    def write(name: str, columns: Mapping[str, Any]) -> None:
+        csv.write_csv(pa.table({key: pa.array(values) for key, values in columns.items()}), out / f"{name}.csv")
+
+    notes = dict[str, None]()
+    for done, episode in enumerate(episodes):
+        progress(done, len(episodes))
+        name = episode.files.stems[0].name
+        write(name, episode.columns())
+        for reading in episode.described.readings:
+            if reading.kind == "picture":
+                notes[f"'{reading.name}' is left out: a table cannot hold pictures"] = None
+            elif reading.kind == "sparse":
+                rows, index, value = sparse_of(episode.table, OBSERVATION + reading.name)
+                layout = reading.layout or [str(number) for number in range(reading.size)]
+                columns = {"step": episode.step[rows], "name": np.array(layout)[index], "value": value}
+                write(f"{name}.{reading.name}", columns)
+                notes[f"'{reading.name}' is in tables of its own, without the numbers that are zero"] = None
+    write("episodes", recording.summary())
+    return [*notes, "states and what was done besides control steps are left out: a table cannot hold them"]
+
+
 Export = Callable[[ReadRecording, Sequence[Episode], Path, Progress], Iterable[str]]
 """Writes episodes into an empty folder, and returns what the format cannot hold, one line each."""
 FORMATS: Mapping[str, Export] = {"minari": export_minari, "lerobot": export_lerobot, "csv": export_csv}

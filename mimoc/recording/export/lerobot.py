@@ -53,7 +53,11 @@ def export_lerobot(
         stats = _with_pictures(out, episodes, reading, stats)
     _write(out / "meta" / "tasks.parquet", _tasks(task))
     spans = [_span(number, *span, episodes, task) for number, span in enumerate(zip(starts, ends, strict=True))]
-    _write(out / "meta" / "episodes" / f"{FILE}.parquet", _episodes(spans, stats))
+    rows = [
+        span | {f"stats/{name}/{what}": value for name, numbers in features.items() for what, value in numbers.items()}
+        for span, features in zip(spans, stats, strict=True)
+    ]
+    _write(out / "meta" / "episodes" / f"{FILE}.parquet", pa.Table.from_pylist(rows))
     _write_json(out / "meta" / "info.json", _info(episodes, readings))
     _write_json(out / "meta" / "stats.json", _joined(stats))
     sparse = [reading.name for reading in readings if reading.kind == "sparse"]
@@ -116,35 +120,15 @@ def _tasks(task: str) -> Any:
 
 def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: str) -> dict[str, Any]:
     """Return where an episode is in all files."""
-    place = {
-        "episode_index": number,
-        "tasks": [task],
-        "length": end - start,
-        "data/chunk_index": 0,
-        "data/file_index": 0,
-        "dataset_from_index": start,
-        "dataset_to_index": end,
-        "meta/episodes/chunk_index": 0,
-        "meta/episodes/file_index": 0,
-    }
+    place = {"episode_index": number, "tasks": [task], "length": end - start}
+    place |= {"data/chunk_index": 0, "data/file_index": 0, "dataset_from_index": start, "dataset_to_index": end}
+    place |= {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
     rate = episodes[0].described.rate_hz
     for reading in _pictures(episodes[0].described.readings):
-        before = sum(episode.steps for episode in episodes[:number])
-        place |= {
-            f"videos/{_feature(reading)}/chunk_index": 0,
-            f"videos/{_feature(reading)}/file_index": 0,
-            f"videos/{_feature(reading)}/from_timestamp": float(before / rate),
-            f"videos/{_feature(reading)}/to_timestamp": float((before + end - start) / rate),
-        }
+        video = {"chunk_index": 0, "file_index": 0}
+        video |= {"from_timestamp": float(start / rate), "to_timestamp": float(end / rate)}
+        place |= {f"videos/{_feature(reading)}/{name}": value for name, value in video.items()}
     return place
-
-
-def _episodes(spans: Sequence[dict[str, Any]], stats: Sequence[dict[str, dict[str, Any]]]) -> Any:
-    rows = [
-        span | {f"stats/{name}/{what}": value for name, numbers in features.items() for what, value in numbers.items()}
-        for span, features in zip(spans, stats, strict=True)
-    ]
-    return pa.Table.from_pylist(rows)
 
 
 def _stats(array: Array) -> dict[str, Any]:
@@ -169,12 +153,8 @@ def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
         count = parts["count"].reshape(-1, *([1] * (parts["mean"].ndim - 1)))
         mean = (parts["mean"] * count).sum(axis=0) / count.sum()
         square = ((parts["std"] ** 2 + (parts["mean"] - mean) ** 2) * count).sum(axis=0) / count.sum()
-        joined = {
-            "min": parts["min"].min(axis=0),
-            "max": parts["max"].max(axis=0),
-            "mean": mean,
-            "std": np.sqrt(square),
-        }
+        extremes = {"min": parts["min"].min(axis=0), "max": parts["max"].max(axis=0)}
+        joined = {**extremes, "mean": mean, "std": np.sqrt(square)}
         features[name] = {what: values.tolist() for what, values in joined.items()} | {"count": [int(count.sum())]}
     return features
 

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from mimoc.actuation.commands import command_range
+from mimoc.actuation.binding import command_range
 from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
 from mimoc.recording.reading import Episode, ReadRecording
@@ -54,10 +54,6 @@ def export_minari(
             jpeg_encoding=False,
             description=f"Recorded with mimoc {versions.get('mimoc', '')} and MuJoCo {versions.get('mujoco', '')}",
         )
-    return _notes(episodes, name)
-
-
-def _notes(episodes: Iterable[Episode], name: str) -> list[str]:
     cut = sum(not (episode.terminated[-1] or episode.truncated[-1]) for episode in episodes)
     return [
         f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",

@@ -1,8 +1,13 @@
-"""Drawings for a page: what an SVG shows, with every coordinate as the text that is printed."""
+"""Drawings for a page, plots among them: what an SVG shows, with every coordinate as the text that is printed."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import ClassVar
+
+from mimoc.quantities.quantity import Quantity
+from mimoc.render.plots.plot import Numbers, Plot, Range, Ticks
 
 DECIMALS = 1
 """Of coordinates, in units of the drawing, which are pixels on most screens."""
@@ -105,3 +110,97 @@ def _titles(title: str) -> tuple[str, ...]:
 
 def _through(points: Sequence[Point]) -> str:
     return "M" + "L".join(f"{px(x)} {px(y)}" for x, y in points)
+
+
+WIDTH, HEIGHT = 340.0, 220.0
+LEFT, RIGHT, TOP, BOTTOM = 42.0, 14.0, 26.0, 34.0
+"""Margins around the data."""
+NOTES = 30.0
+"""Margin at the right where texts beside points need room."""
+MARGIN = 0.05
+"""Room beyond the data at either end, as a share of its range."""
+MOST_TICKS = 6
+MINUS = "\u2212"
+
+
+def draw_svg(plot: Plot) -> Drawing:
+    """Return a plot as a drawing, with its title, a grid and the values of the ticks."""
+    x = plot.x_range or _range(plot.x, plot, "x")
+    y = plot.y_range or _range(plot.y, plot, "y")
+    right = NOTES if plot.notes else RIGHT
+
+    def at(across: float, up: float) -> Point:
+        share, height = (across - x[0]) / (x[1] - x[0]), (up - y[0]) / (y[1] - y[0])
+        return LEFT + share * (WIDTH - LEFT - right), HEIGHT - BOTTOM - height * (HEIGHT - TOP - BOTTOM)
+
+    def points(xs: Numbers, ys: Numbers) -> list[Point]:
+        return [at(across, up) for across, up in zip(map(float, xs), map(float, ys), strict=True)]
+
+    def path(xs: Numbers, ys: Numbers, kind: str) -> Path:
+        return line(points(xs, ys), kind)
+
+    x_ticks = plot.x_ticks if plot.x_ticks is not None else ticks(*x)
+    y_ticks = plot.y_ticks if plot.y_ticks is not None else ticks(*y)
+    bands = [area([*points(band.x, band.low), *reversed(points(band.x, band.high))], band.look) for band in plot.bands]
+    dots = [
+        dot(point, item.look, item.radius, title)
+        for item in plot.dots
+        for point, title in zip(points(item.x, item.y), item.titles or ("",) * len(item.x), strict=True)
+    ]
+    texts = [
+        label((LEFT - 34, 14), plot.title or plot.y.title, "title start"),
+        label((at(sum(x) / 2, 0)[0], HEIGHT - 4), plot.x.heading, "small middle"),
+        *(label((at(x[0], 0)[0] - 6, at(0, value)[1] + 4), text, "small end") for value, text in y_ticks),
+        *(label((at(value, 0)[0], HEIGHT - BOTTOM + 15), text, "small middle") for value, text in x_ticks),
+        *(label((at(*note[:2])[0] + 5, at(*note[:2])[1] + 4), note[2], "small start") for note in plot.notes),
+    ]
+    grid = [path(x, (value, value), "grid") for value, _ in y_ticks]
+    lines = [path(item.x, item.y, item.look) for item in plot.lines]
+    axis = path(x, (y[0], y[0]), "axis")
+    about = plot.about or plot.title or plot.y.title
+    return Drawing(about, (WIDTH, HEIGHT), (*grid, *bands, *lines, axis), dots, texts)
+
+
+def around(values: Iterable[float], floor: float | None = None) -> Range:
+    """Return the range of an axis with some room around finite values.
+
+    Args:
+        values: The values; without any, the axis goes from 0 to 1.
+        floor: Where the axis begins, if no value is below that.
+    """
+    finite = [value for value in values if math.isfinite(value)]
+    low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
+    if high - low <= 1e-9 * max(abs(low), abs(high), 1e-9):
+        room = abs(high) / 10 or 1.0
+        low, high = low - room, high + room
+    room = MARGIN * (high - low)
+    if floor is not None and min(finite, default=floor) >= floor:
+        return floor, high + MARGIN * (high - floor)
+    return low - room, high + room
+
+
+def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
+    """Return round values within a range, with as few digits as tell them apart."""
+    step = _round_step((high - low) / most)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return [
+        (number * step, f"{number * step + 0.0:,.{decimals}f}".replace("-", MINUS)) for number in range(first, last + 1)
+    ]
+
+
+def _round_step(least: float) -> float:
+    """Return the smallest of 1, 2 and 5 times a power of ten that is not below a number."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
+
+
+def _range(quantity: Quantity, plot: Plot, axis: str) -> Range:
+    """Return the limits of a quantity, or as far as it has none, the range of what is drawn of it."""
+    low, high = quantity.limits
+    return (low, high) if low is not None and high is not None else around(_values(plot, axis), low)
+
+
+def _values(plot: Plot, axis: str) -> Iterable[float]:
+    """Return all values of the lines and dots along an axis."""
+    return chain.from_iterable(map(float, getattr(part, axis)) for part in (*plot.lines, *plot.dots))

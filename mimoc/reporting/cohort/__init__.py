@@ -8,7 +8,7 @@ from mimoc.cohorts.cohort import Progress, Status, status_of
 from mimoc.cohorts.store import Store, kept_jobs
 from mimoc.cohorts.table import Rows, rows_of
 from mimoc.quantities import quantity_of
-from mimoc.render.plots.svg import draw_svg
+from mimoc.render.plots.drawing import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
 from mimoc.reporting.cohort.measures import OF_CHILDREN, measures_of

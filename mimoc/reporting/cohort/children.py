@@ -11,9 +11,8 @@ from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import HEAD, LENGTH, WEIGHT
-from mimoc.render.plots.drawing import Drawing, label
+from mimoc.render.plots.drawing import Drawing, draw_svg, label
 from mimoc.render.plots.plot import Dots, Plot
-from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.page import Block, Cell, Details, Drawings, Section, Text, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette

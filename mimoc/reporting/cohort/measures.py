@@ -9,8 +9,8 @@ import numpy as np
 
 from mimoc.cohorts.table import Cell, Rows
 from mimoc.quantities import Quantity, quantity_of
+from mimoc.render.plots.drawing import around, ticks
 from mimoc.render.plots.plot import Dots, Line, Plot, Ticks
-from mimoc.render.plots.svg import around, ticks
 from mimoc.reporting import words
 
 OF_CHILDREN = ("_percentile", "_cm", "_kg")

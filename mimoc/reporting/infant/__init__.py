@@ -7,13 +7,10 @@ import mujoco
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.reporting import words
-from mimoc.reporting.infant.growth import growth
-from mimoc.reporting.infant.proportions import proportions
 from mimoc.reporting.infant.senses import senses
 from mimoc.reporting.infant.sources import Sources, origin
-from mimoc.reporting.infant.stability import stability, unchecked
-from mimoc.reporting.infant.strength import strength
-from mimoc.reporting.infant.who import introduce
+from mimoc.reporting.infant.strength import stability, strength, unchecked
+from mimoc.reporting.infant.who import growth, introduce, proportions
 from mimoc.reporting.page import Page, Section
 from mimoc.version import __version__
 

@@ -1,6 +1,6 @@
-"""What the parts of an infant weigh, and how strong its joints are."""
+"""What the parts of an infant weigh, how strong its joints are, and whether its simulation stays stable."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -8,12 +8,14 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
-from mimoc.quantities.columns import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
+from mimoc.quantities.child import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
+from mimoc.quantities.motion import BEYOND_LIMITS, ENERGY
 from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.page import Cell, Details, Drawings, Section, number, table
+from mimoc.reporting.page import Cell, Details, Drawings, Section, Text, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
+from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 from mimoc.runtime.limits import torque_limits
 from mimoc.units import rad_to_deg
 
@@ -187,3 +189,38 @@ def _torques(limits_nm: tuple[float, float]) -> str:
 
 def _grams(mass_kg: float) -> str:
     return words.quantity(mass_kg, "kg") if mass_kg >= 1 else f"{1000 * mass_kg:.0f}{words.THIN_SPACE}g"
+
+
+ABOUT = (
+    "From each pose, {seconds:g} s of random commands and {seconds:g} s of commands that drive all joints to and fro "
+    "at full strength. A simulation is stable if MuJoCo gives no warning, the kinetic energy stays below {energy:g} J "
+    "per kg, and joints go no more than {beyond:g}° beyond their soft limits."
+)
+SKIPPED = "Not checked for this page. mimoc check does it."
+
+
+def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
+    """Return the section on the stability of an infant; *progress* is told how many poses are checked."""
+    checks: list[PoseCheck] = []
+    for check in check_stability(bundle):
+        checks.append(check)
+        progress(len(checks))
+    about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
+    headings = ("pose", "result", "warnings", ENERGY.heading, BEYOND_LIMITS.heading, "")
+    return Section("stability", "Stability", (Text(about), table(headings, map(_row, checks))))
+
+
+def unchecked() -> Section:
+    """Return the section on the stability of an infant that was not checked."""
+    return Section("stability", "Stability", (Text(SKIPPED, "note"),))
+
+
+def _row(check: PoseCheck) -> tuple[Cell, ...]:
+    return (
+        Cell(words.sentence(check.pose)),
+        Cell("stable", "good") if check.passed else Cell("not stable", "bad"),
+        Cell(", ".join(check.warnings) or "none"),
+        number(words.figure(check.energy_j_per_kg, 2)),
+        number(f"{check.beyond_deg:.0f}"),
+        Cell(words.name(check.joint.removeprefix("robot:"))),
+    )

@@ -1,18 +1,31 @@
-"""An infant in a few sentences, with its picture."""
+"""Who an infant is: a few sentences and its picture, its size on WHO's charts, and its measurements."""
 
 import base64
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
+import mujoco
 import numpy as np
 from PIL import Image
 
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.manifest import ChildEntry
+from mimoc.compiler.provenance import who_percentiles
+from mimoc.compiler.validation.anthrokids import TOLERANCE
+from mimoc.compiler.validation.measuring import measure_body
 from mimoc.errors import RenderingError
+from mimoc.fits import load_tables, measure
+from mimoc.quantities.child import AVERAGE, DIFFERENCE, INDICATORS, MEASURED
+from mimoc.render.plots.drawing import Drawing, Path, box, draw_svg, line
+from mimoc.render.plots.growth import who_chart
+from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.portrait import portrait
 from mimoc.reporting import words
-from mimoc.reporting.page import Picture
+from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.page import Cell, Drawings, Picture, Section, Text, Tile, Tiles, number, table
 from mimoc.tasks import TASKS
+from mimoc.units import m_to_cm
 
 WIDTH_PX, HEIGHT_PX = 800, 600
 """Of the picture, twice as large as it is shown, for screens with small pixels."""
@@ -57,3 +70,96 @@ def _task(bundle: Bundle) -> str:
         return "It has no task."
     about = (TASKS[kind].spec.__doc__ or "").strip().splitlines() if kind in TASKS else []
     return f"Its task, {words.name(kind)}: {about[0][:1].lower() + about[0][1:]}" if about else f"Its task: {kind}."
+
+
+AMONG = {
+    "male": "boys",
+    "female": "girls",
+    None: "the mean of boys and girls, since this infant is the mean of both",
+}
+
+
+def growth(child: ChildEntry, sources: Sources) -> Section:
+    """Return the section on an infant's size."""
+    percentiles = who_percentiles(child)
+    charts = [draw_svg(_chart(indicator, child, percentiles)) for indicator in load_tables().who]
+    caption = (
+        f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; 7 of 10 children "
+        "are in the inner band, and 94 of 100 in the outer one. The dot is this infant."
+    )
+    tiles = Tiles(tuple(_tiles(child, percentiles, sources)))
+    return Section("size", "Size", (tiles, Drawings(tuple(charts), caption, "pair")))
+
+
+def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources) -> Iterator[Tile]:
+    measures = child.model_dump()
+    for indicator, quantity in INDICATORS.items():
+        if measures[indicator] is None:
+            continue
+        text = "WHO has no standard for this age"
+        if indicator in percentiles:
+            text = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
+        links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
+        yield Tile(
+            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(text)}.", links
+        )
+
+
+def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Plot:
+    quantity, value, text = INDICATORS[indicator], getattr(child, indicator), "this infant has none to measure"
+    dots: tuple[Dots, ...] = ()
+    if value is not None:
+        text = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
+        dots = (Dots((child.age_months,), (value,), "", "infant", (text,), 5.5),)
+    if indicator in percentiles:
+        text += f", percentile {percentiles[indicator]:.0f}"
+    chart = who_chart(indicator, child.sex or "mean", () if value is None else (value,))
+    about = f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {text}"
+    return replace(chart, dots=dots, about=about)
+
+
+WIDTH, HEIGHT = 150.0, 14.0
+MOST = 0.12
+"""Largest deviation that a bar shows, relative to the average."""
+FAR = "bar-far"
+
+ABOUT = (
+    "Taken on the body with tape and calipers, as on children, and compared with the growth curve of the average child "
+    "of this age, which is fitted to the AnthroKids survey (Snyder et al. 1977). The shaded middle is ±{tolerance:g} %."
+)
+
+
+def proportions(model: mujoco.MjModel, age_months: float, sources: Sources) -> Section:
+    """Return the section on an infant's measurements."""
+    about = ABOUT.format(tolerance=100 * TOLERANCE)
+    headings = ("measurement", MEASURED.heading, AVERAGE.heading, DIFFERENCE.heading, "")
+    rows = list(_rows(model, age_months, sources))
+    return Section("proportions", "Proportions", (Text(about), table(headings, rows)))
+
+
+def _rows(model: mujoco.MjModel, age_months: float, sources: Sources) -> Iterator[tuple[Cell, ...]]:
+    average, surveyed = measure(age_months), load_tables().anthrokids
+    for name, value_m in sorted(measure_body(model).items()):
+        deviation = value_m / average[name] - 1
+        marked = "" if name in surveyed else "*"
+        yield (
+            Cell(words.sentence(words.name(name)) + marked, links=sources.links(f"measurements.{name}_cm")),
+            number(f"{m_to_cm(value_m):.1f}"),
+            number(f"{m_to_cm(average[name]):.1f}"),
+            number(words.signed(100 * deviation)),
+            Cell("", drawings=(_bar(words.name(name), deviation),)),
+        )
+
+
+def _bar(name: str, deviation: float) -> Drawing:
+    """Return a bar from the middle to the deviation."""
+    middle, scale = WIDTH / 2, WIDTH / 2 / MOST
+    shown = scale * min(max(deviation, -MOST), MOST)
+    kind = FAR if abs(deviation) > TOLERANCE else "bar"
+    paths: list[Path] = [
+        box(middle - scale * TOLERANCE, 0, 2 * scale * TOLERANCE, HEIGHT, "tolerance"),
+        box(min(middle, middle + shown), 4, abs(shown), HEIGHT - 8, kind),
+        line([(middle, 0), (middle, HEIGHT)], "axis"),
+    ]
+    title = f"{name}: {words.signed(100 * deviation)} % from the average child"
+    return Drawing(title, (WIDTH, HEIGHT), paths, kind="small")

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from mimoc.delays.schedule import Segment
 from mimoc.delays.timing import Samples
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.physics import ThreadedPhysics
 from mimoc.runtime.many.senses import BatchSense, Read
 from mimoc.runtime.worlds import worlds_of_many
 from mimoc.senses.sense import FloatArray
@@ -37,7 +37,7 @@ class Sampling:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class BatchSegment:
     """A part of a control step in which no infant's command arrives and no sense is sampled."""
 
     begun: Sequence[tuple[int, Segment]]
@@ -52,14 +52,14 @@ class Stretch:
 class ControlStep:
     """Goes through control steps of some of n infants."""
 
-    def __init__(self, infants: Sequence[InfantEnv], physics: Physics, senses: Mapping[str, BatchSense]):
+    def __init__(self, infants: Sequence[InfantEnv], physics: ThreadedPhysics, senses: Mapping[str, BatchSense]):
         """Join the schedules of all infants, which have the same senses and the same control step."""
         self._schedules = [infant.schedule for infant in infants]
         self._actuations = [infant.actuation for infant in infants]
         self._is_plain = all(actuation.command is None for actuation in self._actuations)
         self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
-        self._stretches: list[Stretch] = []
+        self._merged: list[BatchSegment] = []
 
     def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
         """Go through a control step of some infants.
@@ -72,12 +72,12 @@ class ControlStep:
         controls = self._controls(actions, infants)
         segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.
-            self._segments, self._stretches = segments, self._side_by_side(segments)
-        for stretch in self._stretches:
-            for infant, segment in stretch.begun:
+            self._segments, self._merged = segments, self._merge_segments(segments)
+        for merged in self._merged:
+            for infant, segment in merged.begun:
                 schedules[infant].command(segment, datas[infant])
-            with closing(self._physics.step(stretch.groups, stretch.physics_steps)) as stepped:
-                for samplings, _ in zip(stretch.samplings, stepped, strict=True):
+            with closing(self._physics.step(merged.groups, merged.physics_steps)) as stepped:
+                for samplings, _ in zip(merged.samplings, stepped, strict=True):
                     self._sample(samplings)
 
     def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:
@@ -105,7 +105,7 @@ class ControlStep:
                 for line in delayed:
                     line.send(sample)
 
-    def _side_by_side(self, segments: Mapping[int, Sequence[Segment]]) -> list[Stretch]:
+    def _merge_segments(self, segments: Mapping[int, Sequence[Segment]]) -> list[BatchSegment]:
         """Return the segments of some infants, cut wherever one of any infant ends."""
         begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
         due: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
@@ -115,14 +115,16 @@ class ControlStep:
                 begun[time].append((infant, segment))
                 time += segment.physics_steps
                 due[time].append((infant, segment))
-        stretches = []
+        merged = []
         for start, end in pairwise(sorted({*begun, *due})):
             are_sampled = any(segment.samples for _, segment in due[end])
             count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
             groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
-            samplings = [self._samplings([item for item in due[end] if item[0] in set(group)]) for group in groups]
-            stretches.append(Stretch(begun[start], end - start, groups, samplings))
-        return stretches
+            samplings = [
+                self._samplings([item for item in due[end] if item[0] in members]) for members in map(set, groups)
+            ]
+            merged.append(BatchSegment(begun[start], end - start, groups, samplings))
+        return merged
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
         """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""

@@ -1,4 +1,4 @@
-"""What Gymnasium's vector environments take and give, for many infants: seeds, options, spaces and infos."""
+"""What Gymnasium's vector environments take and give, for infants that sense and command the same."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict
+from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_differing_spaces, batch_space
 
+from mimoc.errors import MimocError
 from mimoc.random_streams import checked_seed
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
 
 RESET_MASK = "reset_mask"
@@ -57,7 +60,7 @@ def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, 
     return options_by_infant
 
 
-def chosen(options: Mapping[str, Any] | None, count: int) -> list[int]:
+def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
     """Return the infants that are reset: all, or those of the option `reset_mask`, a boolean array of shape (n,).
 
     Raises:
@@ -76,27 +79,34 @@ def chosen(options: Mapping[str, Any] | None, count: int) -> list[int]:
     return np.flatnonzero(mask).tolist()
 
 
-def covering(spaces: Sequence[Dict]) -> Dict:
-    """Return the space that holds what any of some infants observes: bounds may depend on strength, and so on age."""
-    if all(space == spaces[0] for space in spaces):
+class InfantVectorEnv(VectorEnv[Any, Any, Any]):
+    """What vector environments of infants on the CPU and on a device have in common."""
+
+    def _describe(self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode) -> None:
+        """Say what is commanded and observed.
+
+        Args:
+            infants: The different ones; the first stands for all in what must be the same.
+            spaces: What each of all infants observes; bounds may depend on strength, and so on age.
+            mode: When an infant whose episode has ended is reset.
+        """
+        self.autoreset_mode, self.num_envs = mode, len(spaces)
+        self.metadata = {**infants[0].metadata, "autoreset_mode": mode}
+        self.single_action_space = infants[0].action_space
+        self.action_space = batch_space(self.single_action_space, len(spaces))
+        self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
+        if any(space != spaces[0] for space in spaces):
+            unions = {name: _union([space[name] for space in spaces]) for name in spaces[0]}
+            self.single_observation_space = Dict(unions)
+            self.observation_space = batch_differing_spaces(list(spaces))
+
+
+def _union(spaces: Sequence[Any]) -> Space:
+    """Return the space that holds what any of some spaces holds."""
+    if not isinstance(spaces[0], Box):
         return spaces[0]
-    return Dict({name: _covering([space[name] for space in spaces]) for name in spaces[0]})
-
-
-def batch_of(spaces: Sequence[Dict]) -> Space:
-    """Return the space of the observations of all infants, each within its own bounds."""
-    if all(space == spaces[0] for space in spaces):
-        return batch_space(spaces[0], len(spaces))
-    return batch_differing_spaces(list(spaces))
-
-
-def _covering(spaces: Sequence[Space]) -> Space:
-    first = spaces[0]
-    if not isinstance(first, Box):
-        return first
-    boxes = [space for space in spaces if isinstance(space, Box)]
-    low, high = np.min([box.low for box in boxes], axis=0), np.max([box.high for box in boxes], axis=0)
-    return Box(low, high, dtype=first.dtype.type)
+    low, high = np.min([box.low for box in spaces], axis=0), np.max([box.high for box in spaces], axis=0)
+    return Box(low, high, dtype=spaces[0].dtype.type)
 
 
 def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
@@ -106,29 +116,86 @@ def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
     """
     joined: dict[str, Any] = {}
     for name in dict.fromkeys(name for info in infos.values() for name in info):
-        having = [infant for infant, info in infos.items() if name in info]
-        values = [infos[infant][name] for infant in having]
-        if isinstance(values[0], dict) and name != FINAL:
-            joined[name] = joined_infos(dict(zip(having, values, strict=True)), count)
+        values = {infant: info[name] for infant, info in infos.items() if name in info}
+        having, first = list(values), next(iter(values.values()))
+        if isinstance(first, dict) and name != FINAL:
+            joined[name] = joined_infos(values, count)
+        elif isinstance(first, (bool, int, float, np.number, np.ndarray)):
+            joined[name] = np.zeros((count, *np.shape(first)), np.asarray(first).dtype)
+            joined[name][having] = list(values.values())
         else:
-            joined[name] = _array(values, having, count)
+            joined[name] = np.full(count, None, object)
+            for infant, value in values.items():
+                joined[name][infant] = value
         mask = np.zeros(count, bool)
         mask[having] = True
         joined[f"_{name}"] = mask
     return joined
 
 
-def _array(values: list[Any], having: list[int], count: int) -> np.ndarray:
-    """Return the values of some infants in an array of all, of the type that is theirs."""
-    first = values[0]
-    if isinstance(first, (bool, int, float, np.number)):
-        array = np.zeros(count, type(first))
-        array[having] = values
-    elif isinstance(first, np.ndarray):
-        array = np.zeros((count, *first.shape), first.dtype)
-        array[having] = values
-    else:
-        array = np.full(count, None, object)
-        for infant, value in zip(having, values, strict=True):
-            array[infant] = value
-    return array
+SHOWN = 4
+"""Names that an error gives of those that only one of two infants has."""
+
+
+class MixtureError(MimocError):
+    """Some infants cannot share a batch."""
+
+
+def mixture_error(infants: str, differences: str) -> MixtureError:
+    """Return the error that names two infants, by their numbers, and what they differ in."""
+    return MixtureError(
+        f"infants {infants} cannot share a batch, because they differ in {differences}; "
+        "make a vector environment of each kind"
+    )
+
+
+def check_mixture(infants: Sequence[InfantEnv]) -> None:
+    """Check that all infants can share a batch with the first one.
+
+    Raises:
+        MixtureError: If one cannot; it names what differs.
+    """
+    first = _parts(infants[0])
+    for number, infant in enumerate(infants):
+        parts = _parts(infant)
+        differences = [
+            f"{part} ({_difference(first.get(part), parts.get(part))})"
+            for part in dict.fromkeys([*first, *parts])
+            if first.get(part) != parts.get(part)
+        ]
+        if differences:
+            who = f"0 ('{infants[0].manifest.name}') and {number} ('{infant.manifest.name}')"
+            raise mixture_error(who, "; ".join(differences))
+
+
+def _parts(infant: InfantEnv) -> dict[str, Any]:
+    """Return what must be the same of all infants, by what it is called."""
+    manifest = infant.manifest
+    arrays: Any = infant.observation_space
+    return {
+        "control step": f"{manifest.step_ms:g} ms",
+        "physics step": f"{manifest.timestep_ms:g} ms",
+        "actuation model": manifest.actuation.model,
+        "commands": tuple(actuator.name for actuator in manifest.actuation.actuators if actuator.commanded),
+        "task": manifest.task.kind,
+        "senses": tuple(infant.senses),
+        "observations": tuple(f"{name} {space.shape}" for name, space in arrays.spaces.items()),
+        **{f"numbers of '{name}'": sense.layout for name, sense in infant.senses.items() if name != "touch"},
+    }
+
+
+def _difference(ours: Any, theirs: Any) -> str:
+    """Return in a few words how two parts differ."""
+    if not (isinstance(ours, tuple) and isinstance(theirs, tuple)):
+        return f"{ours or 'none'}, {theirs or 'none'}"
+    only = [
+        f"only {whose} has {_some(sorted(set(mine) - set(others)))}"
+        for whose, mine, others in (("the first", ours, theirs), ("the other", theirs, ours))
+        if set(mine) - set(others)
+    ]
+    return ", ".join(only) or "in another order"
+
+
+def _some(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:SHOWN])
+    return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"

@@ -14,7 +14,7 @@ from mimoc.bundle.model import BREAKDOWNS
 from mimoc.senses.sense import FloatArray, Sample
 
 
-class Physics:
+class ThreadedPhysics:
     """The simulations of n infants.
 
     MuJoCo lets go of Python's lock while it steps, so threads of one process use all cores.

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 
 from mimoc.kinds import function_of
-from mimoc.runtime.many.physics import Physics
-from mimoc.runtime.term import differing_field, stack_terms
+from mimoc.runtime.many.physics import ThreadedPhysics
+from mimoc.runtime.term import differing_field, stack_terms, take_rows
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
 from mimoc.senses.sense import Observation, Sample, Sense, Vector
@@ -25,11 +25,18 @@ SIZES = (
 class BatchSense:
     """A sense of n infants, which has the same name for all."""
 
-    def __init__(self, name: str, senses: Sequence[Sense], physics: Physics):
+    def __init__(self, name: str, senses: Sequence[Sense], physics: ThreadedPhysics):
         """Find out which infants can be read together: those with terms of equal addresses in models of equal size."""
         self._name, self._senses, self._physics = name, senses, physics
         self.kinds = _kinds(senses, physics.models)
         """A number for each infant; infants with the same number can be read together."""
+        self._stacked: dict[int, tuple[list[int], Any]] = {}
+        """The infants of each kind that has terms, in order, and the term of all of them."""
+        for kind in set(self.kinds):
+            members = [infant for infant, other in enumerate(self.kinds) if other == kind]
+            terms: list[Any] = [senses[infant].term for infant in members]
+            if terms[0] is not None:
+                self._stacked[kind] = members, stack_terms(terms)
         self._bounds = None
         if all(isinstance(sense, Vector) and type(sense).observe is Vector.observe for sense in senses):
             vectors: Sequence[Any] = senses
@@ -39,7 +46,8 @@ class BatchSense:
         """Return what reads some infants of one kind."""
         senses: list[Any] = [self._senses[infant] for infant in infants]
         if senses[0].term is not None:
-            term = stack_terms([sense.term for sense in senses])
+            members, stacked = self._stacked[self.kinds[infants[0]]]
+            term = take_rows(stacked, np.searchsorted(members, infants))
             return lambda worlds: list(term(worlds))
         together = SENSES[self._name].many if self._name in SENSES else None
         if together and (read := function_of(together, "join")(senses)):

@@ -7,19 +7,25 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
-from mimoc.render.picture_grid import Picture, in_rows
-from mimoc.render.shared import SharedRenderers, sharing
+from mimoc.render.picture_files import Picture, in_rows
+from mimoc.render.renderer import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
-from mimoc.runtime.many.gymnasium_forms import Infos, batch_of, chosen, covering, joined_infos, options_of, seeds_of
-from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.gymnasium_forms import (
+    InfantVectorEnv,
+    Infos,
+    check_mixture,
+    joined_infos,
+    options_of,
+    reset_indices,
+    seeds_of,
+)
+from mimoc.runtime.many.physics import ThreadedPhysics
 from mimoc.runtime.many.senses import BatchSense
 from mimoc.senses.sense import FloatArray, Observation
 
@@ -27,13 +33,13 @@ SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[
 Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
 
 
-@closable("call", "get_attr")
-class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
+@closable("call", "get_attr", "seek")
+class ManyInfants(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it among direct bases.
     """Infants that live side by side, each in a world of its own.
 
     Infant i observes and earns, step for step and bit for bit, what it would alone with the same seed: `infants[i]` is
     its `InfantEnv`, whose physics, senses and signals are worked through together with those of the others. They may
-    be of different ages, strengths and scenes.
+    be of different ages, strengths and scenes. With a schedule of growth, each lives as alone in the wrapper `Growing`.
     """
 
     def __init__(
@@ -42,6 +48,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
+        schedule: Callable[[int], float] | None = None,
     ):
         """Open infants and join them.
 
@@ -50,6 +57,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             threads: How many to use, or all that this process may use.
             autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
             max_episode_steps: Control steps after which any episode is truncated, as by Gymnasium's `TimeLimit`.
+            schedule: From the number of control steps that an infant has taken to its age in months, if they grow.
 
         Raises:
             MixtureError: If they do not sense and command the same.
@@ -59,16 +67,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         with sharing(self._renderers):
             infants = self.infants = tuple(open_infant() for open_infant in openers)
         check_mixture(infants)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = infants[0].render_mode
-        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
-        self.single_action_space = infants[0].action_space
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
-        spaces: list[Any] = [infant.observation_space for infant in infants]
-        self.single_observation_space = covering(spaces)
-        self.observation_space = batch_of(spaces)
+        self._describe(infants, [infant.observation_space for infant in infants], AutoresetMode(autoreset_mode))
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
-        self._physics = Physics([infant.model for infant in infants], [infant.data for infant in infants], threads)
+        self._schedule, self.steps_done = schedule, np.zeros(self.num_envs, int)
+        self._physics = ThreadedPhysics(
+            [infant.model for infant in infants], [infant.data for infant in infants], threads
+        )
         self._bind()
         self.closed = False
 
@@ -102,7 +107,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
         """
         count = self.num_envs
-        which = chosen(options, count)
+        which = reset_indices(options, count)
         observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
         return observation, joined_infos(infos, self.num_envs)
 
@@ -114,7 +119,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for infant in range(self.num_envs) if which is None else which:
             _, infos[infant] = self._reset_one(infant, seeds[infant], options[infant])
             self._ended[infant] = False
-        self._follow()
+        self._refresh_models()
         return self._observe(), infos
 
     def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
@@ -131,14 +136,17 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         return observation, rewards, terminated, truncated, joined_infos(infos, self.num_envs)
 
     def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
-        """Make a step as `step` does, with the info of each infant by itself."""
-        self._follow()
+        """Make a step as `step` does, with the info of each infant by itself; those whose age is due grow before it."""
         actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
         rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         truncated, unstable = terminated.copy(), []
         anew = np.flatnonzero(self._ended).tolist()
         if anew and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
+        for infant in np.flatnonzero(~self._ended).tolist():
+            self._grow_one(infant, self._age_due(infant))
+            self.steps_done[infant] += 1
+        self._refresh_models()
         going = [infant for infant in self._order if not self._ended[infant]]
         observed = [infant for infant in going if self.infants[infant].journal.keeps]
         for infant in observed:
@@ -154,7 +162,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
                 truncated[infant] = True
         for infant in anew:
             infos[infant] = self._reset_one(infant)[1]
-        self._follow()
+        self._refresh_models()
         observation = self._observe()
         for readings in observation.values():
             for infant in unstable:
@@ -178,12 +186,25 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
             MimocError: If there is no such infant; those before it have grown.
         """
-        for infant, options in zip(self.infants, options_of({AGE: to}, self.num_envs), strict=True):
-            if options:
-                with sharing(self._renderers):
-                    infant.grow(to=options[AGE])
-        self._follow()
+        for infant, options in enumerate(options_of({AGE: to}, self.num_envs)):
+            self._grow_one(infant, options)
+        self._refresh_models()
         return self._observe()
+
+    def seek(self, steps_done: int) -> None:
+        """Go on as after a number of control steps of each, as a training does that is resumed; a reset must follow."""
+        self.steps_done[:] = steps_done
+
+    def _grow_one(self, infant: int, options: dict[str, Any]) -> None:
+        """Let an infant grow if options give it an age."""
+        if options:
+            with sharing(self._renderers):
+                self.infants[infant].grow(to=options[AGE])
+
+    def _age_due(self, infant: int) -> dict[str, Any]:
+        """Return the age that the schedule gives an infant now, as an option, if it has another."""
+        due = self._schedule(int(self.steps_done[infant])) if self._schedule else None
+        return {} if due in (None, self.infants[infant].age_months) else {AGE: due}
 
     def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
         """Return a picture of all infants in rows, in render mode `rgb_array`, otherwise None.
@@ -232,10 +253,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             self._set_states(states)
         except Exception:
             self._set_states(before)
-            self._follow()
+            self._refresh_models()
             raise
         self._ended[:] = False
-        self._follow()
+        self._refresh_models()
         return self._observe()
 
     def _set_states(self, states: Sequence[dict[str, Any]]) -> None:
@@ -261,7 +282,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
         self._control_step = ControlStep(self.infants, self._physics, self._senses)
 
-    def _follow(self) -> None:
+    def _refresh_models(self) -> None:
         """Take over what infants have now that got another model, in another scene or by growing."""
         pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
         changed = [
@@ -301,9 +322,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
     def _reset_one(
         self, infant: int, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Start an episode of one infant."""
+        """Start an episode of one infant, at the age that is due unless the option `age_months` gives another."""
         with sharing(self._renderers):
-            return self.infants[infant].reset(seed=seed, options=options)
+            return self.infants[infant].reset(seed=seed, options={**self._age_due(infant), **(options or {})})
 
     def _reset_ended(self, observation: Observation, infos: Infos) -> None:
         """Reset the infants whose episodes have just ended, and put what they observe then in its place."""

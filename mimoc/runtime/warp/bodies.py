@@ -54,7 +54,7 @@ def batched_model(
         values = np.concatenate([getattr(model, name).numpy() for model in put])
         getattr(batched, name).assign(values[body_of_world])
     batched.opt.tolerance.fill_(TOLERANCE)
-    batched.opt.warn_overflow = 0  # What overflows is reported by `overflow.report` instead of a printed line.
+    batched.opt.warn_overflow = 0  # What overflows is reported by `capacity.report` instead of a printed line.
     return batched
 
 

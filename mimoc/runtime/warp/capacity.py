@@ -1,14 +1,65 @@
-"""Room for contacts and constraints, which MuJoCo Warp sets aside before the first step, and how it grows."""
+"""Room for contacts and constraints, which MuJoCo Warp sets aside before the first step, and how it grows.
+
+What did not fit is said by MuJoCo Warp's flags, which stay set until they are cleared. Three of them lose nothing: the
+depth of a contact of two convex shapes (`EPA_HORIZON`) or a solution (`ITERATIONS`, `LS_ITERATIONS`) is less exact.
+With all others, contacts or constraints of the infant were lost. `NEFC`, `NJMAX_NNZ` and `CCD` are set for the worlds
+that lost something. The lists of pairs of geoms and of contacts are shared: where one is full, `BROADPHASE` or
+`NARROWPHASE` is set for all worlds, as any of them may have lost some.
+"""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
+import mujoco_warp as mjw
 import numpy as np
+import torch
+import warp as wp
 
-from mimoc.runtime.warp.overflow import COUNTS, FLAGS, OWN, PAIRS, ROWS, SHARED
+from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import IntArray
+
+FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
+"""The bit of each flag."""
+HARMLESS = int(mjw.OverflowType.EPA_HORIZON | mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS)
+LOSING = int(mjw.OverflowType.ALL) & ~HARMLESS
+SHARED = ("broadphase", "narrowphase", "ccd")
+"""Flags of the lists that all worlds share."""
+OWN = ("nefc", "njmax_nnz")
+"""Flags of the rows that each world has."""
+NOT_FINITE, OVERFLOWED, ROWS, PAIRS, COUNTS = range(5)
+"""Places in a report of a control step: the last infant plus one whose commands were not finite; how many infants lost
+contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are more; then, of
+how many infants each flag was set, by its bit."""
+LENGTH = COUNTS + max(FLAGS.values()) + 1
+
+
+def is_losing(data: mjw.Data) -> torch.Tensor:
+    """Return in which worlds contacts or constraints were lost, shape (worlds,)."""
+    return (wp.to_torch(data.overflow) & LOSING) != 0
+
+
+def report(data: mjw.Data, actions: wp.array, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
+    """Return a report, shape (`LENGTH`,), and clear the flags.
+
+    What an unstable infant would need is no measure of the room: all its geoms may be in one place.
+
+    Args:
+        data: The state of all worlds.
+        actions: Of the present control step, shape (worlds, n).
+        unstable: Which infants are, shape (worlds,).
+        overflowed: Which infants lost contacts, shape (worlds,).
+    """
+    flags, rows, pairs, contacts = map(wp.to_torch, (data.overflow, data.nefc, data.ncollision, data.nacon))
+    numbers = torch.arange(1, len(flags) + 1, device=flags.device)
+    not_finite = (numbers * ~wp.to_torch(actions).isfinite().all(dim=1)).max()
+    used = (rows * ~unstable).max(), torch.maximum(pairs[0], contacts[0])
+    bits = torch.arange(LENGTH - COUNTS, device=flags.device)
+    counts = ((flags[:, None] >> bits) & ~unstable[:, None]).sum(dim=0)
+    flags.zero_()
+    return torch.cat([torch.stack([not_finite, overflowed.sum(), *used]), counts])
+
 
 SPARE_CONTACTS, SPARE_CONSTRAINTS = 1.5, 2.0
 """Factors between what the infant needs that needs most while it moves at random, and the room at first, which grows.
@@ -46,6 +97,15 @@ class Capacity:
         return Capacity(int(contacts * self.contacts), int(constraints * self.constraints))
 
 
+def lack(overflowed: IntArray, present: Capacity) -> str:
+    """Return what is wrong if many infants lose contacts, shape (worlds,), and the room cannot grow."""
+    return (
+        f"contacts or constraints of {overflowed.sum()} infants, such as {overflowed.argmax()}, did not fit in the "
+        f"last step, and there is no more room than contacts={present.contacts} and constraints={present.constraints}: "
+        "look at what holds these infants, or make the environment with more, or with fewer infants"
+    )
+
+
 @dataclass(slots=True)
 class Room:
     """The room in each of some worlds."""
@@ -54,6 +114,16 @@ class Room:
     largest: Capacity
     """How far it grows."""
     worlds: int
+
+    @classmethod
+    def at_first(
+        cls, infants: Sequence[InfantEnv], pairs: IntArray, given: tuple[int | None, int | None], worlds: int
+    ) -> "Room":
+        """Return the room for contacts and constraints, measured where none is given; see `measured`."""
+        needed = measured([infant.model for infant in infants], [infant.manifest.pose for infant in infants], pairs)
+        usual = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS)
+        present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
+        return cls(present, needed.times(LARGEST, LARGEST), worlds)
 
     def after(self, report: IntArray) -> Capacity:
         """Return the room for the next control step, from the report of one."""

@@ -12,11 +12,10 @@ import torch
 import warp as wp
 
 from mimoc.delays.spec import MOTOR
-from mimoc.noise.motor import bind_motor_noise
-from mimoc.noise.noise import Draw, Noise, bind_noise, noise_amount
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, noise_amount
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp.device_worlds import put_on, term_of_worlds, where_worlds
+from mimoc.runtime.warp.arrays import put_on, term_of_worlds, where_worlds
 
 PLACES = 1 << 23
 """How many random numbers a channel has at a time."""
@@ -24,7 +23,7 @@ SEEDS = 2**31
 """How many different seeds worlds can have."""
 
 
-class Chance:
+class CounterRandom:
     """The random numbers of all worlds."""
 
     def __init__(self, seeds: wp.array):
@@ -37,14 +36,12 @@ class Chance:
 
     def advance(self) -> None:
         """Go on to other numbers."""
-        wp.launch(_advance, self.steps.shape, [], [self.steps])
+        wp.to_torch(self.steps).add_(1)
 
     def restart(self, seeds: Mapping[int, int]) -> None:
         """Begin again in worlds that get a new seed."""
-        values, steps = self.seeds.numpy(), self.steps.numpy()
-        values[list(seeds)], steps[list(seeds)] = [seed % SEEDS for seed in seeds.values()], 0
-        self.seeds.assign(values)
-        self.steps.assign(steps)
+        known, steps, worlds = wp.to_torch(self.seeds), wp.to_torch(self.steps), list(seeds)
+        known[worlds], steps[worlds] = known.new_tensor([seed % SEEDS for seed in seeds.values()]), 0
 
     def normals(self, first: int, shape: Sequence[int]) -> torch.Tensor:
         """Return random numbers with mean 0 and standard deviation 1 of shape (worlds, ...), from a first place on."""
@@ -56,7 +53,7 @@ class Chance:
 class DeviceNoise:
     """The noise of one signal of all worlds, with its state."""
 
-    def __init__(self, signal: str, noises: Sequence[Noise], body: wp.array, chance: Chance):
+    def __init__(self, signal: str, noises: Sequence[Noise], body: wp.array, chance: CounterRandom):
         """Disturb a signal.
 
         Args:
@@ -96,7 +93,7 @@ class DeviceNoise:
 class NoisyCommands:
     """The commands of all worlds, and the noise with which they drive actuators."""
 
-    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, chance: Chance):
+    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom):
         """Disturb the commands in each physics step; see `DeviceNoise`."""
         noises = [bind_motor_noise(infant.manifest.noise, infant.actuation) for infant in infants]
         self._noise, self._timestep_s = DeviceNoise(MOTOR, noises, body, chance), infants[0].model.opt.timestep
@@ -114,7 +111,7 @@ class NoisyCommands:
         controls.index_copy_(1, self._actuators, self._noise(self.commanded, self._timestep_s))
 
 
-def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> DeviceNoise | None:
+def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom) -> DeviceNoise | None:
     """Return the noise of a sense of some different bodies, or None if none has any."""
     if not any(noise_amount(sense, infant.manifest.noise) for infant in infants):
         return None
@@ -122,15 +119,9 @@ def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: C
     return DeviceNoise(sense, noises, body, chance)
 
 
-def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> NoisyCommands | None:
+def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom) -> NoisyCommands | None:
     """Return the commands with their noise, or None if no infant has any."""
     return NoisyCommands(infants, body, chance) if any(infant.manifest.noise.motor for infant in infants) else None
-
-
-@wp.kernel(enable_backward=False)
-def _advance(steps: wp.array[int]):
-    world = wp.tid()
-    steps[world] = steps[world] + 1
 
 
 @wp.kernel(enable_backward=False)

@@ -14,11 +14,10 @@ from mimoc.model_fields import rows_by_name
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Put
-from mimoc.runtime.warp.arrays import flat, put
+from mimoc.runtime.warp.arrays import flat, put_on, to_device, where_worlds
 from mimoc.runtime.warp.bodies import batched_fields
-from mimoc.runtime.warp.device_worlds import put_on, where_worlds
-from mimoc.runtime.warp.touch import Feeling
-from mimoc.runtime.warp.vision.sight import VISION, Sight
+from mimoc.runtime.warp.touch import TouchReader
+from mimoc.runtime.warp.vision.sight import VISION, VisionReader
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.tasks.task import NOTHING
 
@@ -41,7 +40,7 @@ class Table(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Starts:
+class InitialStates:
     """All starts of all bodies in one pose, those of a body side by side."""
 
     first: wp.array
@@ -63,7 +62,7 @@ class Starts:
         """Put worlds into their starts; -1 leaves a world as it is."""
         start = wp.to_torch(chosen).long()
         for name, table in self.fields.items():
-            table.write(start, wp.to_torch(flat(_field(name, model, data))))
+            table.write(start, flat(_field(name, model, data)))
         for name, values in memory.items():
             self.memory[name].write(start, values)
 
@@ -74,7 +73,9 @@ def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
     return rows_by_name([*constraints.model_fields, *infant.task.model_fields])
 
 
-def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, touch: Feeling | None) -> Starts:
+def sample_initial_states(
+    infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, touch: TouchReader | None
+) -> InitialStates:
     """Return the starts of all infants.
 
     Start k of an infant is that of a single environment with seed k; an infant without chance in its starts has one.
@@ -91,17 +92,19 @@ def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.
     rows, counts = [row for of_infant in starts for row in of_infant], [len(of_infant) for of_infant in starts]
     tables, put_torch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}, put_on(wp.get_device())
     columns = {name: ... for name in STATE if tables[name].size} | _columns(first, model, put_torch)
-    return Starts(
-        put(np.cumsum([0, *counts[:-1]]), wp.int32),
-        put(counts, wp.int32),
+    return InitialStates(
+        to_device(np.cumsum([0, *counts[:-1]]), wp.int32),
+        to_device(counts, wp.int32),
         {name: Table(put_torch(tables[name]), which) for name, which in columns.items()},
         {name: Table(put_torch(tables[f"memory {name}"])) for name in first.task.state},
-        put(tables["commands"]),
-        {name: put(tables[f"sense {name}"]) for name in first.senses if name != VISION},
+        to_device(tables["commands"]),
+        {name: to_device(tables[f"sense {name}"]) for name in first.senses if name != VISION},
     )
 
 
-def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Model, data: mjw.Data) -> wp.array:
+def seen_at(
+    starts: InitialStates, sight: VisionReader, body_of_world: IntArray, model: mjw.Model, data: mjw.Data
+) -> wp.array:
     """Return what is seen at each start, shape (starts, n), in 8 bits.
 
     The worlds are lent for it, each for the starts of its own body, and are left as they were.
@@ -122,18 +125,18 @@ def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Mo
     for earlier in range(int(np.ceil(counts / worlds_of_body).max())):
         index = rank + earlier * worlds_of_body
         chosen = np.where(index < counts, first + index, -1)
-        starts.restore(put(chosen, wp.int32), model, data)
+        starts.restore(to_device(chosen, wp.int32), model, data)
         mjw.kinematics(model, data)
         mjw.camlight(model, data)
-        pictures = sight.look(data).numpy().copy()  # On the CPU it is the same memory again.
+        pictures = sight(data).cpu().numpy()
         seen |= {start: picture for start, picture in zip(chosen.tolist(), pictures, strict=True) if start >= 0}
     for array, values in zip(changed, former, strict=True):
         wp.copy(array, values)
-    return put(np.stack([seen[start] for start in sorted(seen)]), wp.uint8)
+    return to_device(np.stack([seen[start] for start in sorted(seen)]), wp.uint8)
 
 
 def _starts(
-    infant: InfantEnv, most: int, options: dict[str, Any], touch: Feeling | None
+    infant: InfantEnv, most: int, options: dict[str, Any], touch: TouchReader | None
 ) -> list[dict[str, FloatArray]]:
     starts = []
     for seed in range(most):
@@ -144,7 +147,7 @@ def _starts(
     return starts
 
 
-def _start(infant: InfantEnv, touch: Feeling | None) -> dict[str, FloatArray]:
+def _start(infant: InfantEnv, touch: TouchReader | None) -> dict[str, FloatArray]:
     """Return the numbers of the state that an infant is in, by what they are."""
     numbers: dict[str, FloatArray] = {name: getattr(infant.data, name).copy() for name in STATE}
     numbers["commands"] = infant.data.ctrl[infant.actuation.actuators]

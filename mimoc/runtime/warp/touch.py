@@ -4,12 +4,12 @@ from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.warp.arrays import put
-from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
+from mimoc.runtime.warp.arrays import to_device
 from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
@@ -23,7 +23,52 @@ KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
 
-class Feeling:
+@wp.struct
+class Contacts:
+    """The contacts of all worlds, c of them at most."""
+
+    count: wp.array[int]
+    """How many there are, shape (1,)."""
+    world: wp.array[int]
+    """Shape (c,), as are all that follow."""
+    geoms: wp.array[wp.vec2i]
+    dist: wp.array[float]
+    pos: wp.array[wp.vec3]
+    frame: wp.array[wp.mat33]
+    dim: wp.array[int]
+    rows: wp.array2d[int]
+    """Rows of constraints, -1 for near misses, shape (c, rows)."""
+    force: wp.array2d[float]
+    """Forces of the constraints, shape (worlds, constraints)."""
+
+
+def contacts_of(data: mjw.Data) -> Any:
+    """Return the contacts of all worlds for kernels."""
+    contact, contacts = data.contact, Contacts()
+    contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
+    contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
+    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    return contacts
+
+
+@wp.func
+def presses(contacts: Contacts, index: int) -> bool:
+    """Return whether a contact has a force; the others are near misses, or beyond the end of the list."""
+    return index < contacts.count[0] and contacts.rows[index, 0] >= 0
+
+
+@wp.func
+def force_of(contacts: Contacts, index: int) -> wp.vec3:
+    """Return the force of a contact, along its normal and two tangents."""
+    world = contacts.world[index]
+    force = wp.vec3(0.0, 0.0, 0.0)
+    for axis in range(3):
+        if axis < contacts.dim[index]:
+            force[axis] = contacts.force[world, contacts.rows[index, axis]]
+    return force
+
+
+class TouchReader:
     """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
 
     def __init__(self, setup: DeviceSetup):
@@ -44,20 +89,22 @@ class Feeling:
             points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
         self.bodies = np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
+        self._sample = wp.zeros((setup.body.shape[0], len(self.bodies)), dtype=float)
         box = touches[0].spaces["touch"]
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
-        self._geoms = put(skin_body_of_geoms(skin, model), wp.int32)
-        self._range, self._points = put(np.stack([first, last], 1), wp.vec2i), put(points_m, wp.vec3)
-        self._scales = put([touch.receptors.scale_per_m[:, 0] for touch in touches])
+        self._geoms = to_device(skin_body_of_geoms(skin, model), wp.int32)
+        self._range, self._points = to_device(np.stack([first, last], 1), wp.vec2i), to_device(points_m, wp.vec3)
+        self._scales = to_device([touch.receptors.scale_per_m[:, 0] for touch in touches])
 
-    def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
-        """Write what is felt now, shape (worlds, n)."""
-        sample.zero_()
+    def __call__(self, data: mjw.Data) -> torch.Tensor:
+        """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
+        self._sample.zero_()
         skin = [self._body, self._geoms, self._range, self._points, self._scales]
         inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
-        wp.launch(_share, (data.naconmax, 2), inputs, [sample])
+        wp.launch(_share, (data.naconmax, 2), inputs, [self._sample])
+        return wp.to_torch(self._sample)
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return what it tells of a sample of all points of one infant."""
@@ -66,7 +113,7 @@ class Feeling:
         return sums.ravel()
 
 
-bind = Feeling
+bind = TouchReader
 
 
 @wp.func

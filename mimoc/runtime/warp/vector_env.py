@@ -9,26 +9,23 @@ import numpy as np
 import warp as wp
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from mimoc.bundle.model import pose_of
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
-from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, chosen, covering, seeds_of
-from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.warp.arrays import giver, put, taken
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, InfantVectorEnv, check_mixture, reset_indices, seeds_of
+from mimoc.runtime.warp.arrays import from_library, present, to_device, to_library
 from mimoc.runtime.warp.capacity import Capacity
-from mimoc.runtime.warp.device_worlds import present
-from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
-from mimoc.runtime.warp.starts import Starts
-from mimoc.runtime.warp.vision.sight import VISION, ClosedEyes
-from mimoc.runtime.warp.worlds import Worlds
+from mimoc.runtime.warp.signals import DeviceError, check_infant, find_device
+from mimoc.runtime.warp.starts import InitialStates
+from mimoc.runtime.warp.vision.sight import VISION, NoVision
+from mimoc.runtime.warp.worlds import DeviceSimulation
 from mimoc.senses.sense import Sense
 
 STARTS = 256
-"""Starts that are drawn of each infant whose episodes begin with chance."""
+"""InitialStates that are drawn of each infant whose episodes begin with chance."""
 
 
 class StartingInfant(InfantEnv):
@@ -36,11 +33,11 @@ class StartingInfant(InfantEnv):
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Bind everything but vision."""
-        super()._bind({VISION: ClosedEyes(), **former})
+        super()._bind({VISION: NoVision(), **former})
 
 
 @closable()
-class WarpInfants(VectorEnv[Any, Any, Any]):
+class WarpInfants(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     """Infants that live side by side on a device, in worlds of MuJoCo Warp.
 
     They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
@@ -95,21 +92,16 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         for infant in infants:
             check_infant(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
-        self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
-        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
+        self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
         which = np.arange(self.num_envs) % len(infants)
         with present(self.device):
             room = contacts, constraints
-            self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
-        self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
+            self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
+        self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
         self._is_settled = True
         """Whether what the device reports of the last step has been dealt with."""
         self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
-        spaces: list[Any] = [self.worlds.spaces[index] for index in which]
-        self.single_action_space = infants[0].action_space
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.single_observation_space = covering(spaces)
-        self.observation_space = batch_of(spaces)
+        self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -134,10 +126,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         seeds = seeds_of(seed, self.num_envs)
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
-        which = chosen(options, self.num_envs)
+        which = reset_indices(options, self.num_envs)
         with present(self.device):
             starts = self._starts_in(options.get("pose"))
-            self.worlds.begin(starts, put(self._choices(starts, seeds, which), wp.int32))
+            self.worlds.begin(starts, to_device(self._choices(starts, seeds, which), wp.int32))
             ended = self.worlds.ended.ended.numpy()
             ended[which] = 0
             self.worlds.ended.ended.assign(ended)
@@ -164,7 +156,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
         entering = self.worlds.actions
         with present(self.device):
-            wp.copy(entering, taken(actions, entering.shape))
+            wp.copy(entering, from_library(actions, entering.shape))
             self.worlds.step()
             self._is_settled = False
             ended = self.worlds.ended
@@ -193,28 +185,22 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """
         raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
 
-    def get_state(self) -> NoReturn:
-        """States cannot be saved on a device.
+    def get_state(self, *states: Any) -> NoReturn:
+        """States cannot be saved or restored on a device.
 
         Raises:
             DeviceError: Always.
         """
         raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
 
-    def set_state(self, states: Any) -> NoReturn:
-        """States cannot be restored on a device.
-
-        Raises:
-            DeviceError: Always.
-        """
-        self.get_state()
+    set_state = get_state
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""
         for infant in self.infants:
             infant.close()
 
-    def _choices(self, starts: Starts, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
+    def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
@@ -228,7 +214,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         self.worlds.seed(given)
         return choices
 
-    def _starts_in(self, pose: str | None) -> Starts:
+    def _starts_in(self, pose: str | None) -> InitialStates:
         """Return the starts in a pose, which are drawn when they are first asked for."""
         if pose not in self._starts:
             for infant in self.infants:

@@ -13,18 +13,13 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp import ending
-from mimoc.runtime.warp.arrays import put
+from mimoc.runtime.warp.arrays import device_worlds, put_on, term_of_worlds, to_device
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
-from mimoc.runtime.warp.capacity import LARGEST, RARE, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, Room, measured
-from mimoc.runtime.warp.device_task import DeviceTask
-from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
-from mimoc.runtime.warp.lines import Line
-from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import Chance, motor_noise, noise_of
-from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
-from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
-from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
+from mimoc.runtime.warp.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room, lack
+from mimoc.runtime.warp.ending import DeviceTask, EpisodeEnds
+from mimoc.runtime.warp.noise import CounterRandom, motor_noise
+from mimoc.runtime.warp.signals import DeviceError, DeviceSense, DeviceSetup, Line, delays_of, space_of
+from mimoc.runtime.warp.starts import InitialStates, changed_rows, sample_initial_states, seen_at
 from mimoc.runtime.warp.vision.sight import VISION
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
@@ -33,7 +28,7 @@ NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
 
-class Worlds:
+class DeviceSimulation:
     """Everything on the device, and what happens there; all arrays keep their place in memory until the room grows."""
 
     def __init__(
@@ -52,32 +47,32 @@ class Worlds:
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {name for infant in infants for name in changed_rows(infant)}
         self.model = batched_model([infant.model for infant in infants], body_of_world, fields)
-        self.room = self._first_room(room, count)
+        self.room = Room.at_first(infants, self.model.nxn_geom_pair_filtered.numpy(), room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
         self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
         """Whether physics steps are captured as graphs, and those of some numbers of steps."""
         present, models = self.room.present, [infant.model for infant in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
-        self.body = put(body_of_world, wp.int32)
+        self.body = to_device(body_of_world, wp.int32)
         self.task, self._seen_by_terms = DeviceTask(infants, body_of_world), device_worlds(self.data)
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
-        self.chance = Chance(put(np.arange(count), wp.int32))
+        self.chance = CounterRandom(to_device(np.arange(count), wp.int32))
         self._open_signals(touch)
-        self.ended = ending.Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
+        self.ended = EpisodeEnds(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
         first, count = self._infants[0], self.body.shape[0]
         setup = DeviceSetup(self._infants, self.body, self.model, touch)
-        self.senses = {name: self._sense(name, setup) for name in first.senses}
+        self.senses = {name: DeviceSense(name, setup, self.chance) for name in first.senses}
         self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self._infants)]
         actuators = first.actuation.actuators
         delays = np.stack([delays_of(infant, MOTOR, len(actuators)) for infant in self._infants])
         self.commands = Line(delays, self.period, self.body)
-        self.actions = wp.zeros_like(self.commands.entering)
+        self.actions = wp.zeros((count, len(actuators)), dtype=float)
         """Of the present control step, shape (worlds, n)."""
         commands: list[Any] = [infant.actuation.command for infant in self._infants]
         self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
@@ -95,16 +90,10 @@ class Worlds:
         }
         self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
 
-    def _sense(self, name: str, setup: DeviceSetup) -> DeviceSense:
-        """Return a sense of all infants."""
-        read = reader_of(name, setup)
-        noise = noise_of(name, self._infants, self.body, self.chance)
-        return DeviceSense(name, setup, read, noise)
-
-    def starts(self, pose: str | None) -> Starts:
+    def starts(self, pose: str | None) -> InitialStates:
         """Return the starts of all bodies in a pose."""
         touch: Any = self.senses["touch"].read if "touch" in self.senses else None
-        starts = drawn(self._infants, self._most_starts, pose, self.model, touch)
+        starts = sample_initial_states(self._infants, self._most_starts, pose, self.model, touch)
         if VISION not in self.senses:
             return starts
         sight: Any = self.senses[VISION].read
@@ -116,7 +105,7 @@ class Worlds:
         self.chance.restart(seeds)
         self.ended.forget(seeds)
 
-    def begin(self, starts: Starts, chosen: wp.array) -> None:
+    def begin(self, starts: InitialStates, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
         starts.restore(chosen, self.model, self.data, self.task.memory)
         start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
@@ -134,14 +123,15 @@ class Worlds:
         two cuts are one graph; terms run between these graphs.
         """
         self.clock += 1
-        self._take_actions()
-        self.commands.send(self.clock)
+        actions = wp.to_torch(self.actions)
+        controls = self._controls_of(self._seen_by_terms, actions) if self._controls_of else actions
+        self.commands.send(self.clock, controls)
         for start, end in self._segments:
             self._command(start)
             self._physics(end - start)
             for sense in self.senses.values():
-                sense.sample(self.model, self.data, self.clock, self.period - end)
-        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(self.actions))
+                sense.sample(self.data, self.clock, self.period - end)
+        judgement = self.task.judge(self._seen_by_terms, self.model, actions)
         self.ended.judge(judgement, self.data, self.actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
@@ -165,7 +155,7 @@ class Worlds:
         if self._make_room(self.room.after(report)):
             return True
         if report[OVERFLOWED] > RARE * self.room.worlds:
-            raise DeviceError(self._lack(int(report[OVERFLOWED])))
+            raise DeviceError(lack(self.ended.overflowed.numpy(), self.room.present))
         return False
 
     def _make_room(self, wanted: Capacity) -> bool:
@@ -183,27 +173,12 @@ class Worlds:
         self._graphs = {}  # They have the places of the former arrays in memory.
         return True
 
-    def _lack(self, count: int) -> str:
-        """Return what is wrong if many infants lose contacts and the room cannot grow."""
-        first, limit = int(np.flatnonzero(self.ended.overflowed.numpy())[0]), self.room.present
-        return (
-            f"contacts or constraints of {count} infants, such as {first}, did not fit in the last step, and there is "
-            f"no more room than contacts={limit.contacts} and constraints={limit.constraints}: look at what holds "
-            "these infants, or make the environment with more, or with fewer infants"
-        )
-
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
         for sense in self.senses.values():
             sense.arrive(self.clock, self.observation)
         for name in self.task.observed:
             wp.to_torch(self.observation[name]).copy_(self.task.memory[name])
-
-    def _take_actions(self) -> None:
-        """Let the controls that the actions mean be sent."""
-        actions = wp.to_torch(self.actions)
-        controls = self._controls_of(self._seen_by_terms, actions) if self._controls_of else actions
-        wp.to_torch(self.commands.entering).copy_(controls)
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
@@ -229,11 +204,3 @@ class Worlds:
     def _physics_steps(self, count: int) -> None:
         for _ in range(count):
             mjw.step(self.model, self.data)
-
-    def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
-        """Return the room for contacts and constraints, measured where nothing was said."""
-        poses, pairs = [infant.manifest.pose for infant in self._infants], self.model.nxn_geom_pair_filtered.numpy()
-        needed = measured([infant.model for infant in self._infants], poses, pairs)
-        usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
-        present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
-        return Room(present, largest, worlds)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.body.kinematics import stature
 from mimoc.body.origins import Entry
-from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS, Wallpapers
 from mimoc.mjcf.furniture import (
     DOMINANT_SOLMIX,

@@ -1,6 +1,6 @@
 """Joint angles, velocities, torques and limits, and the state of the actuators."""
 
-from mimoc.delays.ages import AGES_MONTHS
+from mimoc.delays import AGES_MONTHS
 from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.noise.low_pass import Smooth
-from mimoc.noise.noise import Draw, Noise
+from mimoc.noise.noise import Draw, Noise, Smooth
 from mimoc.senses.proprioception.run import ANGLE_UNIT, VELOCITY_UNIT
 from mimoc.senses.sense import FloatArray, IntArray, Sense
 from mimoc.units import deg_to_rad

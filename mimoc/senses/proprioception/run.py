@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from mimoc.actuation.binding import bind_actuation
-from mimoc.actuation.commands import all_commanded
+from mimoc.actuation.binding import all_commanded, bind_actuation
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Concatenated, Field, Term

@@ -1,6 +1,6 @@
 """Touch, all over the skin."""
 
-from mimoc.delays.ages import AGES_MONTHS
+from mimoc.delays import AGES_MONTHS
 from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.senses.touch.spec import TouchEntry, TouchSpec
 

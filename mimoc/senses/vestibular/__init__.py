@@ -1,6 +1,6 @@
 """Balance."""
 
-from mimoc.delays.ages import AGES_MONTHS
+from mimoc.delays import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 

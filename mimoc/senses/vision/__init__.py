@@ -1,6 +1,6 @@
 """Vision, with a camera in each eye."""
 
-from mimoc.delays.ages import AGES_MONTHS
+from mimoc.delays import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 

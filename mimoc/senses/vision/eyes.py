@@ -8,9 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.render.renderer import Renderer, Shown
-from mimoc.render.shared import assets_of, shared_renderers
-from mimoc.render.visual_settings import Setting
+from mimoc.render.renderer import SHARED, Renderer, Setting, Shown, assets_of
 
 Drawn = npt.NDArray[np.uint8]
 """Shape (cameras, height, width, 3)."""
@@ -55,7 +53,7 @@ class Eyes:
         self._names, self._unseen_bodies = tuple(cameras), unseen
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
-        self._size_px, self._shared = (width_px, height_px * len(cameras)), shared_renderers()
+        self._size_px, self._shared = (width_px, height_px * len(cameras)), SHARED.get()
         self._settings = partial(_lean, height_px=height_px)
         self._shown: Shown = shown
         self._assets = b"" if self._shared is None else assets_of(model)

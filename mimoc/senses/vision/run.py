@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from mimoc.bundle.io import Bundle
-from mimoc.render.averaging import average_down
+from mimoc.render.renderer import average_down
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights

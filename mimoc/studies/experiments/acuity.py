@@ -1,22 +1,82 @@
-"""Acuity and foveation: one scene as seen at several ages (López et al. 2025, figure 3)."""
+"""Acuity and foveation: one scene as seen at several ages (López et al. 2025, figure 3), and gratings."""
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from mimoc.compiler import building
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
-from mimoc.render.picture_grid import Picture, tile_pictures
+from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
 from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.preview import preview
-from mimoc.senses.vision.spec import VisionSpec
-from mimoc.studies.experiments.gratings import FOVY_DEG, Transfer, transfers
+from mimoc.senses.vision.run import filters, perceive
+from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
+
+WIDTH_PX, HEIGHT_PX = 8, 2048
+"""Size of an image of horizontal bars: fine enough for the acuity at two years."""
+FOVY_DEG = VisionSpec().fovy_deg
+MEAN, AMPLITUDE = 127.5, 120.0
+"""Mean and amplitude of a grating's brightness, in a range of 0 to 255."""
+SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
+"""Spatial frequencies of the gratings relative to the acuity."""
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """The fraction of a grating's contrast that remains after the filter."""
+
+    age_months: float
+    acuity_cpd: float
+    frequency_cpd: float
+    measured: float
+
+    @property
+    def law(self) -> float:
+        """The fraction predicted by the contrast sensitivity function (López et al. 2025, equation 2)."""
+        return max(0.0, 1 - self.frequency_cpd / self.acuity_cpd)
+
+
+def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
+    """Yield the remaining contrast of gratings of several spatial frequencies."""
+    eye = VisionEntry(
+        cameras=("eye_left",),
+        width_px=WIDTH_PX,
+        height_px=HEIGHT_PX,
+        supersample=1,
+        acuity_cpd=acuity_cpd,
+        foveation=0.0,
+        foveation_radius="border",
+        unseen=(),
+    )
+    seen_by = filters(eye, FOVY_DEG)
+    for share in SHARES_OF_ACUITY:
+        half_cycles = _half_cycles(share * acuity_cpd)
+        wave = np.cos(np.pi * half_cycles * (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
+        grating = np.rint(MEAN + AMPLITUDE * wave).astype(np.uint8)
+        seen = perceive(np.broadcast_to(grating[None, :, None, None], (1, HEIGHT_PX, WIDTH_PX, 3)), seen_by)
+        left, shown = (float(picture.astype(float) @ wave) for picture in (seen[0, :, 0, 0], grating))
+        yield Transfer(age_months, acuity_cpd, _frequency_cpd(half_cycles), left / shown)
+
+
+def _half_cycles(frequency_cpd: float) -> int:
+    """Return the number of half cycles in the image closest to a frequency, an integer to avoid border effects."""
+    return max(1, round(2 * HEIGHT_PX * frequency_cpd / pixels_per_degree(HEIGHT_PX, FOVY_DEG)))
+
+
+def _frequency_cpd(half_cycles: int) -> float:
+    """Return the spatial frequency at the centre of the image, in cycles per degree."""
+    return half_cycles / (2 * HEIGHT_PX) * pixels_per_degree(HEIGHT_PX, FOVY_DEG)
+
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile
@@ -50,7 +110,7 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table(
         "gratings.csv",
         ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
-        ((each.age_months, each.acuity_cpd, each.frequency_cpd, each.law, each.measured) for each in measured),
+        ((item.age_months, item.acuity_cpd, item.frequency_cpd, item.law, item.measured) for item in measured),
     )
     notebook.write_plots("csf.png", [_csf_plot(measured), _profile_plot()])
     return notebook.write_page(
@@ -101,10 +161,10 @@ def _profile_rows() -> Iterator[tuple[float, ...]]:
 def _csf_plot(measured: Sequence[Transfer]) -> Plot:
     lines, dots = [], []
     for age_months in PAPER_MONTHS:
-        found = [each for each in measured if each.age_months == age_months]
-        acuity_cpd, label = found[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
+        results = [item for item in measured if item.age_months == age_months]
+        acuity_cpd, label = results[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
         lines.append(Line((0, acuity_cpd), (1, 0), label))
-        dots.append(Dots([each.frequency_cpd for each in found], [each.measured for each in found], label))
+        dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
     return Plot(
         x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
         y=Quantity("contrast", "Remaining contrast"),
@@ -134,7 +194,7 @@ def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
     compared = TEXTS["compared"].format(
         table=_acuity_table(),
         count=len(measured),
-        error=max(abs(each.measured - each.law) for each in measured),
+        error=max(abs(item.measured - item.law) for item in measured),
         fovy=FOVY_DEG,
         size=size_px,
         shown=size_px / (2 * FOVY_DEG),

@@ -1,9 +1,11 @@
 """Effects of delays on reaching: on learning (López et al. 2025, figure 4), and on the movements of infants."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 
@@ -15,13 +17,74 @@ from mimoc.quantities.outcome import TRAINED
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.experiments.delays_page import sections
-from mimoc.studies.experiments.infant_reaches import DELAYS, reach_at_ages, write_reaches
-from mimoc.studies.experiments.infant_reaches_page import infant_sections
-from mimoc.studies.experiments.learner import Learner, binned_times_s, detour, smoothness
-from mimoc.studies.experiments.notebook import Notebook
+from mimoc.studies.experiments.infant_reaches import DELAYS, infant_sections, reach_at_ages, write_reaches
+from mimoc.studies.experiments.learner import Learner, binned_times_s, detour, mean_and_range, smoothness
+from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.tasks.reach import ReachEntry
 from mimoc.training import evaluate, load_policy, train
+from mimoc.units import ms_to_s
+
+Groups = Mapping[float, Sequence[Learner]]
+"""Trained infants by sensory delay in ms."""
+
+TEXTS = page_texts("delays")
+
+
+def sections(groups: Groups, **numbers: float) -> tuple[str, str]:
+    """Return the sections of the report: method and results.
+
+    Args:
+        groups: The infants by delay in ms, the shortest first.
+        numbers: Numbers of the experiment, by their names in the text.
+    """
+    *others, longest = (f"{delay_ms:g} ms" for delay_ms in groups)
+    about = TEXTS["about"].format(delays=f"{', '.join(others)} and {longest}", **numbers)
+    return about, TEXTS["compared"].format(table=_table(groups), verdict=_verdict(groups))
+
+
+def _table(groups: Groups) -> str:
+    headings = (
+        "sensory delay",
+        "time to reach, end of training [s]",
+        "balls touched",
+        "time to reach, after training [s]",
+        "spectral arc length",
+        "log dimensionless jerk",
+        "path length / distance",
+    )
+    rows = [
+        (
+            f"{delay_ms:g} ms",
+            mean_and_range([learner.last_time_s() for learner in group]),
+            mean_and_range([learner.success_rate() for learner in group]),
+            mean_and_range([learner.reach_time_s() for learner in group]),
+            mean_and_range([learner.arc_length() for learner in group]),
+            mean_and_range([learner.jerk() for learner in group]),
+            mean_and_range([learner.detour() for learner in group]),
+        )
+        for delay_ms, group in groups.items()
+    ]
+    return markdown_table(headings, rows)
+
+
+def _verdict(groups: Groups) -> str:
+    """Return as text whether the results have the same order as the paper's."""
+    measures: Mapping[str, Callable[[Learner], float]] = {
+        "learning is slower": Learner.last_time_s,
+        "trained infants take longer": Learner.reach_time_s,
+        "movements are less smooth by spectral arc length": lambda learner: -learner.arc_length(),
+        "movements are less smooth by log dimensionless jerk": lambda learner: -learner.jerk(),
+    }
+    means = {what: [fmean(map(of, group)) for group in groups.values()] for what, of in measures.items()}
+    lines = "\n".join(f"- {what}: {'yes' if _rises(rise) else 'not in every case'};" for what, rise in means.items())
+    reach_s = fmean(learner.reach_time_s() for group in groups.values() for learner in group)
+    stroke = TEXTS["stroke"].format(reach_ms=1000 * reach_s) if reach_s < ms_to_s(max(groups)) else ""
+    return f"With increasing delay,\n\n{lines.removesuffix(';')}.\n\n{stroke}"
+
+
+def _rises(values: Sequence[float]) -> bool:
+    return all(before < after for before, after in pairwise(values))
+
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)
 MOTOR_MS = 5.0
@@ -116,9 +179,9 @@ def _write_tables(notebook: Notebook, learners: Sequence[Learner]) -> None:
         "learning.csv",
         ("delay_ms", "seed", "steps", "episodes", "success_rate", "time_s", "episode_return"),
         (
-            (each.delay_ms, each.seed, row.steps, row.episodes, row.success_rate, time_s, row.episode_return)
-            for each in learners
-            for row, time_s in zip(each.training.curve.rows, each.time_s, strict=True)
+            (item.delay_ms, item.seed, row.steps, row.episodes, row.success_rate, time_s, row.episode_return)
+            for item in learners
+            for row, time_s in zip(item.training.curve.rows, item.time_s, strict=True)
         ),
     )
     notebook.write_table(
@@ -126,25 +189,25 @@ def _write_tables(notebook: Notebook, learners: Sequence[Learner]) -> None:
         ("delay_ms", "seed", "ball", "success", "time_s", "log_dimensionless_jerk", "spectral_arc_length", "detour"),
         (
             (
-                each.delay_ms,
-                each.seed,
+                item.delay_ms,
+                item.seed,
                 reach.seed,
                 float(reach.success),
                 reach.duration_s,
                 *smoothness(reach),
                 detour(reach),
             )
-            for each in learners
-            for reach in each.reaches
+            for item in learners
+            for reach in item.reaches
         ),
     )
     notebook.write_table(
         "paths.csv",
         ("delay_ms", "seed", "ball", "time_s", "x_m", "y_m", "z_m"),
         (
-            (each.delay_ms, each.seed, reach.seed, index * reach.duration_s / reach.steps, *place.tolist())
-            for each in _of_first_seed(learners)
-            for reach in each.reaches[:SHOWN]
+            (item.delay_ms, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place.tolist())
+            for item in _of_first_seed(learners)
+            for reach in item.reaches[:SHOWN]
             if reach.path_m is not None
             for index, place in enumerate(reach.path_m)
         ),
@@ -152,11 +215,11 @@ def _write_tables(notebook: Notebook, learners: Sequence[Learner]) -> None:
 
 
 def _of_first_seed(learners: Sequence[Learner]) -> list[Learner]:
-    return [each for each in learners if each.seed == learners[0].seed]
+    return [item for item in learners if item.seed == learners[0].seed]
 
 
 def _by_delay(learners: Sequence[Learner]) -> dict[float, list[Learner]]:
-    return {delay_ms: [each for each in learners if each.delay_ms == delay_ms] for delay_ms in DELAYS_MS}
+    return {delay_ms: [item for item in learners if item.delay_ms == delay_ms] for delay_ms in DELAYS_MS}
 
 
 def _label(delay_ms: float) -> str:
@@ -166,7 +229,7 @@ def _label(delay_ms: float) -> str:
 def _learning_plot(learners: Sequence[Learner]) -> Plot:
     lines, bands = [], []
     for delay_ms, group in _by_delay(learners).items():
-        steps, times_s = zip(*(binned_times_s(each.training.curve) for each in group), strict=True)
+        steps, times_s = zip(*(binned_times_s(item.training.curve) for item in group), strict=True)
         middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
         lines.append(Line(steps[0] / 1000, middle, _label(delay_ms)))
         bands.append(Band(steps[0] / 1000, low, high, _label(delay_ms)))
@@ -176,14 +239,14 @@ def _learning_plot(learners: Sequence[Learner]) -> Plot:
 
 def _path_plot(learners: Sequence[Learner]) -> Plot:
     lines = []
-    for each in _of_first_seed(learners):
-        with closing(InfantEnv(reaching(each.delay_ms))) as env:
+    for item in _of_first_seed(learners):
+        with closing(InfantEnv(reaching(item.delay_ms))) as env:
             env.reset(seed=0)
             shoulder = env.data.body("right_upper_arm").xpos.copy()
-        for reach in each.reaches[:SHOWN]:
+        for reach in item.reaches[:SHOWN]:
             assert reach.path_m is not None
             ahead, _, up = 100 * (reach.path_m - shoulder).T
-            lines.append(Line(ahead, up, _label(each.delay_ms)))
+            lines.append(Line(ahead, up, _label(item.delay_ms)))
     x, y = Quantity("ahead_cm", "In front of the shoulder", "cm"), Quantity("up_cm", "Above the shoulder", "cm")
     return Plot(x, y, tuple(lines), title="Hand paths", equal=True)
 
@@ -191,7 +254,7 @@ def _path_plot(learners: Sequence[Learner]) -> Plot:
 def _smoothness_plot(learners: Sequence[Learner]) -> Plot:
     dots = []
     for delay_ms, group in _by_delay(learners).items():
-        lengths = [each.arc_length() for each in group]
+        lengths = [item.arc_length() for item in group]
         dots.append(Dots([delay_ms] * len(lengths), lengths, _label(delay_ms)))
     x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("sal", "Spectral arc length (higher is smoother)")
     return Plot(x, y, dots=tuple(dots), title="Smoothness")

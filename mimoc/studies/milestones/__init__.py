@@ -1,10 +1,9 @@
 """Motor milestones: from which age on an infant can do what real infants learn to do."""
 
 from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
-from mimoc.studies.milestones.report import Milestone, MilestoneReport, validate_milestones
+from mimoc.studies.milestones.report import WINDOWS, AgeRange, Milestone, MilestoneReport, validate_milestones
 from mimoc.studies.milestones.trial import Outcome, Trial, try_out
 from mimoc.studies.milestones.trials import FURTHER, MILESTONES, TRIALS
-from mimoc.studies.milestones.windows import WINDOWS, AgeRange
 
 __all__ = [
     "FURTHER",

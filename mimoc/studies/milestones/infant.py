@@ -1,7 +1,7 @@
 """A compiled infant on a flat floor, under some conditions, and what a trial has to know of it."""
 
 import copy
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,6 +26,8 @@ FIXED_ARMATURE = 1e6
 GRAVITY_M_S2 = 9.81
 SMALL_GAP_M = 1e-4
 """Penetration of the floor at the start, so that the first physics step already carries the infant."""
+
+BISECTIONS = 12
 
 SENSED = ("proprioception", "vestibular")
 """The senses that tell posture and balance."""
@@ -222,6 +224,13 @@ def _longest_ms(spec: InfantSpec, signal: str) -> float:
     preset = "physiological" if spec.delays.preset == "none" else spec.delays.preset
     entry = PRESETS[preset](signal, spec.age_months, spec.control.timestep_ms)
     return max(entry.ms, entry.legs_ms or 0.0)
+
+
+def bisect(low: float, high: float, is_too_high: Callable[[float], bool]) -> None:
+    """Halve an interval again and again around the value from which on something is too high."""
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if is_too_high(middle) else (middle, high)
 
 
 def tilt_deg(data: mujoco.MjData, body: int) -> float:

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 from mimoc.body import BodyTree
-from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
+from mimoc.body.kinematics import frames, frames_in_world, pose
 from mimoc.body.poses import Pose, resting_state
 from mimoc.geometry.rotations import Vec3
-from mimoc.tasks.ball import BALL, RADIUS_M, ball
 from mimoc.tasks.catch import CatchEntry, CatchSpec
-from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
+from mimoc.tasks.setup import BALL, RADIUS_M, Side, TaskSetup, ball, bodies_of, middle_finger, one_armed, require
 
 STEPS = 800
 """Of an episode (MIMo)."""
@@ -78,7 +77,7 @@ def _hand_length(tree: BodyTree, side: Side) -> float:
     stretched = pose(tree, {})
     names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
     kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
-    hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.rotations[kept])
+    hand = stretched.only(kept)
     along = frames(tree, {})[f"{side}_hand"][1][:, 2]
     return hand.extent(along) + hand.extent(-along)
 

@@ -1,4 +1,7 @@
-"""The setup of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
+"""The setup of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail.
+
+The rail is a bar across two posts, as high as that of a crib.
+"""
 
 import math
 from collections.abc import Mapping
@@ -8,18 +11,58 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.body import BodyTree
-from mimoc.body.kinematics import FloatArray, frames, pose
+from mimoc.body.kinematics import FloatArray, frames, pose, stature
 from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
-from mimoc.body.stature import stature
 from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.geometry.solvers import root
-from mimoc.mjcf.furniture import RAIL_RADIUS_M, rail_height
+from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup import StandupEntry, StandupSpec
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
-from mimoc.tasks.standup.rail import Rail, half_span
 from mimoc.units import cm_to_m, deg_to_rad
+
+HALF_SPAN_IN_CHILDREN = 0.45
+"""From the middle of the rail to a post, for one length of the child: as far as an arm reaches to the side."""
+POST_RADIUS_M = 0.015
+WOOD = WorldMaterial("rail_wood", (0.82, 0.66, 0.46, 1.0))
+
+_ALONG_Y: Vec3 = (math.pi / 2, 0.0, 0.0)
+_UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Rail:
+    """A rail along y, on the floor at z = 0."""
+
+    x_m: float
+    height_m: float
+    """Of its middle."""
+    half_span_m: float
+    """From its middle to a post."""
+    radius_m: float = RAIL_RADIUS_M
+
+    @property
+    def furniture(self) -> Furniture:
+        """The bar and its posts."""
+        middle, size = (self.x_m, 0.0, self.height_m), (self.radius_m, self.half_span_m)
+        bar = WorldGeom("rail", "capsule", size, middle, _ALONG_Y, WOOD.name)
+        return Furniture((bar, self._post("left", 1.0), self._post("right", -1.0)), (WOOD,))
+
+    @property
+    def feet(self) -> tuple[Vec3, Vec3]:
+        """What its posts take up of the floor: discs by x, y and radius, in [m]."""
+        return (self.x_m, self.half_span_m, POST_RADIUS_M), (self.x_m, -self.half_span_m, POST_RADIUS_M)
+
+    def _post(self, name: str, side: float) -> WorldGeom:
+        middle, size = (self.x_m, side * self.half_span_m, self.height_m / 2), (POST_RADIUS_M, self.height_m / 2)
+        return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
+
+
+def half_span(tree: BodyTree) -> float:
+    """Return how far the posts of a rail for this child are from its middle, in [m]."""
+    return HALF_SPAN_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"])
+
 
 STEPS = 500
 """Of an episode (MIMo)."""

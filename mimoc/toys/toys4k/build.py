@@ -1,15 +1,65 @@
-"""Builds the set of toys from a folder of meshes."""
+"""Builds the set of toys from a folder of meshes, each of which is converted to a toy."""
 
 from functools import cache, partial
 from pathlib import Path
 
-from mimoc.errors import UnknownToysError
+from mimoc.errors import ToyError, UnknownToysError
 from mimoc.toys.choosing import Toybox
+from mimoc.toys.model import Part, ToyModel
 from mimoc.toys.spec import ToysSpec
-from mimoc.toys.toys4k.cache import MeshCache
+from mimoc.toys.toys4k import dataset
+from mimoc.toys.toys4k.cache import MeshCache, key_of
 from mimoc.toys.toys4k.convex import has_coacd
-from mimoc.toys.toys4k.dataset import choose, expand_root, find_toys, unknown
-from mimoc.toys.toys4k.meshes import load_toy
+from mimoc.toys.toys4k.dataset import Toys4K, find_toys
+from mimoc.toys.toys4k.processing import Shape, process
+
+DENSITY_KG_M3 = 300.0
+"""Density of hollow plastic toys: between foam (30 kg/m³) and solid plastic or wood (500 to 1100 kg/m³)."""
+OWN_SOURCE = "the folder of toys"
+SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
+
+
+def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyModel:
+    """Return the toy of an object of Toys4K.
+
+    Args:
+        toys: The objects of the folder.
+        name: Name of the object.
+        cache: Cache of processed meshes.
+
+    Raises:
+        ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
+    """
+    if name not in toys.objects:
+        raise ToyError(
+            dataset.unknown(toys, [name]).get(name, f"'{name}' is a category; name one of its objects"), name
+        )
+    path = toys.objects[name]
+    file = dataset.legible(path.relative_to(toys.root).as_posix())
+    try:
+        shape = _shape(dataset.read_mesh(path, toys.root), path.suffix[1:].lower(), cache)
+    except ToyError as error:
+        raise ToyError(f"'{name}' ({file}) {error}; exclude it with 'subset', or repair the file", name) from None
+    return ToyModel(
+        name=name,
+        category=dataset.category_of(name),
+        parts=(Part(shape.looks),),
+        solids=shape.solids,
+        volume=shape.volume,
+        density_kg_m3=DENSITY_KG_M3,
+        source=f"{file} of {SOURCE if dataset.is_named_as_toys4k(name) else OWN_SOURCE}",
+    )
+
+
+def _shape(content: bytes, kind: str, cache: MeshCache | None) -> Shape:
+    key = key_of(content, kind)
+    shape = cache.load(key) if cache else None
+    if shape is None:
+        shape = process(content, kind)
+        if cache:
+            cache.save(key, shape)
+    return shape
+
 
 HULLS_ONLY = "each toy collides as its convex hull; for a closer fit, run: pip install 'mimoc[toys]', and build again"
 
@@ -21,8 +71,8 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
         ToyError: If there are no toys.
         UnknownToysError: If some of the selected names do not exist.
     """
-    toys = find_toys(expand_root(str(spec.root), folder))
-    if wrong := unknown(toys, spec.subset):
+    toys = find_toys(dataset.expand_root(str(spec.root), folder))
+    if wrong := dataset.unknown(toys, spec.subset):
         raise UnknownToysError(wrong)
     notes = () if has_coacd() else (HULLS_ONLY,)
-    return Toybox(choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)
+    return Toybox(dataset.choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)

@@ -1,4 +1,10 @@
-"""Cleaning of a triangle mesh: finite coordinates, unit size, no duplicate or degenerate triangles."""
+"""Cleaning of a triangle mesh: finite coordinates, unit size, no duplicate or degenerate triangles.
+
+Faces are wound so that they face outwards, and decimation reduces their number.
+"""
+
+from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 import numpy.typing as npt
@@ -72,3 +78,148 @@ def _unit(vertices: FloatArray) -> FloatArray:
     if size < LEAST_SIZE:
         raise ToyError("has all its vertices at the same point")
     return (shrunk - low) / size
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """A mesh and its shells, which are connected at edges of two triangles."""
+
+    mesh: Mesh
+    shells: IntArray
+    """Index of the shell of each face."""
+    closed: npt.NDArray[np.bool_]
+    """Whether the shell of each face is closed: all of its edges have two faces."""
+
+
+def face_outwards(mesh: Mesh) -> Surface:
+    """Return a mesh in which the faces of each shell are wound consistently, so that its volume is positive."""
+    edges, ahead = _edges(mesh.faces)
+    first, second, face_pairs = _pairs(edges)
+    count = len(mesh.faces)
+    same = (ahead[first] == ahead[second]).astype(np.intp)
+    a, b = face_pairs.T
+    links = np.concatenate([np.stack([a, b + count * same], 1), np.stack([a + count, b + count * (1 - same)], 1)])
+    labels = _components(links, 2 * count).reshape(2, count)
+    _, shells = np.unique(labels.min(axis=0), return_inverse=True)
+    faces = _flipped(mesh.faces, labels[0] > labels[1])
+    faces = _flipped(faces, (_volumes(mesh.vertices, faces, shells) < 0)[shells])
+    open_shells = np.union1d(shells[labels[0] == labels[1]], _open(edges, shells))
+    return Surface(Mesh(mesh.vertices, faces), shells, ~np.isin(shells, open_shells))
+
+
+def from_both_sides(mesh: Mesh) -> Mesh:
+    """Return a mesh joined with a copy wound the other way, since MuJoCo renders triangles from the front only."""
+    faces = np.concatenate([mesh.faces, mesh.faces[:, ::-1] + len(mesh.vertices)])
+    return Mesh(np.concatenate([mesh.vertices, mesh.vertices]), faces)
+
+
+def _edges(faces: IntArray) -> tuple[IntArray, npt.NDArray[np.bool_]]:
+    """Return an index for each of the three edges of each face, edge by edge, and whether its vertex indices rise."""
+    starts, ends = faces.T.ravel(), np.roll(faces, -1, axis=1).T.ravel()
+    keys = np.minimum(starts, ends) * (faces.max() + 1) + np.maximum(starts, ends)
+    return np.unique(keys, return_inverse=True)[1], starts < ends
+
+
+def _pairs(edges: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the two positions of every edge that has exactly two faces, and those faces, shape (n, 2)."""
+    order = np.argsort(edges, kind="stable")
+    counts = np.bincount(edges)
+    first = (np.cumsum(counts) - counts)[counts == 2]
+    places = np.stack([order[first], order[first + 1]], axis=1)
+    return places[:, 0], places[:, 1], places % (len(edges) // 3)
+
+
+def _components(links: IntArray, count: int) -> IntArray:
+    from trimesh.graph import connected_component_labels
+
+    return np.asarray(connected_component_labels(links, node_count=count))
+
+
+def _open(edges: IntArray, shells: IntArray) -> IntArray:
+    """Return the shells that have an edge with one face or more than two."""
+    keys, counts = np.unique(np.tile(shells, 3) * (edges.max() + 1) + edges, return_counts=True)
+    return keys[counts != 2] // (edges.max() + 1)
+
+
+def _flipped(faces: IntArray, wrong: npt.NDArray[np.bool_]) -> IntArray:
+    return np.where(wrong[:, None], faces[:, ::-1], faces)
+
+
+def _volumes(vertices: FloatArray, faces: IntArray, shells: IntArray) -> FloatArray:
+    """Return the volume of each shell; an open shell is closed by joining its border to its middle."""
+    corners = vertices[faces]
+    sizes = np.bincount(shells)
+    middles = np.stack([np.bincount(shells, corners[..., axis].mean(axis=1)) / sizes for axis in range(3)], axis=1)
+    a, b, c = np.moveaxis(corners - middles[shells][:, None], 1, 0)
+    return np.bincount(shells, np.einsum("ij,ij->i", np.cross(a, b), c) / 6).astype(float)
+
+
+LARGE = 100_000
+"""Number of faces above which close vertices are merged before edges are collapsed."""
+FINE = (256, 128, 96, 64)
+"""Grid cells along the longest side; vertices in the same cell are merged."""
+COARSENESS = (0.75, 12)
+"""Factor on the number of cells from one attempt at clustering to the next, and number of attempts."""
+
+
+def has_simplifier() -> bool:
+    """Return whether fast_simplification (quadric decimation) is installed; without it, close vertices are merged."""
+    return find_spec("fast_simplification") is not None
+
+
+def decimate(mesh: Mesh, most_faces: int) -> Mesh:
+    """Return a mesh, whose longest side is at most 1, with at least one and at most the given number of faces."""
+    if len(mesh.faces) <= most_faces:
+        return mesh
+    simple = _collapsed(mesh, most_faces) if has_simplifier() else _clustered(mesh, most_faces)
+    good = 0 < len(simple.faces) <= most_faces and np.isfinite(simple.vertices).all()
+    return simple if good else _clustered(mesh, most_faces)
+
+
+def _collapsed(mesh: Mesh, most_faces: int) -> Mesh:
+    """Collapse the edges that change the shape least; if that gets stuck, merge close vertices first."""
+    from fast_simplification import simplify
+
+    simple = mesh if len(mesh.faces) <= LARGE else _joined(mesh, FINE[0])
+    for cells in FINE[1:]:
+        if len(simple.faces) > most_faces:
+            arrays = np.array(simple.vertices, order="C"), np.array(simple.faces, np.int32, order="C")
+            vertices, faces = simplify(*arrays, target_count=most_faces)[:2]
+            simple = tidy(Mesh(np.asarray(vertices, float), np.asarray(faces, np.intp)))
+        if len(simple.faces) <= most_faces:
+            break
+        simple = _joined(mesh, cells)
+    return simple
+
+
+def _clustered(mesh: Mesh, most_faces: int) -> Mesh:
+    """Merge all vertices in each cell of a grid, with larger and larger cells until there are few enough faces.
+
+    A surface crosses about 6 n² of n³ cells, with two faces each. If no surface is left before that (as with many
+    small, unconnected faces), the largest faces are kept.
+    """
+    factor, tries = COARSENESS
+    cells = (most_faces / 2) ** 0.5
+    for _ in range(tries):
+        simple = _joined(mesh, cells)
+        if 0 < len(simple.faces) <= most_faces:
+            return simple
+        cells *= factor
+    return _largest(mesh, most_faces)
+
+
+def _joined(mesh: Mesh, cells: float) -> Mesh:
+    """Return a mesh in which the vertices in each cell of a grid are replaced by their mean."""
+    x, y, z = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) * cells).astype(np.int64).T
+    _, place, counts = np.unique((x << 40) | (y << 20) | z, return_inverse=True, return_counts=True)
+    sums = [np.bincount(place, mesh.vertices[:, axis]) for axis in range(3)]
+    faces = place[mesh.faces]
+    a, b, c = faces.T
+    return tidy(Mesh(np.stack(sums, axis=1) / counts[:, None], faces[(a != b) & (b != c) & (c != a)]))
+
+
+def _largest(mesh: Mesh, most_faces: int) -> Mesh:
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    kept = np.sort(np.argsort(-areas, kind="stable")[:most_faces])
+    return only_used(mesh.vertices, mesh.faces[kept])

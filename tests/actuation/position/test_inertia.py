@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.actuation.position.inertia import inertias
+from mimoc.actuation.position.build import inertias
 from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 

@@ -10,7 +10,7 @@ from support.same import assert_same
 
 import mimoc
 from mimoc.environments import open_infant
-from mimoc.runtime.many.growing import GrowingInfants
+from mimoc.runtime.many.vector_env import ManyInfants
 
 NOISE = {"motor": 0.1, "delay_jitter_ms": 10}
 
@@ -28,7 +28,7 @@ def test_an_infant_that_grows_gives_what_it_gives_alone_in_the_wrapper(mode):
     alone = SyncVectorEnv(
         [lambda: mimoc.Growing(mimoc.make(infant), schedule)] * 2, autoreset_mode=mode, observation_mode="different"
     )
-    together = GrowingInfants([partial(open_infant, infant)] * 2, schedule, autoreset_mode=mode)
+    together = ManyInfants([partial(open_infant, infant)] * 2, autoreset_mode=mode, schedule=schedule)
     assert_same(together.reset(seed=3), alone.reset(seed=3), "reset")
     together.action_space.seed(0)
     ages = set()

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.runtime.many.physics import Physics, usable_threads
+from mimoc.runtime.many.physics import ThreadedPhysics, usable_threads
 
 PENDULUM = """
 <mujoco>
@@ -31,7 +31,7 @@ def pendulums() -> list[tuple[mujoco.MjModel, mujoco.MjData]]:
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
 def test_each_group_is_done_when_it_is_yielded(pendulums, threads):
-    physics = Physics(*zip(*pendulums, strict=True), threads)
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True), threads)
     groups = [[3, 1], [0, 2, 4], [8]]
     alone = [mujoco.MjData(model) for model, _ in pendulums]
     for (model, _), data in zip(pendulums, alone, strict=True):
@@ -47,7 +47,7 @@ def test_each_group_is_done_when_it_is_yielded(pendulums, threads):
 
 
 def test_fields_come_in_the_order_that_is_asked_for(pendulums):
-    physics = Physics(*zip(*pendulums, strict=True), 1)
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True), 1)
     for index, data in enumerate(physics.datas):
         data.qpos[0] = index
     order = [2, 0, 1, 8, 7, 6, 5, 4, 3]
@@ -55,7 +55,7 @@ def test_fields_come_in_the_order_that_is_asked_for(pendulums):
 
 
 def test_a_model_can_be_put_in_place_of_another(pendulums):
-    physics = Physics(*zip(*pendulums, strict=True), 1)
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True), 1)
     physics.array("qvel", [0])
     model, _ = pendulums[8]
     data = mujoco.MjData(model)
@@ -67,7 +67,7 @@ def test_a_model_can_be_put_in_place_of_another(pendulums):
 
 
 def test_one_that_breaks_down_is_told_from_the_others(pendulums):
-    physics = Physics(*zip(*pendulums, strict=True), 2)
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True), 2)
     physics.datas[4].qvel[:] = 1e12
     for _ in physics.step([range(9)], 2):
         pass
@@ -78,13 +78,13 @@ def test_one_that_breaks_down_is_told_from_the_others(pendulums):
 def test_as_many_threads_are_used_as_may_be(pendulums, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {0, 3, 5}, raising=False)
     assert usable_threads() == 3
-    physics = Physics(*zip(*pendulums, strict=True))
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True))
     assert physics.threads == 3
     physics.close()
 
 
 def test_nobody_steps_an_infant_behind_the_back_of_a_caller_that_stops(pendulums):
-    physics = Physics(*zip(*pendulums, strict=True), 3)
+    physics = ThreadedPhysics(*zip(*pendulums, strict=True), 3)
     stepped = physics.step([[0, 1, 2], [3, 4, 5], [6, 7, 8]], 50)
     assert next(stepped) == [0, 1, 2]
     stepped.close()

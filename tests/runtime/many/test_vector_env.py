@@ -12,7 +12,7 @@ from support.same import assert_same
 
 import mimoc
 from mimoc.errors import MimocError, MissingExtraError, UnknownNameError
-from mimoc.runtime.many.matching import MixtureError
+from mimoc.runtime.many.gymnasium_forms import MixtureError
 
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
 

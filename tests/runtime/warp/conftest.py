@@ -2,7 +2,7 @@ import pytest
 import warp as wp
 from support.devices import WARP_DEVICE
 
-from mimoc.runtime.warp.needs import find_device
+from mimoc.runtime.warp.signals import find_device
 
 
 @pytest.fixture(scope="session", autouse=True)

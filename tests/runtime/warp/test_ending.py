@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mimoc.runtime.warp.arrays import put
-from mimoc.runtime.warp.ending import Ending
+from mimoc.runtime.warp.arrays import to_device
+from mimoc.runtime.warp.ending import EpisodeEnds
 
 WORLDS, STARTS = 4000, 5
 
@@ -15,10 +15,10 @@ WORLDS, STARTS = 4000, 5
 def starts_of(seeds: np.ndarray, episode: int) -> np.ndarray:
     """Return the starts that worlds with two bodies choose; those of the second body come after five of the first."""
     infants: Any = [SimpleNamespace(max_steps=None)] * 2
-    body = put(np.arange(len(seeds)) % 2, wp.int32)
-    ending = Ending(infants, body, (), None, put(seeds, wp.int32))
+    body = to_device(np.arange(len(seeds)) % 2, wp.int32)
+    ending = EpisodeEnds(infants, body, (), None, to_device(seeds, wp.int32))
     ending.episode.fill_(episode)
-    table: Any = SimpleNamespace(first=put([0, STARTS], wp.int32), count=put([STARTS, 1], wp.int32))
+    table: Any = SimpleNamespace(first=to_device([0, STARTS], wp.int32), count=to_device([STARTS, 1], wp.int32))
     return ending._start_of(table).cpu().numpy()
 
 

@@ -13,10 +13,9 @@ from support.devices import DEVICE
 import mimoc
 from mimoc.kinds import NoiseOption, SenseKind
 from mimoc.mjcf.scene import Placed
-from mimoc.noise.low_pass import LowPass
-from mimoc.noise.noise import Noise
+from mimoc.noise.noise import LowPass, Noise
 from mimoc.runtime.term import Field
-from mimoc.runtime.warp.noise import Chance
+from mimoc.runtime.warp.noise import CounterRandom
 from mimoc.schema.base import Model
 from mimoc.senses.custom import TermSense
 
@@ -39,7 +38,7 @@ def build(**keys: object) -> mimoc.Bundle:
 
 def test_random_numbers_are_normal_and_independent_of_each_other():
     """Over places, over worlds, over time, and over the channels that begin at other places."""
-    chance = Chance(wp.array(np.arange(200), dtype=int))
+    chance = CounterRandom(wp.array(np.arange(200), dtype=int))
     numbers = [chance.normals(0, (200, 2, 50)).cpu().numpy().copy()]
     numbers.append(chance.normals(1 << 24, (200, 2, 50)).cpu().numpy().copy())
     chance.advance()
@@ -55,7 +54,7 @@ def test_random_numbers_are_normal_and_independent_of_each_other():
 
 
 def test_random_numbers_follow_the_seed_of_a_world_alone():
-    one, other = (Chance(wp.array(seeds, dtype=int)) for seeds in ([3, 4, 4], [9, 8, 4]))
+    one, other = (CounterRandom(wp.array(seeds, dtype=int)) for seeds in ([3, 4, 4], [9, 8, 4]))
     mine, theirs = one.normals(0, (3, 40)), other.normals(0, (3, 40))
     assert torch.equal(mine[1], mine[2])
     assert torch.equal(mine[1], theirs[2])

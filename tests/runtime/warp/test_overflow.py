@@ -9,8 +9,7 @@ from support.devices import DEVICE
 
 import mimoc
 from mimoc.runtime.warp import capacity, worlds
-from mimoc.runtime.warp.capacity import Capacity, Room
-from mimoc.runtime.warp.overflow import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS
+from mimoc.runtime.warp.capacity import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS, Capacity, Room
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
 CLOSE = 3e-3
@@ -163,7 +162,7 @@ def test_room_grows_before_anything_is_lost(make):
 
 
 def test_where_room_cannot_grow_many_that_lose_contacts_are_an_error_and_few_are_not(make, monkeypatch):
-    monkeypatch.setattr(worlds, "LARGEST", 0.01)
+    monkeypatch.setattr(capacity, "LARGEST", 0.01)
     env = make(sitting(9), 2, contacts=2, constraints=200)
     env.step(still(env))
     with pytest.raises(

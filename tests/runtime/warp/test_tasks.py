@@ -12,7 +12,7 @@ import mimoc
 from mimoc.kinds import TaskKind
 from mimoc.model_fields import ModelField
 from mimoc.runtime.term import Term
-from mimoc.runtime.warp.needs import DeviceError
+from mimoc.runtime.warp.signals import DeviceError
 from mimoc.tasks.base import TaskEntry, TaskSpec
 from mimoc.tasks.setup import TaskSetup
 from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task, squared_commands

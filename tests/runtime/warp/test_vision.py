@@ -6,10 +6,9 @@ import warp as wp
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.warp.vision.filters import Filters
-from mimoc.runtime.warp.vision.sight import ClosedEyes
-from mimoc.runtime.warp.vision.textures import flat_picture
+from mimoc.runtime.many.gymnasium_forms import MixtureError
+from mimoc.runtime.warp.vision.eyes import flat_picture
+from mimoc.runtime.warp.vision.sight import Filters, NoVision
 from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry
 
@@ -101,7 +100,7 @@ def test_an_episode_begins_with_what_is_seen_at_its_start(pair):
     begun = seen["eye_left"][ended].ravel()
     assert any((begun == start).all() for start in starts)
     assert (info["final_obs"]["eye_left"][ended].ravel() != begun).any()
-    assert isinstance(ours.infants[0].senses["vision"], ClosedEyes)
+    assert isinstance(ours.infants[0].senses["vision"], NoVision)
 
 
 def test_an_infant_whose_simulation_breaks_down_is_not_in_the_way_of_what_others_see(pair):

@@ -18,7 +18,7 @@ from mimoc.actuation.torque.run import bind
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.kinds import ActuationKind
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.many.matching import MixtureError
+from mimoc.runtime.many.gymnasium_forms import MixtureError
 from mimoc.runtime.term import Term
 from mimoc.runtime.warp.bodies import WorldsError
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants

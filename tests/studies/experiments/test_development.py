@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import pytest
 
-from mimoc.studies.experiments import milestone_searches
-from mimoc.studies.experiments.milestone_searches import Case, forget_searches, run_searches, walk
+from mimoc.studies.experiments.effort import GROUPS, strengths
 from mimoc.studies.experiments.resting import rest
-from mimoc.studies.experiments.strength_over_load import GROUPS, strengths
 from mimoc.studies.milestones import Conditions, Outcome
+from mimoc.studies.milestones import search as milestone_searches
+from mimoc.studies.milestones.search import Case, forget_searches, run_searches, walk
 
 GRID = (0.0, 2.0, 4.0, 6.0, 8.0)
 CASES = [Case("maturing", name, GRID, Conditions()) for name in ("sit", "stand")]

@@ -1,8 +1,7 @@
 import pytest
 
 from mimoc.senses.vision.acuity_by_age import acuity_at
-from mimoc.studies.experiments.acuity import PAPER_MONTHS, PROFILE
-from mimoc.studies.experiments.gratings import SHARES_OF_ACUITY, transfers
+from mimoc.studies.experiments.acuity import PAPER_MONTHS, PROFILE, SHARES_OF_ACUITY, transfers
 
 
 @pytest.mark.parametrize("age_months", PAPER_MONTHS)

@@ -4,9 +4,8 @@ from collections import Counter
 
 import pytest
 
-from mimoc.studies.experiments.growing import AGES_MONTHS, QUICK_STEPS, STEPS, reaching, schedule_of
-from mimoc.studies.experiments.growing_learner import GrowingLearner, by_schedule
-from mimoc.studies.experiments.growing_page import sections
+from mimoc.studies.experiments.growing import AGES_MONTHS, QUICK_STEPS, STEPS, reaching, schedule_of, sections
+from mimoc.studies.experiments.learner import GrowingLearner, by_schedule
 from mimoc.training import Curve, Episode, Training
 
 NUMBERS = {"steps": 1000, "seeds": 3, "balls": 2, "check_balls": 1}

@@ -7,8 +7,7 @@ import pytest
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler import building
-from mimoc.studies.experiments.inventory import take_inventory
-from mimoc.studies.experiments.rooms import SPEC
+from mimoc.studies.experiments.rooms import SPEC, take_inventory
 
 SEED = 7
 PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"

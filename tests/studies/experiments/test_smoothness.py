@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.studies.experiments.smoothness import (
+from mimoc.studies.experiments.sensed_reaching import (
     UNIT_M_S,
     log_dimensionless_jerk,
     movement_units,

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 from mimoc.studies.experiments.effort import BEHAVIOURS, Effort, efforts
-from mimoc.studies.experiments.strength import PAPER_MONTHS, REFERENCE_S, TARGET_DEG, age_of
-from mimoc.studies.experiments.strength_page import gets_as_far_with_age, is_faster_with_age
+from mimoc.studies.experiments.strength import (
+    PAPER_MONTHS,
+    REFERENCE_S,
+    TARGET_DEG,
+    age_of,
+    gets_as_far_with_age,
+    is_faster_with_age,
+)
 
 HEAD, LEG = BEHAVIOURS
 each_behaviour = pytest.mark.parametrize("behaviour", BEHAVIOURS, ids=lambda behaviour: behaviour.name)

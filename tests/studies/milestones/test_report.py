@@ -4,7 +4,7 @@ import pytest
 
 from mimoc.cli.tables import print_milestones
 from mimoc.render.plots.file import draw
-from mimoc.render.plots.milestones import rows_sheet
+from mimoc.render.plots.growth import rows_sheet
 from mimoc.studies.milestones import (
     TRIALS,
     WINDOWS,

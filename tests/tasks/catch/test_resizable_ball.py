@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.tasks.base import BallEntry
-from mimoc.tasks.catch.resizable_ball import ResizableBall
+from mimoc.tasks.catch.run import ResizableBall
 
 BALL = BallEntry(body="ball", joint="ball:free", geom="ball")
 

@@ -11,7 +11,7 @@ from support.full import full_but
 import mimoc
 from mimoc.bundle.model import simulation_warnings
 from mimoc.control.torque_mapping import Activation
-from mimoc.tasks.catch.resizable_ball import ResizableBall
+from mimoc.tasks.catch.run import ResizableBall
 
 ARM = ("shoulder", "elbow", "hand")
 ARM_RAD_S, FINGERS_RAD_S = 40.0, 30.0

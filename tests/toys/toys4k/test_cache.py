@@ -11,10 +11,10 @@ from support.mesh_kinds import USABLE, obj, put
 from mimoc.bundle.files import writer_prefix
 from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, Solid, ToyModel
-from mimoc.toys.toys4k import cache, convex, meshes, subprocesses
+from mimoc.toys.toys4k import build, cache, convex, subprocesses
+from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.cache import VARIABLE, MeshCache, default_folder, key_of
 from mimoc.toys.toys4k.dataset import Toys4K, find_toys
-from mimoc.toys.toys4k.meshes import load_toy
 from mimoc.toys.toys4k.processing import Shape
 
 BALL = Mesh(*mesh_kinds.arrays_of(mesh_kinds.creation.icosphere(subdivisions=1)))
@@ -114,8 +114,8 @@ def found(tmp_path: Path) -> Toys4K:
 def processed(quickly: None, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the formats of what is processed from now on."""
     kinds: list[str] = []
-    process = meshes.process
-    monkeypatch.setattr(meshes, "process", lambda content, kind: kinds.append(kind) or process(content, kind))
+    process = build.process
+    monkeypatch.setattr(build, "process", lambda content, kind: kinds.append(kind) or process(content, kind))
     return kinds
 
 
@@ -206,7 +206,7 @@ import sys
 from pathlib import Path
 from mimoc.toys.toys4k import cache, convex, processing, worker
 from mimoc.toys.toys4k.cache import MeshCache
-from mimoc.toys.toys4k.meshes import load_toy
+from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.dataset import find_toys
 convex.has_coacd = cache.has_coacd = lambda: False
 processing.run_worker = lambda task, content, *told, limit_s: worker.TASKS[task](content, *map(str, told))

@@ -13,10 +13,10 @@ from support.mesh_kinds import UNUSABLE, USABLE, WRITERS, obj, put
 
 from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.toys4k import cache, convex, dataset, decimating, processing, subprocesses
+from mimoc.toys.toys4k import cache, cleaning, convex, dataset, processing, subprocesses
+from mimoc.toys.toys4k.build import DENSITY_KG_M3, load_toy
 from mimoc.toys.toys4k.dataset import FORMATS, find_toys
-from mimoc.toys.toys4k.meshes import DENSITY_KG_M3, load_toy
-from mimoc.toys.toys4k.resting import TOPS
+from mimoc.toys.toys4k.processing import TOPS
 
 Load = Callable[..., ToyModel]
 SMALLEST_M, LARGEST_M = 0.005, 1.0
@@ -25,7 +25,7 @@ SMALLEST_M, LARGEST_M = 0.005, 1.0
 
 @pytest.fixture
 def without_simplifier(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (decimating, cache):
+    for module in (cleaning, cache):
         monkeypatch.setattr(module, "has_simplifier", lambda: False)
 
 
@@ -409,9 +409,9 @@ for name in ("networkx", "coacd", "fast_simplification"):
     sys.modules[name] = None
 from mimoc.toys.toys4k import convex
 convex.has_coacd = lambda: False
-from mimoc.toys.toys4k.resting import TOPS
+from mimoc.toys.toys4k.processing import TOPS
 from mimoc.toys.toys4k.dataset import FORMATS, find_toys
-from mimoc.toys.toys4k.meshes import load_toy
+from mimoc.toys.toys4k.build import load_toy
 assert "trimesh" not in sys.modules
 print(len(load_toy(find_toys(pathlib.Path({str(tmp_path)!r})), "ball_000").solids))
 """

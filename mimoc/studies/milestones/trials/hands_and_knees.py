@@ -1,11 +1,11 @@
-"""Keeping on hands and knees, and rocking there."""
+"""Limbs that carry or lift: keeping on hands and knees, rocking there, an arm held out, both legs lifted."""
 
 from collections.abc import Callable, Iterator, Mapping
 
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant
+from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant, bisect, rise_deg
 from mimoc.studies.milestones.trial import Attempt, Trial, steady
 
 HELD_S = 10.0
@@ -17,7 +17,6 @@ against the ends of their range, and arms would need hardly any strength."""
 THIGHS_DEG = (0.0, 20.0)
 """Forward slants of the thighs that are tried."""
 ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
-BISECTIONS = 12
 
 
 def _still(infant: TrialInfant) -> Iterator[Attempt]:
@@ -68,14 +67,12 @@ def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjD
     The pitch of the trunk that brings hands and knees to the floor together is found by bisection.
     """
     data = mujoco.MjData(infant.model)
-    low, high = 50.0, 110.0
-    for _ in range(BISECTIONS):
-        pitch_deg = (low + high) / 2
+
+    def are_hands_down(pitch_deg: float) -> bool:
         infant.place(data, pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg))
-        if infant.lowest_m(data, "left_hand") > infant.lowest_m(data, "left_lower_leg"):
-            low = pitch_deg
-        else:
-            high = pitch_deg
+        return infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg")
+
+    bisect(50.0, 110.0, are_hands_down)
     return data
 
 
@@ -94,3 +91,52 @@ def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Ma
 
 HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still)
 ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking)
+
+
+ARM_S, ARM_HELD_S = 6.0, 3.0
+LOWEST_DEG = -20.0
+"""How far the hand may be below the shoulder, as the elevation of the line from shoulder to hand."""
+CLEARANCE_M = 0.2
+LIFTING_S, RAISED_S = 3.0, 1.0
+RAISED_DEG = 60.0
+"""How far the thighs have to point up from level."""
+HIPS_DEG = -80.0
+
+
+def _arm_out(infant: TrialInfant) -> Iterator[Attempt]:
+    held = infant.fixed([*infant.trunk_dofs(), *infant.dofs_of("head")])
+    for side in reversed(SIDES):
+        if infant.has(f"{side}_upper_arm", f"{side}_hand"):
+            yield _attempt(held, side)
+
+
+def _attempt(infant: TrialInfant, side: str) -> Attempt:
+    shoulder, hand = (infant.model.body(f"{side}_{part}").id for part in ("upper_arm", "hand"))
+    data = mujoco.MjData(infant.model)
+    infant.place(data, 0.0, {"{side}_hip1": -60.0, "{side}_knee": -60.0, "{side}_elbow": -20.0}, CLEARANCE_M)
+    stretched_deg = {"shoulder_horizontal": 85.0, "shoulder_ad_ab": 85.0, "elbow": 0.0}
+    target = infant.turned(data, {f"{side}_{name}": angle_deg for name, angle_deg in stretched_deg.items()})
+
+    def check(data: mujoco.MjData) -> str:
+        return "" if rise_deg(data, shoulder, hand) >= LOWEST_DEG else "arm too low"
+
+    return Attempt(infant, data.qpos.copy(), steady(target), ARM_S, check, ARM_S - ARM_HELD_S, strategy=f"{side} arm")
+
+
+def _lifting(infant: TrialInfant) -> Iterator[Attempt]:
+    """Yield one attempt, with hips and knees as straight at the start as they go."""
+    if not infant.has("left_lower_leg", "right_lower_leg"):
+        return
+    legs = [(infant.model.body(f"{side}_upper_leg").id, infant.model.body(f"{side}_lower_leg").id) for side in SIDES]
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, {"{side}_hip1": 0.0, "{side}_knee": 0.0})
+
+    def check(data: mujoco.MjData) -> str:
+        return "legs too low" if min(rise_deg(data, hip, knee) for hip, knee in legs) < RAISED_DEG else ""
+
+    target = steady(infant.turned(data, {"{side}_hip1": HIPS_DEG}))
+    yield Attempt(infant, data.qpos.copy(), target, LIFTING_S, check, LIFTING_S - RAISED_S)
+
+
+ARM_OUT = Trial("arm_out", "holds an arm straight out for 3 s, the trunk held", _arm_out)
+LEG_LIFT = Trial("leg_lift", "lying on its back, lifts both stretched legs by 60° for 1 s", _lifting)

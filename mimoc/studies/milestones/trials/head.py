@@ -1,11 +1,11 @@
-"""Lifting the head: lying on the belly, being pulled to sit, lying on the back."""
+"""Lifting the head, on the belly, on the back and while pulled to sit; and rolling over."""
 
 from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import TrialInfant, elevation_deg
+from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, elevation_deg
 from mimoc.studies.milestones.trial import Attempt, Trial, steady
 from mimoc.units import deg_to_rad
 
@@ -18,7 +18,6 @@ MOST_LAG_DEG = 20.0
 SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
 SUPINE_RAISED_DEG = 45.0
 """How far the face has to be turned forward from straight up."""
-BISECTIONS = 12
 
 
 def _prone(infant: TrialInfant) -> Iterator[Attempt]:
@@ -42,14 +41,12 @@ def _prone(infant: TrialInfant) -> Iterator[Attempt]:
 def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
     """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
     data = mujoco.MjData(infant.model)
-    low, high = 30.0, 95.0
-    for _ in range(BISECTIONS):
-        pitch_deg = (low + high) / 2
+
+    def are_forearms_down(pitch_deg: float) -> bool:
         infant.place(data, pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG})
-        if infant.lowest_m(data, "left_lower_arm") > infant.lowest_m(data, "left_upper_leg"):
-            low = pitch_deg
-        else:
-            high = pitch_deg
+        return infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg")
+
+    bisect(30.0, 95.0, are_forearms_down)
     return data
 
 
@@ -99,3 +96,60 @@ def _supine(infant: TrialInfant) -> Iterator[Attempt]:
 PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone)
 HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
 SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)
+
+
+ROLLING_S, ROLLED_S = 5.0, 0.5
+GATHERING_S = 1.0
+"""How long the infant draws up its legs before it turns."""
+FACE_DOWN_DEG = -60.0
+"""How far the front of the chest has to be turned down; 0 is lying on the side."""
+LYING_DEG = {"{side}_hip1": -30.0, "{side}_knee": -40.0, "{side}_elbow": -20.0}
+GATHERED_DEG = {"{side}_hip1": -110.0, "{side}_knee": -90.0}
+THROWN_DEG = {
+    "{far}_hip1": -110.0,
+    "{far}_hip2": 17.0,
+    "{far}_knee": -30.0,
+    "{far}_shoulder_horizontal": 118.0,
+    "{far}_shoulder_ad_ab": 90.0,
+    "{far}_elbow": 0.0,
+    "{near}_hip1": 0.0,
+    "{near}_knee": 0.0,
+    "{near}_shoulder_ad_ab": 180.0,
+    "{near}_elbow": 0.0,
+}
+"""The far arm and leg thrown across the body, the near ones out of their way: stretched, the arm beside the head."""
+TRUNK_DEG = {"hip_rot1": 18.0, "head_swivel": 60.0}
+"""The twist of trunk and head when rolling to the left."""
+
+
+def _rolling(infant: TrialInfant) -> Iterator[Attempt]:
+    """Yield attempts to roll to the left and to the right."""
+    if not infant.has("left_hand", "right_hand", "left_foot", "right_foot"):
+        return
+    for near, far in (SIDES, SIDES[::-1]):
+        yield _attempt(infant, near, far)
+
+
+def _attempt(infant: TrialInfant, near: str, far: str) -> Attempt:
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, LYING_DEG)
+    turn = 1.0 if near == "left" else -1.0
+    thrown = {pattern.format(near=near, far=far): angle for pattern, angle in THROWN_DEG.items()}
+    thrown |= {name: turn * angle for name, angle in TRUNK_DEG.items()}
+    phases = [infant.turned(data, GATHERED_DEG), infant.turned(data, thrown)]
+
+    def check(data: mujoco.MjData) -> str:
+        return "" if elevation_deg(data, infant.pushed) <= FACE_DOWN_DEG else "not on its belly"
+
+    return Attempt(
+        infant,
+        data.qpos.copy(),
+        lambda data, time_s: phases[int(time_s >= GATHERING_S)],
+        ROLLING_S,
+        check,
+        ROLLING_S - ROLLED_S,
+        strategy=f"to the {near}",
+    )
+
+
+ROLL_OVER = Trial("roll_over", "rolls over from its back to its belly within 5 s", _rolling)

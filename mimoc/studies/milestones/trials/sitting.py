@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import mujoco
 
-from mimoc.studies.milestones.infant import TrialInfant, tilt_deg
+from mimoc.studies.milestones.infant import TrialInfant, bisect, tilt_deg
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial, steady
 
 SITTING_S = 10.0
@@ -18,7 +18,6 @@ LEANS = (0.3, 0.4)
 Chosen while looking at the ages. Upright, closer to the seat, a trunk balances without strength, so that even a
 month-old infant sits; that takes control without noise and delay. Further forward, the trunk has to be strong.
 """
-BISECTIONS = 12
 
 
 def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
@@ -45,14 +44,12 @@ def seat(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
     """
     data = mujoco.MjData(infant.model)
-    low, high = LEAST_PITCH_DEG, MOST_PITCH_DEG
-    for _ in range(BISECTIONS):
-        pitch_deg = (low + high) / 2
+
+    def leans_too_far(pitch_deg: float) -> bool:
         _lower_heels(infant, data, pitch_deg, knee_deg)
-        if _lean(data) > lean:
-            high = pitch_deg
-        else:
-            low = pitch_deg
+        return _lean(data) > lean
+
+    bisect(LEAST_PITCH_DEG, MOST_PITCH_DEG, leans_too_far)
     return data
 
 
@@ -61,14 +58,12 @@ LEAST_PITCH_DEG, MOST_PITCH_DEG = -30.0, 40.0
 
 def _lower_heels(infant: TrialInfant, data: mujoco.MjData, pitch_deg: float, knee_deg: float) -> None:
     """Place an infant with the thighs as low as brings the heels to the floor together with the seat."""
-    low, high = infant.range_deg("left_hip1")
-    for _ in range(BISECTIONS):
-        hip_deg = (low + high) / 2
+
+    def are_heels_below(hip_deg: float) -> bool:
         infant.place(data, pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg))
-        if infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot"):
-            high = hip_deg
-        else:
-            low = hip_deg
+        return infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot")
+
+    bisect(*infant.range_deg("left_hip1"), are_heels_below)
 
 
 def _lean(data: mujoco.MjData) -> float:
