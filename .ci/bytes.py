@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 
 import mimoc
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 
 CONFIGS = sorted((Path(__file__).resolve().parents[1] / "configs").glob("*.yaml"))
 AGES = (0, 3, 9, 18, 24)

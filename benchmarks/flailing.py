@@ -22,8 +22,8 @@ import mujoco
 import numpy as np
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.bundle.model import load_model
-from mimoc.errors import SpecError
 from mimoc.runtime.check import COMMANDS, Flailing, flail
 from mimoc.schema.names import limb_bodies, trunk_bodies
 

@@ -13,7 +13,7 @@ import numpy as np
 import warp as wp
 
 import mimoc
-from mimoc.runtime.warp.arrays import present
+from mimoc.runtime.device.arrays import present
 
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 SENSES = {

@@ -55,9 +55,9 @@ def infant(hands: str, model: str) -> mimoc.InfantEnv:
 
 
 def controller(env: mimoc.InfantEnv) -> mimoc.InverseDynamics:
-    hands = [mimoc.Reach(f"{side}_hand", env.data.body(f"{side}_hand").xipos + 0.03) for side in ("right", "left")]
+    hands = [mimoc.PositionTask(name, env.data.body(name).xipos + 0.03) for name in ("right_hand", "left_hand")]
     return mimoc.InverseDynamics(
-        env.model, env.data, env.manifest, [hands, [mimoc.LookAt(eye, hands[0].target) for eye in EYES]]
+        env.model, env.data, env.manifest, [hands, [mimoc.GazeTask(eye, hands[0].target) for eye in EYES]]
     )
 
 

@@ -3,23 +3,23 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from mimoc import interruption
+from mimoc.base import interruption
 
 if interruption.is_command():
     interruption.quit_at_once()  # Before anything is imported that takes time.
 
-from mimoc.errors import RenderingError, problem_of_loading_mujoco
+from mimoc.base.errors import RenderingError, problem_of_loading_mujoco
 from mimoc.registration import register_envs, register_formatters
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
+    from mimoc.base.errors import MimocError
     from mimoc.bundle.io import Bundle, read_bundle, write_bundle
     from mimoc.cohorts import Cohort, read_cohort
     from mimoc.compiler.loading import load_spec
     from mimoc.compiler.pipeline import build
-    from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
+    from mimoc.control import Gains, GazeTask, InverseDynamics, OrientationTask, PositionTask, Posture
     from mimoc.environments import make
-    from mimoc.errors import MimocError
     from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.recording.export import export_recording
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from mimoc.recordings import replay_recording
     from mimoc.reporting import report
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
+    from mimoc.runtime.growth_wrapper import GrowthWrapper
     from mimoc.runtime.limits import torque_limits
     from mimoc.runtime.term import Term
     from mimoc.schema.infant import InfantSpec
@@ -41,19 +41,19 @@ if TYPE_CHECKING:
     from mimoc.viewer.viewing import View, view
 
 _HOMES = {
-    "Align": "mimoc.control",
+    "OrientationTask": "mimoc.control",
     "Bundle": "mimoc.bundle.io",
     "Gains": "mimoc.control",
     "Cohort": "mimoc.cohorts",
-    "Growing": "mimoc.runtime.growing_env",
+    "GrowthWrapper": "mimoc.runtime.growth_wrapper",
     "InfantEnv": "mimoc.runtime.env",
     "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
     "Judgement": "mimoc.tasks.task",
-    "LookAt": "mimoc.control",
-    "MimocError": "mimoc.errors",
+    "GazeTask": "mimoc.control",
+    "MimocError": "mimoc.base.errors",
     "Posture": "mimoc.control",
-    "Reach": "mimoc.control",
+    "PositionTask": "mimoc.control",
     "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
     "Term": "mimoc.runtime.term",
@@ -85,19 +85,19 @@ _HOMES = {
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
 
 __all__ = [
-    "Align",
+    "OrientationTask",
     "Bundle",
     "Cohort",
     "Gains",
-    "Growing",
+    "GrowthWrapper",
     "InfantEnv",
     "InfantSpec",
     "InverseDynamics",
     "Judgement",
-    "LookAt",
+    "GazeTask",
     "MimocError",
     "Posture",
-    "Reach",
+    "PositionTask",
     "Recorder",
     "Task",
     "Term",

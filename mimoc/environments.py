@@ -8,9 +8,9 @@ from typing import Any
 
 import gymnasium
 
+from mimoc.base.errors import MimocError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.errors import MimocError, check_name
 from mimoc.plugins import load_plugins
 from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv

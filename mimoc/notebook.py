@@ -3,9 +3,9 @@
 import base64
 from html import escape
 
+from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.provenance import AMONG, who_percentiles
-from mimoc.errors import RenderingError
 from mimoc.render.picture_files import encoded
 from mimoc.render.portrait import portrait
 

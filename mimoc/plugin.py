@@ -10,21 +10,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mimoc.actuation.binding import Actuation as Actuation
     from mimoc.actuation.binding import effort_of as effort_of
-    from mimoc.body.dimensions import Dimensions as Dimensions
-    from mimoc.body.dimensions import Shape as Shape
+    from mimoc.base.kinds import ActuationKind as ActuationKind
+    from mimoc.base.kinds import AgeTable as AgeTable
+    from mimoc.base.kinds import NoiseOption as NoiseOption
+    from mimoc.base.kinds import PartKind as PartKind
+    from mimoc.base.kinds import PolicyKind as PolicyKind
+    from mimoc.base.kinds import SceneKind as SceneKind
+    from mimoc.base.kinds import SenseKind as SenseKind
+    from mimoc.base.kinds import TaskKind as TaskKind
+    from mimoc.base.kinds import ToySource as ToySource
     from mimoc.body.part import ReferenceGeom as ReferenceGeom
     from mimoc.body.part import ReferenceJoint as ReferenceJoint
     from mimoc.body.part import ReferenceMotor as ReferenceMotor
     from mimoc.body.part import ReferencePart as ReferencePart
-    from mimoc.kinds import ActuationKind as ActuationKind
-    from mimoc.kinds import AgeTable as AgeTable
-    from mimoc.kinds import NoiseOption as NoiseOption
-    from mimoc.kinds import PartKind as PartKind
-    from mimoc.kinds import PolicyKind as PolicyKind
-    from mimoc.kinds import SceneKind as SceneKind
-    from mimoc.kinds import SenseKind as SenseKind
-    from mimoc.kinds import TaskKind as TaskKind
-    from mimoc.kinds import ToySource as ToySource
     from mimoc.mjcf.scene import Placed as Placed
     from mimoc.noise.noise import LowPass as LowPass
     from mimoc.noise.noise import Noise as Noise
@@ -49,9 +47,9 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "mimoc.actuation.binding": "Actuation effort_of",
-    "mimoc.body.dimensions": "Dimensions Shape",
+    "mimoc.body.dimensions": "BodyGeometry GeomShape",
     "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
-    "mimoc.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind ToySource",
+    "mimoc.base.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind ToySource",
     "mimoc.mjcf.scene": "Placed",
     "mimoc.noise.noise": "LowPass Noise Smooth",
     "mimoc.plugins": "register",

@@ -15,11 +15,8 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.body.part import ReferencePart
-from mimoc.body.parts import PARTS
-from mimoc.body.parts.checking import check_parts
-from mimoc.errors import KindError
-from mimoc.kinds import (
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import (
     PLUGINS_VARIABLE,
     ActuationKind,
     Code,
@@ -32,6 +29,9 @@ from mimoc.kinds import (
     ToySource,
     installed_entry_points,
 )
+from mimoc.body.part import ReferencePart
+from mimoc.body.parts import PARTS
+from mimoc.body.parts.checking import check_parts
 from mimoc.policies import POLICIES
 from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.scenes import SCENES
@@ -75,7 +75,7 @@ def register(*records: Record) -> None:
     Example:
         >>> import mimoc
         >>> import numpy as np
-        >>> from mimoc.kinds import PolicyKind
+        >>> from mimoc.base.kinds import PolicyKind
         >>> def bind(env):
         ...     return lambda generator, observation: np.zeros(env.action_space.shape, np.float32)
         >>> mimoc.register(PolicyKind("limp", "does nothing", bind))

@@ -6,9 +6,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.base.errors import RecordingError
 from mimoc.bundle.io import Bundle
 from mimoc.environments import open_bundle
-from mimoc.errors import RecordingError
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.recording.record import Watch
 from mimoc.recording.replaying import Replayed, replay

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from gymnasium.envs.registration import register, registry
 
-from mimoc.kinds import announced
+from mimoc.base.kinds import announced
 from mimoc.tasks import TASKS
 
 if TYPE_CHECKING:

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 from gymnasium.vector import AutoresetMode
 
 from mimoc import environments
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
-    from mimoc.runtime.warp.vector_env import WarpInfants
+    from mimoc.runtime.device.vector_env import DeviceEnv
     from mimoc.training.vector_env import VecMonitor
 
 Source = Bundle | InfantSpec | str | Path
@@ -48,11 +48,11 @@ def make_vec(
     render_mode: RenderMode = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     **options: Any,
-) -> "ManyInfants | WarpInfants":
+) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of many infants, as `gymnasium.make_vec("mimoc/Infant-v0", ...)` does.
 
     On the CPU, infant i gives, step for step and bit for bit, what `mimoc.make` of it gives with the same seed. On a
-    GPU it gives the same in single precision, as long as small differences have not grown; see `WarpInfants`.
+    GPU it gives the same in single precision, as long as small differences have not grown; see `DeviceEnv`.
 
     Args:
         source: A bundle, the folder of one, a spec or the path of one, as for `mimoc.make`; or a list of them, which
@@ -68,7 +68,7 @@ def make_vec(
             same one (`SameStep`), or by the caller (`Disabled`).
         options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task` and `senses`, of
             which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides `task` and
-            the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `WarpInfants`.
+            the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `DeviceEnv`.
 
     Raises:
         SpecError: If a spec cannot be built.
@@ -145,7 +145,7 @@ def make_vec_task(
     render_mode: RenderMode = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     **options: Any,
-) -> "ManyInfants | WarpInfants":
+) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of a task, as `gymnasium.make_vec("mimoc/Reach-v0", ...)` does.
 
     Args:
@@ -169,7 +169,7 @@ def make_vec_task(
 
 def make_vec_infant(
     num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any
-) -> "ManyInfants | WarpInfants":
+) -> "BatchEnv | DeviceEnv":
     """Return what `make_vec` does, for Gymnasium, where the infants are called `bundle` as in `gymnasium.make`."""
     infants = bundle if source is None else source
     if infants is None:
@@ -185,7 +185,7 @@ def _joined(
     render_mode: RenderMode,
     autoreset_mode: AutoresetMode | str,
     options: dict[str, Any],
-) -> "ManyInfants | WarpInfants":
+) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of some infants, which are repeated in turn."""
     if render_mode not in (None, "rgb_array"):
         raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
@@ -199,7 +199,7 @@ def _joined(
         return InfantEnv(**parts, render_mode=render_mode, **deepcopy(options))
 
     each = _repeated(prepared, count)
-    return ManyInfants([partial(open_infant, parts) for parts in each], threads, autoreset_mode, limit)
+    return BatchEnv([partial(open_infant, parts) for parts in each], threads, autoreset_mode, limit)
 
 
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
@@ -219,9 +219,9 @@ def _on_device(
     render_mode: RenderMode,
     autoreset_mode: AutoresetMode | str,
     options: dict[str, Any],
-) -> "WarpInfants":
+) -> "DeviceEnv":
     """Return infants in worlds of MuJoCo Warp."""
-    from mimoc.runtime.warp.vector_env import StartingInfant, WarpInfants
+    from mimoc.runtime.device.vector_env import DeviceEnv, StartingInfant
 
     known = ["task", "senses", "max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
     for name in options.keys() - known:
@@ -230,7 +230,7 @@ def _on_device(
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
     objects = {name: options.pop(name) for name in ("task", "senses") if name in options}
     infants = [StartingInfant(**parts, **deepcopy(objects)) for parts in prepared]
-    return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
+    return DeviceEnv(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 
 def _check_numbers(**given: Any) -> None:

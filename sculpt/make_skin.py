@@ -19,9 +19,9 @@ from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
-from mimoc.looks.skin.carrying import boxes
-from mimoc.looks.skin.sculpture import FOLDER, assembled
+from mimoc.looks.skin.deformation import boxes
 from mimoc.looks.skin.surface_distance import height_above, surface_distance
+from mimoc.looks.skin.template_mesh import FOLDER, assembled
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0

@@ -11,8 +11,8 @@ from mimoc.body.kinematics import frames_in_world
 from mimoc.body.poses import POSES, pose_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
-from mimoc.looks.skin.carrying import layers_of
-from mimoc.looks.skin.sculpture import LAYERS, Sculpture
+from mimoc.looks.skin.deformation import layers_of
+from mimoc.looks.skin.template_mesh import LAYERS, Sculpture
 from mimoc.mjcf.skin import SkinLayer
 from mimoc.schema.infant import InfantSpec
 

@@ -7,8 +7,8 @@ from resting import child
 from weights import quantized
 
 from mimoc.body.kinematics import frames
-from mimoc.looks.skin.carrying import layers_of
-from mimoc.looks.skin.sculpture import LAYERS, Sculpture
+from mimoc.looks.skin.deformation import layers_of
+from mimoc.looks.skin.template_mesh import LAYERS, Sculpture
 from mimoc.mjcf.skin import SkinLayer
 
 AGES_MONTHS = (0.0, 9.0, 24.0)

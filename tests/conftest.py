@@ -18,7 +18,7 @@ from hypothesis import settings
 
 os.environ["MIMOC_PLUGINS"] = "none"  # Before mimoc looks for any: tests that need plug-ins name them.
 
-from mimoc.errors import problem_of_loading_mujoco
+from mimoc.base.errors import problem_of_loading_mujoco
 
 try:
     import mujoco

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from support.bad_specs import SPECS
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.schema.source import read
 

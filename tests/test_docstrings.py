@@ -10,7 +10,7 @@ import pytest
 from support import store
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.recording.reading import ReadRecording
 from mimoc.schema.infant import InfantSpec
 from mimoc.training import Curve

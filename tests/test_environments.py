@@ -10,7 +10,7 @@ import pytest
 from support.full import full_but
 
 import mimoc
-from mimoc.errors import BundleError, MimocError, UnknownNameError
+from mimoc.base.errors import BundleError, MimocError, UnknownNameError
 
 SCENE = {"kind": "room", "toys": {"count": [3, 3]}, "seed": 4}
 YAML = """\

@@ -4,8 +4,8 @@ import sys
 import pytest
 
 import mimoc
-from mimoc import errors
-from mimoc.errors import (
+from mimoc.base import errors
+from mimoc.base.errors import (
     MimocError,
     MissingExtraError,
     ModelError,

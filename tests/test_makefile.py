@@ -13,7 +13,7 @@ OF_MAKE = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "TESTS")
 """Variables by which a `make` that runs this test would have its say."""
 
 
-@pytest.mark.parametrize(("asked", "run"), [((), "tests"), (("TESTS=tests/runtime/warp",), "tests/runtime/warp")])
+@pytest.mark.parametrize(("asked", "run"), [((), "tests"), (("TESTS=tests/runtime/device",), "tests/runtime/device")])
 def test_make_test_runs_all_tests_or_the_part_that_is_named(asked, run):
     (tests,) = [line for line in recipes("test", *asked).splitlines() if line.strip().startswith('"tests: ')]
     assert tests.split()[-1] == f'{run}"'

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.mujoco_layout import (
+from mimoc.base.mujoco_layout import (
     LOCK_ANGLE,
     TIME_CONSTANT,
     WELD_ANCHOR,

@@ -14,7 +14,7 @@ from PIL import Image
 from support import store
 
 import mimoc
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.notebook import bundle_html
 
 CONFIG = Path(__file__).parents[1] / "configs" / "individual.yaml"

@@ -14,9 +14,9 @@ from support.full import FULL
 
 import mimoc
 from mimoc import plugins
+from mimoc.base.errors import BundleError, KindError
+from mimoc.base.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
 from mimoc.bundle.io import digests
-from mimoc.errors import BundleError, KindError
-from mimoc.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
 from mimoc.scenes import SCENES
 from mimoc.senses import SENSES
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
@@ -163,7 +163,7 @@ def foreign(tmp_path, monkeypatch):
 
 
 RECORD = """
-from mimoc.kinds import SenseKind
+from mimoc.base.kinds import SenseKind
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.senses.vestibular.run")
 """

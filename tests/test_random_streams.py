@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.random_streams import between, pick, shuffled, stream, whole_between
+from mimoc.base.random_streams import between, pick, shuffled, stream, whole_between
 
 SEEDS = st.integers(0, 2**53)
 RECORDED = [0.112136260583, 0.996863055949, 0.205098491323]
@@ -19,7 +19,7 @@ def test_the_same_seed_and_aspect_give_the_same_numbers(seed, aspect):
 
 
 def test_a_new_process_draws_the_same_numbers():
-    code = "from mimoc.random_streams import stream; print(stream(7, 'room.size').random(3).tolist())"
+    code = "from mimoc.base.random_streams import stream; print(stream(7, 'room.size').random(3).tolist())"
     runs = [
         subprocess.run(
             [sys.executable, "-c", code],

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.rounding import SIGNIFICANT_DIGITS, num, rounded
+from mimoc.base.rounding import SIGNIFICANT_DIGITS, num, rounded
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 plain_data = st.recursive(

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.rounding import rounded
-from mimoc.units import cm_to_m, deg_to_rad, m_to_cm, months_to_days, ms_to_s, to_steps
+from mimoc.base.rounding import rounded
+from mimoc.base.units import cm_to_m, deg_to_rad, m_to_cm, months_to_days, ms_to_s, to_steps
 
 
 def test_what_a_spec_says_in_si():

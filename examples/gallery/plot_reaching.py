@@ -21,8 +21,8 @@ spec = mimoc.InfantSpec(
 env = mimoc.make(spec, render_mode="rgb_array", width=320, height=320)
 env.reset(seed=0)
 infant = env.unwrapped
-reach = mimoc.Reach("right_hand", target=(0.2, -0.1, 0.3))
-look = [mimoc.LookAt(eye, reach.target) for eye in ("eye_left", "eye_right")]
+reach = mimoc.PositionTask("right_hand", target=(0.2, -0.1, 0.3))
+look = [mimoc.GazeTask(eye, reach.target) for eye in ("eye_left", "eye_right")]
 control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, [reach, look, mimoc.Posture()])
 
 distances_m = []

@@ -1,6 +1,6 @@
 """Actuation models, each in its own folder."""
 
-from mimoc.kinds import ActuationKind, Kinds
+from mimoc.base.kinds import ActuationKind, Kinds
 
 ACTUATIONS: Kinds[ActuationKind] = Kinds(
     "actuation model",

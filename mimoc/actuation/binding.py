@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
-from mimoc.kinds import function_of
+from mimoc.base.kinds import function_of
 from mimoc.runtime.term import Field, Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, IntArray

@@ -3,11 +3,11 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import PartKind
 from mimoc.body.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
 from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.body.parts.trunk import CHEST_JOINTS, CHEST_MOTORS
-from mimoc.errors import KindError
-from mimoc.kinds import PartKind
 
 Sided = tuple[tuple[str, ReferencePart], ...]
 """Side (empty for the middle) and part."""

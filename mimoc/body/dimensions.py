@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from mimoc.errors import GeometryError
+from mimoc.base.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class GeomShape:
     """Size and centre of a geom, as in MuJoCo."""
 
     size_m: tuple[float, ...]
@@ -16,19 +16,19 @@ class Shape:
 
 
 @dataclass(frozen=True, slots=True)
-class Dimensions:
+class BodyGeometry:
     """Sizes and positions of the right side, by the names in `anatomy`."""
 
     origins: Mapping[str, Vec3] = field(default_factory=dict)
     """Origins of bodies, in the frame of their parent."""
-    shapes: Mapping[str, Shape] = field(default_factory=dict)
+    shapes: Mapping[str, GeomShape] = field(default_factory=dict)
     """Shapes of geoms, in the frame of their body."""
     anchors: Mapping[str, Vec3] = field(default_factory=dict)
     """Anchors of the joints that are not at the origin of their body."""
 
-    def __or__(self, other: "Dimensions") -> "Dimensions":
+    def __or__(self, other: "BodyGeometry") -> "BodyGeometry":
         """Return the union of both."""
-        return Dimensions(
+        return BodyGeometry(
             {**self.origins, **other.origins}, {**self.shapes, **other.shapes}, {**self.anchors, **other.anchors}
         )
 
@@ -45,7 +45,7 @@ def mirror_turn(vector: Vec3, left: bool) -> Vec3:
     return (-x, y, -z) if left else vector
 
 
-def along(what: str, length_m: float, radius_m: float, embed_m: float) -> Shape:
+def along(what: str, length_m: float, radius_m: float, embed_m: float) -> GeomShape:
     """Return a capsule along +z, whose axis starts at its joint and which ends beyond the next joint.
 
     Args:
@@ -60,4 +60,4 @@ def along(what: str, length_m: float, radius_m: float, embed_m: float) -> Shape:
     axis_m = length_m + embed_m - radius_m
     if axis_m <= 0:
         raise GeometryError(f"{what}: a limb {length_m:.3f} m long cannot be {2 * radius_m:.3f} m thick")
-    return Shape((radius_m, axis_m / 2), (0.0, 0.0, axis_m / 2))
+    return GeomShape((radius_m, axis_m / 2), (0.0, 0.0, axis_m / 2))

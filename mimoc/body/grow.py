@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy, assemble
-from mimoc.body.dimensions import Dimensions, mirror, mirror_turn
+from mimoc.body.dimensions import BodyGeometry, mirror, mirror_turn
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.maturation import maturation, relative_volumes
@@ -18,7 +18,7 @@ from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
 from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, prune
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, remove_parts
 from mimoc.fits import Measurements, measure
 from mimoc.schema.infant import InfantSpec
 
@@ -79,7 +79,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
         if strength_age_months is not None:
             tree = at_strength_of_age(tree, usual.motors, _average(reference.at(strength_age_months)).motors)
         tree = match_damping(scale_strength(tree, strength), usual, reference.anatomy)
-    return GrownBody(prune(tree, spec.body.remove), reference, child, masses)
+    return GrownBody(remove_parts(tree, spec.body.remove), reference, child, masses)
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
@@ -150,7 +150,7 @@ def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints
     )
 
 
-def _geom(figures: ReferenceGeom, side: str, dimensions: Dimensions, masses: Masses) -> Geom:
+def _geom(figures: ReferenceGeom, side: str, dimensions: BodyGeometry, masses: Masses) -> Geom:
     left = side == "left"
     solid = dimensions.shapes[figures.name]
     return Geom(

@@ -22,7 +22,7 @@ from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFE
 from mimoc.body.part import ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
-from mimoc.body.tree import BodyTree, Growth, Joint
+from mimoc.body.tree import BodyTree, Joint, MaturationFactors
 from mimoc.geometry.rotations import Vec3
 
 POWERS: Mapping[str, float] = {"stiffness": 1.0, "frictionloss": 1.0, "damping": 1.5, "armature": 2.0}
@@ -87,7 +87,7 @@ NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
 
 
-def passive_joints(shapes: Shapes, reference: Reference, growth: Growth | None) -> dict[str, Joint]:
+def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFactors | None) -> dict[str, Joint]:
     """Return the joints of a child by name, by its law of development.
 
     Args:
@@ -144,7 +144,7 @@ def _maturing(
     )
 
 
-def _scales(joint: str, group: str, growth: Growth) -> dict[str, float]:
+def _scales(joint: str, group: str, growth: MaturationFactors) -> dict[str, float]:
     """Return the factors v l^p on a joint's constants, by attribute, for the neck also x what its head is heavier."""
     size = growth.relative_volumes[joint] * (growth.head_gain if group == NECK else 1.0)
     return {attribute: size * growth.relative_length**power for attribute, power in POWERS.items()}
@@ -234,7 +234,7 @@ def joint_origins(
 
 
 def _maturing_origins(
-    figures: ReferenceJoint, joint: str, group: str, age_months: float, growth: Growth
+    figures: ReferenceJoint, joint: str, group: str, age_months: float, growth: MaturationFactors
 ) -> dict[str, Origin]:
     at_18 = {
         "stiffness": figures.stiffness_nm_per_rad,
@@ -250,7 +250,7 @@ def _maturing_origins(
     return {**origins, **dict(_angle_origins(figures))}
 
 
-def _passive_origin(attribute: str, value: float, joint: str, group: str, growth: Growth) -> Origin:
+def _passive_origin(attribute: str, value: float, joint: str, group: str, growth: MaturationFactors) -> Origin:
     text = (
         f"{value:g} ({REFERENCE}) x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ "
         f"{POWERS[attribute]:g}: volume of the part that the strength here follows, and standing height, relative to "

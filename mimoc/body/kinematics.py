@@ -6,6 +6,7 @@ from typing import TypedDict
 
 import numpy as np
 
+from mimoc.base.units import m_to_cm
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.geometry.primitives import Extents, extents, girth
 from mimoc.geometry.rotations import (
@@ -15,7 +16,6 @@ from mimoc.geometry.rotations import (
     matrix_from_euler,
     matrix_from_quaternion,
 )
-from mimoc.units import m_to_cm
 
 Frame = tuple[FloatArray, FloatArray]
 """Origin and rotation."""

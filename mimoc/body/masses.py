@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy
-from mimoc.body.dimensions import Dimensions
+from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
@@ -126,7 +126,7 @@ def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict
     return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in reference.densities_kg_m3.items()}
 
 
-def _feet_kg(reference: Reference, dimensions: Dimensions) -> dict[str, float]:
+def _feet_kg(reference: Reference, dimensions: BodyGeometry) -> dict[str, float]:
     """Return the masses of the geoms of a foot with its toes."""
     return {
         geom.name: reference.densities_kg_m3[geom.name] * volume(geom.type, dimensions.shapes[geom.name].size_m)

@@ -6,7 +6,7 @@ from mimoc.body.anatomy import Anatomy
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
 from mimoc.body.shapes import Shapes
-from mimoc.body.tree import Growth
+from mimoc.body.tree import MaturationFactors
 from mimoc.fits import Measurements
 
 NECK = "neck"
@@ -36,7 +36,9 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
     return by_joint
 
 
-def maturation(child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference) -> Growth | None:
+def maturation(
+    child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference
+) -> MaturationFactors | None:
     """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
 
     Args:
@@ -48,10 +50,10 @@ def maturation(child: Measurements, volumes: RelativeVolumes, head_gain: float, 
     if reference.anatomy.development == "published":
         return None
     length = child.published[HEIGHT] / reference.length_m
-    return Growth(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
+    return MaturationFactors(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
 
 
-def heavier(group: str, growth: Growth) -> str:
+def heavier(group: str, growth: MaturationFactors) -> str:
     """Return what is said of the neck's numbers, which grow with its heavier head."""
     gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
     return gain if group == NECK else ""

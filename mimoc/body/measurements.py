@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 
-from mimoc.errors import IndividualError
+from mimoc.base.errors import IndividualError
+from mimoc.base.units import cm_to_m, m_to_cm
 from mimoc.fits import Measured, Measurements, load_tables, measure
 from mimoc.fits.who import Sex
 from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
-from mimoc.units import cm_to_m, m_to_cm
 
 Weigh = Callable[[Measurements], float]
 Bounds = tuple[float, float]

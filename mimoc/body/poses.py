@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mimoc.base.units import deg_to_rad, rad_to_deg
 from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import FloatArray, centres_of_mass, length_m, pose, pose_all
 from mimoc.fits import measure
@@ -14,7 +15,6 @@ from mimoc.geometry.primitives import Extents, extents, girth
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.geometry.solvers import narrowed
 from mimoc.schema.names import SIDES
-from mimoc.units import deg_to_rad, rad_to_deg
 
 _STEP_RAD = deg_to_rad(0.5)
 """Step of pitch in the search for the resting pitch."""

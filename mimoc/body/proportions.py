@@ -9,8 +9,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mimoc.base.errors import GeometryError
 from mimoc.body.sections import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing, measured_trunk
-from mimoc.errors import GeometryError
 from mimoc.geometry.ellipsoids import ellipse_perimeter
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
+from mimoc.base.units import deg_to_rad, m_to_cm
 from mimoc.body.grow import GrownBody
 from mimoc.body.joints import joint_origins
 from mimoc.body.origins import Entry, Origin
@@ -10,7 +11,6 @@ from mimoc.body.strength import motor_origins
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
 from mimoc.schema.names import SIDES
-from mimoc.units import deg_to_rad, m_to_cm
 
 
 def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str, ...]]) -> dict[str, Entry]:

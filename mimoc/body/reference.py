@@ -16,14 +16,14 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
 
+from mimoc.base.kinds import PartKind, function_of
 from mimoc.body.anatomy import Anatomy
-from mimoc.body.dimensions import Dimensions
+from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.checking import check_dimensions
 from mimoc.body.proportions import Proportions, proportions
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
-from mimoc.kinds import PartKind, function_of
 
 HEIGHT = "crown_sole_length"
 
@@ -84,7 +84,7 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
     return Reference(anatomy, volumes_m3, densities_kg_m3, average[HEIGHT], REFERENCE_AGE_MONTHS).at(age_months)
 
 
-def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> Dimensions:
+def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> BodyGeometry:
     """Return the dimensions of some kinds of parts.
 
     Raises:
@@ -93,12 +93,12 @@ def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> Dimensions:
     return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds))
 
 
-def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> Dimensions:
+def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> BodyGeometry:
     """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty."""
     return dimensions_of(proportions(child.of_side(side), child.base_m, published=True), anatomy.kinds)
 
 
-def mimos_volumes(dimensions: Dimensions, anatomy: Anatomy) -> dict[str, float]:
+def mimos_volumes(dimensions: BodyGeometry, anatomy: Anatomy) -> dict[str, float]:
     """Return the volumes of MIMo's solids of some dimensions, by geom with `{side}`, in m³."""
     return {name: volume(geom.type, dimensions.shapes[name].size_m) for name, geom in anatomy.geoms.items()}
 

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mimoc.base.errors import GeometryError
+from mimoc.base.units import deg_to_rad
 from mimoc.body.part import REST_ABDUCTION_DEG
-from mimoc.errors import GeometryError
-from mimoc.units import deg_to_rad
 
 CLEARANCE_M = 1e-4
 """Distance by which a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""

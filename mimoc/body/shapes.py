@@ -9,17 +9,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
+from mimoc.base.errors import GeometryError
+from mimoc.base.units import deg_to_rad
 from mimoc.body.anatomy import Sided
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
 from mimoc.body.proportions import proportions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.body.sections import room_beside
-from mimoc.errors import GeometryError
 from mimoc.fits import Measurements
 from mimoc.geometry.rotations import Vec3
-from mimoc.units import deg_to_rad
 
 LIMBS = (
     ("{side}_uarm1", "{side}_lower_arm"),
@@ -30,7 +30,7 @@ LIMBS = (
 """The solid of each long segment, and the part at whose joint it ends."""
 
 
-def check_limbs(dimensions: Dimensions) -> None:
+def check_limbs(dimensions: BodyGeometry) -> None:
     """Check that limbs are longer than wide.
 
     Raises:
@@ -47,7 +47,7 @@ DEEPEST = 1.0
 begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
 
 
-def check_trunk(dimensions: Dimensions) -> None:
+def check_trunk(dimensions: BodyGeometry) -> None:
     """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
 
     Raises:
@@ -69,7 +69,7 @@ PRESSED = 0.5
 """How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
 
 
-def clear_arms(dimensions: Dimensions) -> Dimensions:
+def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
     """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
     arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
     x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
@@ -83,12 +83,12 @@ def clear_arms(dimensions: Dimensions) -> Dimensions:
     if room_m >= 0:
         return dimensions
     outwards_m = -room_m / math.cos(deg_to_rad(REST_ABDUCTION_DEG))
-    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
+    return dimensions | BodyGeometry({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
 def scale_part(
-    dimensions: Dimensions, name: str, parts: Iterable[ReferencePart], length: float, girth: float
-) -> Dimensions:
+    dimensions: BodyGeometry, name: str, parts: Iterable[ReferencePart], length: float, girth: float
+) -> BodyGeometry:
     """Return dimensions in which one part is scaled.
 
     Args:
@@ -102,14 +102,14 @@ def scale_part(
     (part,) = (part for part in parts if part.name == name)
     scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
     joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
-    return dimensions | Dimensions(
+    return dimensions | BodyGeometry(
         origins={child: _times(dimensions.origins[child], scale) for child in children},
         shapes={geom.name: _scale_solid(dimensions.shapes[geom.name], geom, scale) for geom in part.geoms},
         anchors={joint: _times(dimensions.anchors[joint], scale) for joint in joints},
     )
 
 
-def _scale_solid(solid: Shape, geom: ReferenceGeom, scale: Vec3) -> Shape:
+def _scale_solid(solid: GeomShape, geom: ReferenceGeom, scale: Vec3) -> GeomShape:
     x, y, z = _in_geom_frame(geom.euler_deg, scale)
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
@@ -118,7 +118,7 @@ def _scale_solid(solid: Shape, geom: ReferenceGeom, scale: Vec3) -> Shape:
     else:
         radius_m, half_m = solid.size_m
         size_m = (radius_m * math.sqrt(x * y), half_m * z)
-    return Shape(size_m, _times(solid.pos_m, scale))
+    return GeomShape(size_m, _times(solid.pos_m, scale))
 
 
 def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
@@ -149,11 +149,11 @@ T = TypeVar("T")
 class Shapes:
     """The shapes of a child's parts, by side: `right`, `left`, and empty for the middle."""
 
-    built: Mapping[str, Dimensions]
+    built: Mapping[str, BodyGeometry]
     """As they are built, by the child's law of development."""
     published_m3: Mapping[str, Volumes]
     """Of MIMo's solids with the child's measurements, by the growth law of the paper. They are never built."""
-    usual: Dimensions
+    usual: BodyGeometry
     """As they would be built if the spec replaced no measurement and scaled no part, of the middle and both sides."""
     usual_m3: Volumes
     """Volumes of MIMo's solids then."""
@@ -181,7 +181,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
-    def built(child: Measurements, scales: Scales, side: str) -> Dimensions:
+    def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
         dimensions = _scaled(shape(child, side, reference), anatomy.parts, scales, side)
         (check_limbs if side else check_trunk)(dimensions)
         return dimensions
@@ -197,12 +197,12 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)
 
 
-def _published(child: Measurements, side: str, reference: Reference) -> Dimensions:
+def _published(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
     """Return shapes with the child's measurements, MIMo's head and MIMo's feet."""
     return dimensions_of(proportions(child.of_side(side), child.base_m), reference.anatomy.kinds)
 
 
-def _maturing(child: Measurements, side: str, reference: Reference) -> Dimensions:
+def _maturing(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
     """Return shapes with the child's measurements, an ellipsoid as head, and the feet of its age."""
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
     return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
@@ -215,7 +215,7 @@ def _of_sides(function: Callable[[str], T], *, alike: bool) -> dict[str, T]:
     return dict.fromkeys(SIDES, function("")) if alike else {side: function(side) for side in SIDES}
 
 
-def _scaled(dimensions: Dimensions, parts: Sided, scales: Scales, side: str) -> Dimensions:
+def _scaled(dimensions: BodyGeometry, parts: Sided, scales: Scales, side: str) -> BodyGeometry:
     """Return dimensions of one side in which the parts that a spec scales are scaled."""
     if not scales:
         return dimensions

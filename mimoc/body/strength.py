@@ -23,7 +23,7 @@ from mimoc.body.maturation import NECK, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
 from mimoc.body.reference import Reference
-from mimoc.body.tree import BodyTree, Growth, Motor
+from mimoc.body.tree import BodyTree, MaturationFactors, Motor
 from mimoc.schema.names import PAIRED_GROUPS
 
 STRENGTH_KEY = "spec.actuation.strength"
@@ -60,7 +60,9 @@ FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
 """Motors whose torque towards positive angles comes from another group: the chin goes to the chest."""
 
 
-def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth | None) -> tuple[Motor, ...]:
+def motor_torques(
+    volumes: RelativeVolumes, reference: Reference, growth: MaturationFactors | None
+) -> tuple[Motor, ...]:
     """Return the motors of a child, in MIMo's order.
 
     Args:
@@ -81,7 +83,7 @@ def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth
 
 
 def _maturing(
-    torque_nm: float, figures: ReferenceMotor, group: str, of_age: Mapping[str, float], growth: Growth
+    torque_nm: float, figures: ReferenceMotor, group: str, of_age: Mapping[str, float], growth: MaturationFactors
 ) -> tuple[float, tuple[float, float]]:
     """Return the torque T_18 v l r, for the neck also x what its head is heavier, and the force range.
 

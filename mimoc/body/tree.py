@@ -107,7 +107,7 @@ class Tendon:
 
 
 @dataclass(frozen=True, slots=True)
-class Growth:
+class MaturationFactors:
     """What a child's strength and joints mature with, besides its age."""
 
     relative_length: float
@@ -135,7 +135,7 @@ class BodyTree:
     """Kinds of parts that it has besides MIMo's."""
     development: Development = "maturing"
     """The law that strength, joints and proportions follow."""
-    growth: Growth | None = None
+    growth: MaturationFactors | None = None
     """What the law `maturing` made of the body; None by the published law."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
@@ -174,7 +174,7 @@ class BodyTree:
         return math.fsum(body.mass_kg for body in self.bodies)
 
 
-def prune(tree: BodyTree, names: Collection[str]) -> BodyTree:
+def remove_parts(tree: BodyTree, names: Collection[str]) -> BodyTree:
     """Return a body without the named parts, the parts attached to them, and all references to these."""
     if not names:
         return tree

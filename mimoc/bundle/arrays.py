@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import BundleError
+from mimoc.base.errors import BundleError
 
 ARRAYS = "arrays.npz"
 """Path in the bundle; a bundle without arrays has no such file."""

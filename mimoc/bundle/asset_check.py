@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from mimoc.errors import BundleError
+from mimoc.base.errors import BundleError
 
 MOST_SIDE_PX = 4096
 """Pixels along a side of a picture; those of infants have 256."""

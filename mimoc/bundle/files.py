@@ -12,7 +12,7 @@ from contextlib import suppress
 from glob import escape
 from pathlib import Path
 
-from mimoc.errors import OutputError
+from mimoc.base.errors import OutputError
 
 PAGES = (".html", ".htm")
 """What the name of a page ends in."""

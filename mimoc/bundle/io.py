@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
@@ -25,10 +26,9 @@ from mimoc.bundle.regular_files import (
     regular_files,
 )
 from mimoc.bundle.shared_files import SharedFiles
-from mimoc.errors import BundleError
 
 
-class LaterFiles(Mapping[str, bytes]):
+class LazyFiles(Mapping[str, bytes]):
     """Content by path, read-only."""
 
     def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
@@ -89,7 +89,7 @@ class Bundle:
         Raises:
             BundleError: If the archive that holds them is damaged.
         """
-        if isinstance(self.files, LaterFiles):
+        if isinstance(self.files, LazyFiles):
             return self.files.arrays
         return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
@@ -111,7 +111,7 @@ class Bundle:
         return _bundle, (dict(self.files), self.manifest, self.path)
 
 
-def seal(
+def lock_files(
     files: Mapping[str, bytes],
     versions: Mapping[str, str],
     inputs: Mapping[str, bytes],

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from json.encoder import encode_basestring
 from typing import Any
 
-from mimoc.rounding import num
+from mimoc.base.rounding import num
 
 NUMBERS = {float, int}
 

@@ -8,10 +8,11 @@ from pydantic import Field, ValidationError, model_validator
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.base.errors import BundleError
+from mimoc.base.kinds import Kinds
+from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
 from mimoc.delays.spec import DelayEntry, DelaysEntry
-from mimoc.errors import BundleError
-from mimoc.kinds import Kinds
 from mimoc.noise.spec import NoiseEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model
@@ -38,7 +39,6 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.spec import task_entry_field
-from mimoc.units import to_steps
 
 MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 from xml.parsers import expat
 
-from mimoc.errors import BundleError
+from mimoc.base.errors import BundleError
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,15 +11,15 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import BundleError, ModelError, UnknownNameError
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.mjcf_check import read_mjcf
-from mimoc.errors import BundleError, ModelError, UnknownNameError
 from mimoc.schema.base import Model
 from mimoc.schema.composition import on_recompose
 from mimoc.schema.entries import NameKind, NameOf
-from mimoc.units import ms_to_s
 
 _SHOWN = 5
 """Most problems that an error tells of."""
@@ -235,7 +235,7 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     return model, data
 
 
-def broke_down(data: mujoco.MjData) -> bool:
+def is_unstable(data: mujoco.MjData) -> bool:
     """Return whether a simulation has become unstable since its reset; MuJoCo then resets it automatically."""
     counts = data.warning.number
     return any(counts[kind] for kind in BREAKDOWNS)

@@ -12,7 +12,7 @@ from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from mimoc.errors import BundleError
+from mimoc.base.errors import BundleError
 
 Entry = dict[str, Any]
 """Value, rule, data and sources of a number."""

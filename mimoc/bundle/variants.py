@@ -45,7 +45,7 @@ class Variant:
         return Variant(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
 
 
-def opened(source: Variant | Bundle | str | Path) -> Variant:
+def open_variant(source: Variant | Bundle | str | Path) -> Variant:
     """Return an infant with its model.
 
     Raises:

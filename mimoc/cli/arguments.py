@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.errors import BundleError, MimocError
+from mimoc.base.errors import BundleError, MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle

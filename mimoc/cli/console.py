@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from mimoc.base.errors import counted
 from mimoc.cli.terminal import printable
-from mimoc.errors import counted
 from mimoc.quantities import quantity_of
 from mimoc.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
 

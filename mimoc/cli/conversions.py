@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
+from mimoc.base.errors import OutputError
 from mimoc.cli.terminal import printable
-from mimoc.errors import OutputError
 
 STDOUT = Path("-")
 

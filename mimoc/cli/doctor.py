@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import typer
 
+from mimoc.base.errors import problem_of_loading_mujoco
 from mimoc.cli.terminal import FAILED_CHECK
-from mimoc.errors import problem_of_loading_mujoco
 
 EXTRAS: Mapping[str, str] = {
     "report": "plots and pages",

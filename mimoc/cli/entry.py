@@ -7,9 +7,9 @@ import sys
 import warnings
 from typing import TextIO
 
+from mimoc.base.errors import MimocError, problem_of_loading_mujoco
+from mimoc.base.interruption import ending_orderly
 from mimoc.cli.terminal import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK, printable
-from mimoc.errors import MimocError, problem_of_loading_mujoco
-from mimoc.interruption import ending_orderly
 
 
 def main() -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import MimocError, SpecError, check_name
 from mimoc.cli.terminal import printable
-from mimoc.errors import MimocError, SpecError, check_name
 
 if TYPE_CHECKING:
     from mimoc.schema.starter import Choices

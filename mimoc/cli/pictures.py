@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import MimocError, SpecError
 from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec_of_infant
 from mimoc.cli.terminal import printable
-from mimoc.errors import MimocError, SpecError
 
 if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec

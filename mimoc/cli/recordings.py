@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import MimocError, counted
 from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
 from mimoc.cli.terminal import FAILED_CHECK, printable
-from mimoc.errors import MimocError, counted
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import MimocError
+from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, InfantPath, ShownBody, import_object, load_infant
 from mimoc.cli.terminal import printable
-from mimoc.errors import MimocError
-from mimoc.kinds import announced
 from mimoc.policies import POLICIES
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
+from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
-from mimoc.errors import counted
 from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, TIME_LEFT
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
 from mimoc.quantities.outcome import CURVE
-from mimoc.training import Row, Training
+from mimoc.training import CurvePoint, Training
 
 PACKAGE = Path(__file__).parents[1]
 LINES_S, LINES_SHARE = 10.0, 1 / 20
@@ -25,7 +25,7 @@ class TrainingProgress(Protocol):
     def report(self, done: int, total: int) -> None:
         """Show the steps done and their total."""
 
-    def on_row(self, row: Row) -> None:
+    def on_row(self, row: CurvePoint) -> None:
         """Show a new row of the learning curve."""
 
 
@@ -51,7 +51,7 @@ class Lines:
         self._begun: tuple[int, float] | None = None
         """Steps and time at the first report; a training that is resumed begins with those before."""
         self._done = self._total = 0
-        self._row: Row | None = None
+        self._row: CurvePoint | None = None
         self._due_s = math.inf
 
     def report(self, done: int, total: int) -> None:
@@ -63,7 +63,7 @@ class Lines:
         if now_s >= self._due_s:
             self._line(now_s)
 
-    def on_row(self, row: Row) -> None:
+    def on_row(self, row: CurvePoint) -> None:
         """Write a line with the first row."""
         first, self._row = self._row is None, row
         if first:
@@ -87,12 +87,12 @@ class _Bar:
         """Move the bar."""
         self._show(done, total, self._text)
 
-    def on_row(self, row: Row) -> None:
+    def on_row(self, row: CurvePoint) -> None:
         """Write the return before the bar."""
         self._text = f"training, {return_of(row)}"
 
 
-def return_of(row: Row) -> str:
+def return_of(row: CurvePoint) -> str:
     """Return the mean return of a row as text: of its unfinished episodes, which is said, if none has ended."""
     if row.episodes:
         return f"mean return {_number(row.episode_return)}"

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import UnknownNameError
 from mimoc.cli.arguments import load_spec
 from mimoc.cli.terminal import FAILED_CHECK
-from mimoc.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from mimoc.render.plots.plot import Sheet

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page
 from mimoc.cli.arguments import load_infant
 from mimoc.cli.terminal import printable
-from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle

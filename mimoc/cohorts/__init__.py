@@ -2,6 +2,6 @@
 
 from mimoc.cohorts.cohort import Cohort, Failure, Status, read_cohort
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.work import Work
+from mimoc.cohorts.work import JobContext
 
-__all__ = ["Cohort", "Failure", "Job", "Status", "Work", "read_cohort"]
+__all__ = ["Cohort", "Failure", "Job", "Status", "JobContext", "read_cohort"]

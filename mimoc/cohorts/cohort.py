@@ -7,13 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
 from mimoc.cohorts.engines import find_engine
 from mimoc.cohorts.infants import CohortInfant, infants_of
 from mimoc.cohorts.job import Job, jobs_of
-from mimoc.cohorts.perform import failed_result
+from mimoc.cohorts.run_jobs import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
-from mimoc.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
 from mimoc.policies import POLICIES
 from mimoc.schema import source as sources
 from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
@@ -307,9 +307,9 @@ def _check(step: StepSpec) -> None:
         if step.name not in EXPERIMENTS:
             raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
     elif isinstance(step, TrainStep):
-        from mimoc.training.settings import Settings
+        from mimoc.training.settings import TrainingSettings
         from mimoc.training.vector_env import growth_settings  # Needs Stable-Baselines3.
 
         growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
         settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
-        Settings.choose(*settings, steps_per_episode=step.steps_per_episode)
+        TrainingSettings.choose(*settings, steps_per_episode=step.steps_per_episode)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.errors import Problem, SpecError
-from mimoc.random_streams import between, stream, whole_between
-from mimoc.rounding import rounded
+from mimoc.base.errors import Problem, SpecError
+from mimoc.base.random_streams import between, stream, whole_between
+from mimoc.base.rounding import rounded
 from mimoc.schema.base import KeyedError, dotted
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign

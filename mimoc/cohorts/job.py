@@ -12,10 +12,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.errors import MimocError
+from mimoc.base.rounding import rounded
 from mimoc.cohorts.infants import CohortInfant
-from mimoc.errors import MimocError
 from mimoc.quantities import QUANTITIES, measured_in, measures
-from mimoc.rounding import rounded
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.cohort_steps import step_of
 from mimoc.schema.infant import to_data

@@ -141,8 +141,8 @@ def _seconds(job: Job, trials: Sequence[Job], results: Sequence[Result]) -> floa
 
 def _rollouts(job: Job) -> tuple[int, int]:
     """Return the control steps of one and of two rollouts of a training."""
-    from mimoc.training.settings import Settings
+    from mimoc.training.settings import TrainingSettings
 
     named = {name: job.options[name] for name in ("algo", "steps", "envs", "checkpoint_every", "hyper")}
-    rollout = max(Settings.choose(seed=0, **named).rollout_steps, 1024)
+    rollout = max(TrainingSettings.choose(seed=0, **named).rollout_steps, 1024)
     return rollout, 2 * rollout

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from mimoc.base.errors import BundleError, MimocError, OutputError
+from mimoc.base.rounding import rounded
 from mimoc.bundle.files import check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, parse_json, read_json_file, regular_files
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
-from mimoc.errors import BundleError, MimocError, OutputError
-from mimoc.rounding import rounded
 from mimoc.schema.cohort_folder import MOST_BYTES, MarkFile, ResultFile
 
 MARK = "cohort.json"
@@ -225,7 +225,7 @@ _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 """Names of folders of results, and of results; of those that are being written they begin with a dot."""
 
 
-def kept_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
+def finished_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
     """Return the jobs that have a result, by step, factors and seed, and the names of results that cannot be read.
 
     The jobs do not know the specs of their infants, so that they can be told of, but not be done again.

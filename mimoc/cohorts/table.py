@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.errors import MissingExtraError
+from mimoc.base.rounding import num
 from mimoc.bundle.files import write_file
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import Result, Store
-from mimoc.errors import MissingExtraError
 from mimoc.quantities import measures as known_measures
-from mimoc.rounding import num
 
 CSV, PARQUET = "table.csv", "table.parquet"
 COLUMNS = ("job", "step", "seed", "status", "error", "log")

@@ -8,12 +8,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import LOCK, Bundle
 from mimoc.cohorts.job import Job, import_function
 from mimoc.cohorts.store import Store
 from mimoc.compiler.building import builder, sees_skin
-from mimoc.errors import MimocError
 from mimoc.quantities import measured_in
 from mimoc.quantities.measuring import measure
 from mimoc.runtime.check import check_stability
@@ -24,7 +24,7 @@ from mimoc.schema.source import in_memory_as_text
 
 
 @dataclass(frozen=True)
-class Work:
+class JobContext:
     """A job that is being done; functions of the user's own are called with it."""
 
     job: Job
@@ -97,25 +97,25 @@ class JobWorkspace:
 Measures = Mapping[str, Any]
 
 
-def measure_child(work: Work) -> Measures:
+def measure_child(work: JobContext) -> Measures:
     """Return the measures of an infant that a step has whatever it does."""
     return measure("child", work.job.step, [work.bundle.manifest.child])
 
 
-def build(work: Work) -> Measures:
+def build(work: JobContext) -> Measures:
     """Build the infant, and keep its bundle."""
     bundle = work.bundle
     work.store.write_bundle(work.job, bundle)
     return {**measure_child(work), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
 
 
-def check(work: Work) -> Measures:
+def check(work: JobContext) -> Measures:
     """Check that the infant stays stable from every pose."""
     checks = [*check_stability(work.bundle)]
     return {**measure_child(work), **measure("pose", "check", checks)}
 
 
-def run(work: Work) -> Measures:
+def run(work: JobContext) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
     with closing(InfantEnv(work.bundle)) as env:
@@ -126,7 +126,7 @@ def run(work: Work) -> Measures:
     return {**measure_child(work), **summary.measures, **summary.metrics}
 
 
-def train(work: Work) -> Measures:
+def train(work: JobContext) -> Measures:
     """Train a policy; a training that was killed is resumed."""
     from mimoc.training import train as learn
 
@@ -138,7 +138,7 @@ def train(work: Work) -> Measures:
     return {**measure_child(work), **learnt}
 
 
-def experiment(work: Work) -> Measures:
+def experiment(work: JobContext) -> Measures:
     """Run one of mimoc's experiments; its tables and its page are kept."""
     from mimoc.studies.experiments import run_experiment
 
@@ -146,7 +146,7 @@ def experiment(work: Work) -> Measures:
     return {}
 
 
-def python(work: Work) -> Measures:
+def python(work: JobContext) -> Measures:
     """Call a function of the user's own, which returns measures by name, or nothing."""
     options = work.job.options
     function = import_function(options["function"], work.job.folder)
@@ -157,7 +157,7 @@ def python(work: Work) -> Measures:
     return {**measure_child(work), **named}
 
 
-STEPS: Mapping[str, Callable[[Work], Measures]] = {
+STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
     "build": build,
     "check": check,
     "run": run,
@@ -168,7 +168,7 @@ STEPS: Mapping[str, Callable[[Work], Measures]] = {
 """What does each step, by name."""
 
 
-def measured(work: Work) -> Measures:
+def measured(work: JobContext) -> Measures:
     """Do a job, and return all that it measures.
 
     Raises:
@@ -180,7 +180,7 @@ def measured(work: Work) -> Measures:
     return work.measures
 
 
-def _policy(work: Work, name: str) -> Any:
+def _policy(work: JobContext, name: str) -> Any:
     """Return the trained policy if the name is that of a file, else the name itself."""
     if not name.endswith(".zip"):
         return name

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator
 
+from mimoc.base.errors import Problem, SpecError
+from mimoc.base.units import m_to_cm
 from mimoc.body import assemble
-from mimoc.errors import Problem, SpecError
 from mimoc.fits import measure
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.names import unsided
-from mimoc.units import m_to_cm
 
 LEAST, LARGEST = 0.4, 2.0
 """Range of a measurement, relative to the average child's at the same age.
@@ -40,7 +40,7 @@ def implausible(spec: InfantSpec) -> Iterator[Problem]:
 KeyPath = tuple[str, ...]
 
 
-def refuse_unavailable(spec: InfantSpec) -> None:
+def check_available(spec: InfantSpec) -> None:
     """Check that this version can build a spec, and that its measurements are a child's.
 
     Raises:

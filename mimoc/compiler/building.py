@@ -11,22 +11,32 @@ import numpy.typing as npt
 
 from mimoc import body
 from mimoc.actuation.setup import ActuationSetup, build_actuation
+from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
+from mimoc.base.rounding import rounded, rounded_array
+from mimoc.base.units import ms_to_s
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
-from mimoc.bundle.io import Bundle, seal
+from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry
 from mimoc.bundle.manifest import to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
-from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.assembling import assemble_infant, place_senses
+from mimoc.compiler.availability import check_available
 from mimoc.compiler.child import child_of
-from mimoc.compiler.compose import compose, place_senses
-from mimoc.compiler.describe import describe, describe_toys, used_plugins
-from mimoc.compiler.furnish import FurnishedScene, SceneAssets, covered_floor, furnish, load_scene_assets, set_up_task
+from mimoc.compiler.manifest import describe_toys, make_manifest, used_plugins
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
+from mimoc.compiler.placing import (
+    PlacedScene,
+    SceneAssets,
+    covered_floor,
+    load_scene_assets,
+    place_in_scene,
+    set_up_task,
+)
 from mimoc.compiler.provenance import (
     SPEC_FILE,
     trace_actuation,
@@ -38,22 +48,19 @@ from mimoc.compiler.provenance import (
     who_percentiles,
 )
 from mimoc.delays.presets import trace_delays
-from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.mimo.model import CompatibilityTarget, find_target
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.presets import trace_noise
-from mimoc.rounding import rounded, rounded_array
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_document import dump
 from mimoc.tasks.setup import TaskSetup
-from mimoc.units import ms_to_s
 from mimoc.version import __version__
 
 
 @dataclass(frozen=True, slots=True)
-class Sources:
+class BuildRecord:
     """What an infant was built from, for its provenance."""
 
     grown: body.GrownBody
@@ -81,7 +88,7 @@ class Builder:
     """The toys and wallpapers that scenes choose from."""
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
-    sources: Sources
+    sources: BuildRecord
     """What the infant was built from."""
     has_skin: bool
     """Whether a skin is drawn over its solids."""
@@ -143,9 +150,9 @@ class Builder:
             SpecError: If there is not enough space for the toys, or a mesh cannot be used.
             ModelError: If MuJoCo rejects the model.
         """
-        return self.print(seed, self.furnished(seed), check=check)
+        return self.to_bundle(seed, self.furnished(seed), check=check)
 
-    def print(self, seed: int, furnished: FurnishedScene, *, check: bool = False) -> Bundle:
+    def to_bundle(self, seed: int, furnished: PlacedScene, *, check: bool = False) -> Bundle:
         """Return the bundle of a seed, whose scene is furnished already; see `__call__`.
 
         Raises:
@@ -160,9 +167,9 @@ class Builder:
                 compile_model(files)
         except ModelError as error:
             raise trace_model_error(error, as_written(spec), {**world_origins, **self.origins}) from None
-        return seal(files, {"mimoc": __version__}, data_files(), manifest)
+        return lock_files(files, {"mimoc": __version__}, data_files(), manifest)
 
-    def furnished(self, seed: int) -> FurnishedScene:
+    def furnished(self, seed: int) -> PlacedScene:
         """Return the scene of a seed, before it is written.
 
         Raises:
@@ -170,13 +177,13 @@ class Builder:
         """
         spec = _with_seed(self.spec, seed)
         try:
-            found = furnish(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
+            found = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
         except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         return replace(found, scene=find_target(self.target).world(found.scene))
 
-    def manifest_of(self, seed: int, furnished: FurnishedScene) -> Manifest:
+    def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
         """Return the manifest of a seed."""
         spec = _with_seed(self.spec, seed)
         toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished.toys))
@@ -184,7 +191,7 @@ class Builder:
         return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": told})
 
     def _files(
-        self, spec: InfantSpec, furnished: FurnishedScene, manifest: Manifest, world_origins: Mapping[str, Entry]
+        self, spec: InfantSpec, furnished: PlacedScene, manifest: Manifest, world_origins: Mapping[str, Entry]
     ) -> dict[str, bytes]:
         return {
             **self.files,
@@ -218,7 +225,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     compatibility = find_target(target)
     if younger is None:
         spec = validated(spec)
-        refuse_unavailable(spec)
+        check_available(spec)
     grown = child_of(spec, younger and younger.sources.grown.reference)
     tree = compatibility.body(grown.tree)
     usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
@@ -233,7 +240,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         footprint=covered_floor(infant, spec.scene, tree),
         scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
-        sources=Sources(grown, actuation, senses),
+        sources=BuildRecord(grown, actuation, senses),
         has_skin=has_skin,
     )
 
@@ -245,9 +252,9 @@ def _equip(
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
-        scene, task_setup = set_up_task(compose(spec, tree, actuation, senses, has_skin), spec, tree, actuation)
+        scene, task_setup = set_up_task(assemble_infant(spec, tree, actuation, senses, has_skin), spec, tree, actuation)
         infant = compatibility.infant(scene, spec.actuation.model)
-        described = describe(spec, tree, infant, senses, task_setup)
+        described = make_manifest(spec, tree, infant, senses, task_setup)
     except UnsupportedTaskError as error:
         raise SpecError([as_written(spec).problem(error.key, str(error))]) from None
     data = {**described.model_dump(), "plugins": used_plugins(spec)}

@@ -4,17 +4,17 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from mimoc.base.errors import GeometryError, IndividualError, Problem, SpecError
+from mimoc.base.units import m_to_cm
 from mimoc.body import GrownBody, grow_body
 from mimoc.body.grow import grow_child, measure_child, reference_of
 from mimoc.body.measurements import replace_given
 from mimoc.body.reference import Reference
-from mimoc.errors import GeometryError, IndividualError, Problem, SpecError
 from mimoc.geometry.solvers import root
 from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.names import unsided
 from mimoc.schema.source import Source
-from mimoc.units import m_to_cm
 
 PRECISION = 1e-7
 """Precision of the limit of possible values, relative to its distance from a possible value."""

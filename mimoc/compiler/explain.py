@@ -8,11 +8,11 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import Any
 
+from mimoc.base.errors import BundleError, MimocError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.provenance import MOST_FOLLOWED, PROVENANCE, Entries, read_entries
 from mimoc.compiler.building import builder
 from mimoc.compiler.provenance import SPEC_FILE
-from mimoc.errors import BundleError, MimocError
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from mimoc.errors import Problem, SpecError
+from mimoc.base.errors import Problem, SpecError
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import mujoco
 
+from mimoc.base.errors import ModelError
 from mimoc.bundle.model import mjcf_of
-from mimoc.errors import ModelError
 from mimoc.schema.source import Source
 
 

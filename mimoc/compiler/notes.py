@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.kinds import Kinds
+from mimoc.base.kinds import Kinds
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import dotted
@@ -22,7 +22,7 @@ from mimoc.toys.choosing import Toybox
 from mimoc.toys.spec import ToysSpec
 
 
-def without_effect(spec: InfantSpec) -> tuple[str, ...]:
+def unused_keys(spec: InfantSpec) -> tuple[str, ...]:
     """Return a note for each key of a spec that is given, is not the default, and has no effect."""
     unused = {
         **_other_kinds("actuation", "model", spec.actuation, ACTUATIONS),
@@ -90,7 +90,7 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
     """
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
     of_toys = toybox.notes if spec.scene.toys else ()
-    on_spec = (*_task_notes(spec), *without_effect(spec), *_said_twice(spec))
+    on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))
     return (*built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
 
 

@@ -9,7 +9,7 @@ from mimoc.body import BodyTree
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.bundle.manifest import ChildEntry
-from mimoc.compiler.furnish import FurnishedScene
+from mimoc.compiler.placing import PlacedScene
 from mimoc.fits.who import percentile
 from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec, to_data
@@ -86,7 +86,7 @@ def _plugin_entry(kind: str, distribution: str) -> Entry:
     return {"value": distribution, "rule": rule, "from": sources}
 
 
-def trace_world(spec: InfantSpec, furnished: FurnishedScene) -> dict[str, Entry]:
+def trace_world(spec: InfantSpec, furnished: PlacedScene) -> dict[str, Entry]:
     """Return an entry for each number of a world; those drawn at random name the stream of the seed they are from."""
     return {
         "scene.gravity": {

@@ -21,7 +21,7 @@ Slot = tuple[Any, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class SceneLayout:
     """How some elements are read."""
 
     elements: str
@@ -34,7 +34,7 @@ class Form:
     """Everything else."""
 
 
-def _form(kind: type, elements: str, attributes: dict[str, str], *parts: str) -> Form:
+def _form(kind: type, elements: str, attributes: dict[str, str], *parts: str) -> SceneLayout:
     """Return the form of a kind of elements.
 
     Args:
@@ -48,7 +48,7 @@ def _form(kind: type, elements: str, attributes: dict[str, str], *parts: str) ->
     read: Any = (
         attrgetter(*numbers) if len(numbers) > 1 else lambda element: tuple(getattr(element, key) for key in numbers)
     )
-    return Form(elements, lambda _: names, read, rest)
+    return SceneLayout(elements, lambda _: names, read, rest)
 
 
 PLACE = {"pos": "pos_m", "alt.euler": "euler_rad"}
@@ -74,19 +74,19 @@ JOINT = _form(
         "springref": "springref_rad",
     },
 )
-WELD = Form(
+WELD = SceneLayout(
     "equalities",
     lambda _: ("data",),
     lambda weld: ((*weld.anchor_m, *weld.pos_m, *weld.quat),),
     lambda weld: replace(weld, anchor_m=(0.0, 0.0, 0.0), pos_m=(0.0, 0.0, 0.0), quat=(1.0, 0.0, 0.0, 0.0)),
 )
-ACTUATOR = Form(
+ACTUATOR = SceneLayout(
     "actuators",
     lambda actuator: ("gear", "ctrlrange", *_names(actuator.settings)),
     lambda actuator: (actuator.gear, actuator.control_range, *(numbers for _, numbers in actuator.settings)),
     lambda actuator: (actuator.name, actuator.mimo_actuator, actuator.joint, *(name for name, _ in actuator.settings)),
 )
-KEYFRAME = Form(
+KEYFRAME = SceneLayout(
     "keys",
     lambda key: ("qpos", *_names(key.settings)),
     lambda key: (key.qpos, *(numbers for _, numbers in key.settings)),
@@ -128,7 +128,7 @@ def _slot(element: Any, attribute: str) -> Slot:
     return (element.alt, attribute[4:]) if attribute.startswith("alt.") else (element, attribute)
 
 
-def _elements(scene: SceneTree) -> Iterator[tuple[Form, Any]]:
+def _elements(scene: SceneTree) -> Iterator[tuple[SceneLayout, Any]]:
     """Yield all elements whose numbers can change, with their forms."""
     for node in _nodes(scene.roots):
         yield BODY, node

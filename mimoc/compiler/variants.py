@@ -6,24 +6,24 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mimoc.bundle.io import Bundle, LaterFiles
+from mimoc.base.errors import BundleError, MimocError, Problem, SpecError
+from mimoc.base.rounding import rounded
+from mimoc.bundle.io import Bundle, LazyFiles
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.child import child_of
 from mimoc.compiler.loading import load_spec
-from mimoc.compiler.mould import Casting, DifferenceError, Mould
-from mimoc.errors import BundleError, MimocError, Problem, SpecError
-from mimoc.looks.skin.carrying import skin_of
+from mimoc.compiler.model_template import DifferenceError, ModelInstance, ModelTemplate
+from mimoc.looks.skin.deformation import skin_of
 from mimoc.mjcf.scene import SceneTree
 from mimoc.mjcf.skin import SkinLayer
-from mimoc.rounding import rounded
 from mimoc.schema import source
 from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec, as_written, read_spec
 
 
-def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
+def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
     """Return the spec of a spec's child at another age (`schema/infant.py` says what changes).
 
     Args:
@@ -36,10 +36,10 @@ def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
     return spec if age_months == rounded(spec.age_months) else spec.with_(age_months=age_months)
 
 
-def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return a spec with the same values as `aged`; where one number changes, it is not written as a file is."""
+def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
+    """Return a spec with the same values as `at_age`; where one number changes, it is not written as a file is."""
     if spec.body.measurements or spec.body.individual:
-        return aged(spec, age_months)
+        return at_age(spec, age_months)
     return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
 
 
@@ -93,7 +93,7 @@ class SpecVariants:
         self._spec = spec
         self._builders: dict[float, Builder] = {}
         self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
-        self._mould: Mould | None = None
+        self._mould: ModelTemplate | None = None
         self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
 
@@ -108,7 +108,7 @@ class SpecVariants:
     @cached_property
     def own(self) -> Bundle:
         """The infant of the spec itself."""
-        return self._own.print(self._spec.scene.seed, self._own_scene)
+        return self._own.to_bundle(self._spec.scene.seed, self._own_scene)
 
     def own_like(self, other: "SpecVariants") -> Variant:
         """Return the infant of the spec itself: cast from another infant, if they differ in numbers only.
@@ -117,11 +117,11 @@ class SpecVariants:
             ModelError: If MuJoCo rejects it.
         """
         mould, seed = other._usable_mould(), self._spec.scene.seed
-        casting = _cast(mould, self._own_scene.scene)
+        casting = _instantiate(mould, self._own_scene.scene)
         if casting is None:
             return Variant(self.own, load_model(self.own))
         self._mould = mould
-        files = LaterFiles(self._own.arrays, lambda: self.own.files)
+        files = LazyFiles(self._own.arrays, lambda: self.own.files)
         return Variant(
             Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model(), casting.dress
         )
@@ -140,39 +140,39 @@ class SpecVariants:
         """Return what gives out an infant, each time with a model of its own."""
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
-        files = LaterFiles(built.arrays, lambda: self._files(age_months, scene_seed))
+        files = LazyFiles(built.arrays, lambda: self._files(age_months, scene_seed))
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
         is_own_scene = scene_seed == self._spec.scene.seed
-        casting = _cast(self._usable_mould(), furnished.scene) if is_own_scene else None
+        casting = _instantiate(self._usable_mould(), furnished.scene) if is_own_scene else None
         if casting is None:
             return Variant(bundle, load_model(bundle)).again
         return lambda: Variant(bundle, casting.model(), casting.dress)
 
     def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: self._at(quickly_aged(self._spec, age_months), self._own))
+        return _kept(self._builders, age_months, lambda: self._at(at_age_unchecked(self._spec, age_months), self._own))
 
     def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
         """Return the files of an infant, among them its spec."""
-        return self._at(aged(self._spec, age_months))(scene_seed, check=False).files
+        return self._at(at_age(self._spec, age_months))(scene_seed, check=False).files
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)
 
-    def _usable_mould(self) -> Mould:
+    def _usable_mould(self) -> ModelTemplate:
         """Return the mould of this infant, or of another one that it was cast from."""
         if self._mould is None or self._mould.broken:
-            self._mould = Mould(self.own.files, self._own_scene.scene)
+            self._mould = ModelTemplate(self.own.files, self._own_scene.scene)
         return self._mould
 
 
-def _cast(mould: Mould, scene: SceneTree) -> Casting | None:
+def _instantiate(mould: ModelTemplate, scene: SceneTree) -> ModelInstance | None:
     """Return what gives out models of a scene, or nothing if it has to be printed.
 
     Either more than numbers is different, such as the poses, since some do not suit every age; or MuJoCo rejects it,
     and says more about what is printed.
     """
     try:
-        return mould.cast(scene)
+        return mould.instantiate(scene)
     except (DifferenceError, ValueError):
         return None
 
@@ -249,5 +249,5 @@ def skin_at(source: InfantSpec | Bundle | str | Path, age_months: float | None =
         spec = source if isinstance(source, InfantSpec) else load_spec(source)
     age_months = spec.age_months if age_months is None else age_months
     with errors_at(spec, age_months):
-        tree = child_of(aged(spec, age_months)).tree
+        tree = child_of(at_age(spec, age_months)).tree
     return skin_of(tree).layers

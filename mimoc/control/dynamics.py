@@ -18,7 +18,7 @@ import numpy.typing as npt
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.frames import limb_of, trunk_of
-from mimoc.control.priorities import LinearDemand, fulfil, product
+from mimoc.control.priorities import LinearDemand, product, solve_prioritized
 from mimoc.senses.sense import FloatArray, IntArray
 
 REDUNDANT = 1e-9
@@ -115,7 +115,7 @@ LEAST_RESPONSE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Turning:
+class JointLimit:
     """Accelerations of n joints as a function of their torques (fractions of strength)."""
 
     response: FloatArray
@@ -139,8 +139,8 @@ class Turning:
         return self.response.diagonal() > np.maximum(HELD * self.unheld, LEAST_RESPONSE)
 
 
-def fulfil_within(
-    turning: Turning, least: FloatArray, largest: FloatArray, demands: Sequence[LinearDemand], rest: LinearDemand
+def solve_within_limits(
+    turning: JointLimit, least: FloatArray, largest: FloatArray, demands: Sequence[LinearDemand], rest: LinearDemand
 ) -> FloatArray:
     """Return the torques, shape (n,), that fulfil demands as far as all joints stay within their bounds.
 
@@ -156,7 +156,7 @@ def fulfil_within(
     slack = SLACK * turning.unheld
     free = turning.free
     stopping, stops = np.zeros(len(free), bool), np.zeros(len(free))
-    shares = fulfil(demands, rest)
+    shares = solve_prioritized(demands, rest)
     for _ in range(MOST_PASSES - 1):
         coming = turning.response @ shares + turning.drift
         beyond = free & ~stopping & ((coming > largest + slack) | (coming < least - slack))
@@ -165,7 +165,7 @@ def fulfil_within(
         stops[beyond] = np.clip(coming, least, largest)[beyond]
         stopping |= beyond
         joints = np.flatnonzero(stopping)
-        shares = fulfil([turning.demand(joints, stops[joints]), *demands], rest)
+        shares = solve_prioritized([turning.demand(joints, stops[joints]), *demands], rest)
     return shares
 
 
@@ -178,7 +178,7 @@ MOST_PLAY_RAD = 0.05
 _STICKING = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
 
 
-class Supports:
+class ContactConstraints:
     """Finds the rows of MuJoCo's constraints that hold the infant.
 
     These are all welds and locks, the couplings of the joints of the spine, limits of other tendons, such as those of

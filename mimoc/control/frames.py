@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.manifest import AnatomyEntry
-from mimoc.errors import UnknownNameError
 from mimoc.senses.sense import FloatArray
 
 X_AXIS, VIEW = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0])

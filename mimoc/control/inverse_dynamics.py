@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
+from mimoc.base.errors import ControlError, UnknownNameError
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
-from mimoc.control.dynamics import HELD, Dynamics, Supports, Turning, dynamics, fulfil_within
+from mimoc.control.dynamics import HELD, ContactConstraints, Dynamics, JointLimit, dynamics, solve_within_limits
 from mimoc.control.frames import Motion, find_frame
 from mimoc.control.objectives import Objective
 from mimoc.control.posture import Posture
 from mimoc.control.priorities import LinearDemand, joined, size_of
 from mimoc.control.torque_mapping import map_torques
-from mimoc.errors import ControlError, UnknownNameError
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.units import ms_to_s
 
 BRAKING_PER_S = 20.0
 """How fast a joint may approach the end of its range, by the way that is left."""
@@ -89,7 +89,7 @@ class InverseDynamics:
         >>> import mimoc
         >>> env = mimoc.make("nine_months.yaml")
         >>> _ = env.reset(seed=0)
-        >>> infant, reach = env.unwrapped, mimoc.Reach("right_hand", target=(0.2, -0.1, 0.3))
+        >>> infant, reach = env.unwrapped, mimoc.PositionTask("right_hand", target=(0.2, -0.1, 0.3))
         >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, [reach, mimoc.Posture()])
         >>> observation, reward, *_ = env.step(control())
         >>> len(control.errors())  # That of the hand, [m].
@@ -160,7 +160,7 @@ class InverseDynamics:
         self._frames = {objective: find_frame(objective.site, model) for objective in objectives}
         self._members = {posture: posture.members(self.joints) for posture in postures}
         loose = [find_frame(name, model).body for name in self._loose]
-        self._supports = Supports(model, manifest, [frame.body for frame in self._frames.values()], loose)
+        self._supports = ContactConstraints(model, manifest, [frame.body for frame in self._frames.values()], loose)
 
     def errors(self) -> tuple[float, ...]:
         """Return the present error of each objective, [m] or [rad], in order, without postures."""
@@ -184,15 +184,15 @@ class InverseDynamics:
             for level in self._levels
         ]
         least, largest = self._joints.bounds(self._data)
-        return fulfil_within(turning, least, largest, linear_demands, self._hold(self._posture, turning))
+        return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
 
-    def _turning(self, now: Dynamics) -> Turning:
+    def _turning(self, now: Dynamics) -> JointLimit:
         """Return the accelerations of the joints themselves."""
         strength_nm = self._torques.strength_nm
         response, drift = now.joint_response()
-        return Turning(response * strength_nm, drift, now.unheld_response() * strength_nm)
+        return JointLimit(response * strength_nm, drift, now.unheld_response() * strength_nm)
 
-    def _hold(self, posture: Posture, turning: Turning) -> LinearDemand:
+    def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
         """Return the accelerations that a posture demands."""
         members = self._members[posture]
         errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]

@@ -8,16 +8,16 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import ControlError
 from mimoc.control.frames import Motion
 from mimoc.control.posture import Gains
-from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray
 
 _PARALLEL = 1e-9
 """Sine of the angle below which two directions do not determine an axis of rotation."""
 
 
-def turn_to(axes: FloatArray, wanted: FloatArray) -> FloatArray:
+def rotation_vector(axes: FloatArray, wanted: FloatArray) -> FloatArray:
     """Return the rotation vector, shape (3,), [rad], in the world, from one orientation to another.
 
     It is the logarithm of R* Rᵀ, at most half a turn long.
@@ -80,7 +80,7 @@ _NEAREST_M = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Demand:
+class TaskAcceleration:
     """Accelerations of its frame that an objective demands."""
 
     directions: FloatArray
@@ -97,7 +97,7 @@ class Objective(Protocol):
         """Name of the controlled site, camera or body."""
         ...
 
-    def demand(self, motion: Motion) -> Demand:
+    def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded accelerations."""
         ...
 
@@ -106,7 +106,7 @@ class Objective(Protocol):
         ...
 
 
-class Aimed:
+class FrameTask:
     """An objective with a target position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
@@ -123,12 +123,12 @@ class Aimed:
         self._target_m = _finite("target", target, (3,))
 
 
-class Reach(Aimed):
+class PositionTask(FrameTask):
     """Moves a site to a position.
 
     Example:
         >>> import mimoc
-        >>> reach = mimoc.Reach("right_hand", target=(0.2, -0.1, 0.3))  # In the world, [m].
+        >>> reach = mimoc.PositionTask("right_hand", target=(0.2, -0.1, 0.3))  # In the world, [m].
         >>> reach.target = (0.2, 0.1, 0.3)  # At any time.
         >>> reach.target.tolist()
         [0.2, 0.1, 0.3]
@@ -147,16 +147,16 @@ class Reach(Aimed):
         """
         super().__init__(site, target, gains)
 
-    def demand(self, motion: Motion) -> Demand:
+    def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the acceleration of the site."""
-        return Demand(_PLACE, self.gains.acceleration(self._target_m - motion.place_m, motion.velocity[:3]))
+        return TaskAcceleration(_PLACE, self.gains.acceleration(self._target_m - motion.place_m, motion.velocity[:3]))
 
     def error(self, motion: Motion) -> float:
         """Return the distance, [m]."""
         return float(np.linalg.norm(self._target_m - motion.place_m))
 
 
-class Align:
+class OrientationTask:
     """Turns a site to an orientation, or points it in a direction.
 
     Example:
@@ -164,7 +164,7 @@ class Align:
         >>> env = mimoc.make("nine_months.yaml")
         >>> _ = env.reset(seed=0)
         >>> infant, upright = env.unwrapped, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-        >>> objectives = [mimoc.Align("chest", upright), mimoc.Posture()]
+        >>> objectives = [mimoc.OrientationTask("chest", upright), mimoc.Posture()]
         >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, objectives)
         >>> control().shape
         (44,)
@@ -204,26 +204,26 @@ class Align:
         else:
             self._orientation = _checked_rotation(_finite("orientation", orientation, (3, 3)))
 
-    def demand(self, motion: Motion) -> Demand:
+    def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded angular acceleration; rotation about a target direction is left free."""
         if self._orientation.ndim == 1:
             return _demand_pointing(motion, self.axis, self._orientation, self.gains)
-        turn = turn_to(motion.axes, self._orientation)
-        return Demand(_TURN, self.gains.acceleration(turn, motion.velocity[3:]))
+        turn = rotation_vector(motion.axes, self._orientation)
+        return TaskAcceleration(_TURN, self.gains.acceleration(turn, motion.velocity[3:]))
 
     def error(self, motion: Motion) -> float:
         """Return the angle, [rad]."""
         if self._orientation.ndim == 1:
             return float(np.linalg.norm(turn_towards(_pointing(motion, self.axis), self._orientation)))
-        return float(np.linalg.norm(turn_to(motion.axes, self._orientation)))
+        return float(np.linalg.norm(rotation_vector(motion.axes, self._orientation)))
 
 
-class LookAt(Aimed):
+class GazeTask(FrameTask):
     """Points a site or a camera, such as an eye, at a position.
 
     Example:
         >>> import mimoc
-        >>> eyes = [mimoc.LookAt(eye, target=(0.5, 0.0, 0.3)) for eye in ("eye_left", "eye_right")]
+        >>> eyes = [mimoc.GazeTask(eye, target=(0.5, 0.0, 0.3)) for eye in ("eye_left", "eye_right")]
         >>> env = mimoc.make("nine_months.yaml")
         >>> _ = env.reset(seed=0)
         >>> infant = env.unwrapped
@@ -247,7 +247,7 @@ class LookAt(Aimed):
         super().__init__(site, target, gains)
         self.axis = None if axis is None else _unit("axis", axis)
 
-    def demand(self, motion: Motion) -> Demand:
+    def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded angular acceleration; rotation about the pointing axis is left free."""
         return _demand_pointing(motion, self.axis, self._wanted(motion), self.gains)
 
@@ -266,11 +266,11 @@ def _pointing(motion: Motion, axis: FloatArray | None) -> FloatArray:
     return motion.axes @ (motion.pointing if axis is None else axis)
 
 
-def _demand_pointing(motion: Motion, axis: FloatArray | None, wanted: FloatArray, gains: Gains) -> Demand:
+def _demand_pointing(motion: Motion, axis: FloatArray | None, wanted: FloatArray, gains: Gains) -> TaskAcceleration:
     pointing = _pointing(motion, axis)
     across = directions_across(pointing)
     turn = turn_towards(pointing, wanted)
-    return Demand(across @ _TURN, gains.acceleration(across @ turn, across @ motion.velocity[3:]))
+    return TaskAcceleration(across @ _TURN, gains.acceleration(across @ turn, across @ motion.velocity[3:]))
 
 
 def _finite(what: str, numbers: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from mimoc.errors import ControlError, UnknownNameError
+from mimoc.base.errors import ControlError, UnknownNameError
 from mimoc.senses.sense import FloatArray
 
 

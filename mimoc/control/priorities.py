@@ -53,7 +53,7 @@ def joined(demands: Sequence[LinearDemand]) -> LinearDemand:
     )
 
 
-def fulfil(demands: Sequence[LinearDemand], rest: LinearDemand) -> FloatArray:
+def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> FloatArray:
     """Return the torques, shape (n,), that fulfil demands in order of priority.
 
     With the response A_k and the null-space projector N_k of the first k demands,

@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import ControlError
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.frames import Frame, find_frame, joints_between, limb_of, trunk_of
 from mimoc.control.inverse_dynamics import InverseDynamics
-from mimoc.control.objectives import LOOKING, REACHING, Align, LookAt, Reach
+from mimoc.control.objectives import LOOKING, REACHING, GazeTask, OrientationTask, PositionTask
 from mimoc.control.posture import Gains, Posture
-from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray, IntArray
 
 SHARE = 0.8
@@ -24,7 +24,7 @@ MOST_DRAWS = 1000
 """Number of draws after which the search is given up."""
 
 
-class ReachablePlaces:
+class ReachableTargets:
     """Draws a random position for each hand, where the hand is for random angles of the joints of its arm.
 
     With these angles, the arms have no contacts with the infant or its world, and the positions are in view.
@@ -116,7 +116,7 @@ class Balance:
         """Return whether the infant is upright and supported only by the ground."""
         return not self._manifest.constraints.welds and not self.lies(data)
 
-    def objectives(self, data: mujoco.MjData) -> list[Posture | Align]:
+    def objectives(self, data: mujoco.MjData) -> list[Posture | OrientationTask]:
         """Return the objectives that keep the infant stable: first the posture of its legs, then an upright chest.
 
         For an infant that lies, these are only the postures of legs and spine, since the ground supports its chest.
@@ -127,7 +127,7 @@ class Balance:
         if self.lies(data):
             return [Posture(joints=[*legs, *self._joints_on(np.array(self._trunk, np.intp))])]
         chest = data.body(self._trunk[-1])
-        return [Posture(joints=legs), Align(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
+        return [Posture(joints=legs), OrientationTask(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
 
     def loose_feet(self, data: mujoco.MjData) -> list[str]:
         """Return the feet of a sitting infant, which may slide; counted as sticking, they creep until legs cross.
@@ -183,15 +183,15 @@ class ReachController:
             ControlError: If the infant has servos, or no commanded hand.
         """
         self._data, self._balance = data, Balance(model, manifest)
-        self._places = ReachablePlaces(model, manifest)
+        self._places = ReachableTargets(model, manifest)
         self.sits_freely = self._balance.sits_freely(data)
         """Whether the infant was upright and supported only by the ground when the controller was created."""
         gains = gains or (GAIN_SETS[GENTLE] if self.sits_freely else ReachGains())
-        self._reaches = [Reach(hand, data.body(hand).xipos, gains.hands) for hand in self._places.hands]
-        self._looks = [LookAt(eye, self._reaches[0].target, gains=gains.eyes) for eye in self._places.eyes]
+        self._reaches = [PositionTask(hand, data.body(hand).xipos, gains.hands) for hand in self._places.hands]
+        self._looks = [GazeTask(eye, self._reaches[0].target, gains=gains.eyes) for eye in self._places.eyes]
         steady, feet = self._balance.objectives(data), self._balance.loose_feet(data)
         self._control = InverseDynamics(model, data, manifest, [*steady, self._reaches, self._looks], loose=feet)
-        self._first = sum(isinstance(objective, Align) for objective in steady)
+        self._first = sum(isinstance(objective, OrientationTask) for objective in steady)
 
     @property
     def hands(self) -> tuple[str, ...]:

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.binding import Actuation
-from mimoc.errors import ControlError
-from mimoc.mujoco_layout import TIME_CONSTANT
+from mimoc.base.errors import ControlError
+from mimoc.base.mujoco_layout import TIME_CONSTANT
 from mimoc.senses.sense import FloatArray, IntArray
 
 

@@ -3,11 +3,11 @@
 from collections import deque
 from typing import Any
 
+from mimoc.base.random_streams import whole_between
+from mimoc.base.state_form import check_form, checked_list, demand
 from mimoc.delays.signals import Mask, check_controls
 from mimoc.noise.noise import NoiseStreams
-from mimoc.random_streams import whole_between
 from mimoc.senses.sense import FloatArray, IntArray, Sample
-from mimoc.state_form import check_form, checked_list, demand
 
 
 class DelayRandomWalk:

@@ -12,14 +12,14 @@ import mujoco
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
+from mimoc.base.state_form import checked_list, demand
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.timing import Commands, Samples, Timing
 from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, noise_of
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
-from mimoc.state_form import checked_list, demand
-from mimoc.units import ms_to_s
 
 Item = TypeVar("Item")
 

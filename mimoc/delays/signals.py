@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.state_form import check_finite, check_form, checked_list, demand
 from mimoc.senses.sense import FloatArray, IntArray, Sample
-from mimoc.state_form import check_finite, check_form, checked_list, demand
 
 Mask = npt.NDArray[np.bool_]
 

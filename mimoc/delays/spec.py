@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
-from mimoc.errors import KindError
+from mimoc.base.errors import KindError
 from mimoc.schema.base import Model
 from mimoc.schema.composition import composed
 from mimoc.schema.entries import Body, Duration

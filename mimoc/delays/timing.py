@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.base.units import to_steps
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
 from mimoc.senses.sense import IntArray
-from mimoc.units import to_steps
 
 NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
 Samples = DelayedSamples | JitteredSamples

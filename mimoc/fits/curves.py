@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.rounding import significant
+from mimoc.base.rounding import significant
 
 FloatArray = npt.NDArray[np.float64]
 

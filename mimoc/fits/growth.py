@@ -5,11 +5,11 @@ from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import Literal
 
-from mimoc.errors import DataError
+from mimoc.base.errors import DataError
+from mimoc.base.units import cm_to_m
 from mimoc.fits.curves import LAST_MONTH, LogCurve, fit_count_curve, fit_log_curve
 from mimoc.fits.measurements import DataPoint, Measured, Measurements
 from mimoc.fits.tables import GroupMean, GrowthTables, load_tables
-from mimoc.units import cm_to_m
 
 Placement = Literal["middle", "published"]
 """Where an age group stands on the age axis: in the middle of its months, or where MIMo v2 puts it."""

@@ -12,10 +12,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from mimoc.errors import DataError
+from mimoc.base.errors import DataError
+from mimoc.base.units import MM_PER_CM
 from mimoc.fits.curves import LogCurve
 from mimoc.fits.who import SEXES, GrowthStandard
-from mimoc.units import MM_PER_CM
 
 Table = TypeVar("Table")
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.units import months_to_days
+from mimoc.base.units import months_to_days
 
 Sex = Literal["male", "female"]
 Reference = Literal["male", "female", "mean"]

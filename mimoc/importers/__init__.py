@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from mimoc.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.importers.babybench import import_babybench
 from mimoc.importers.settings import Imported
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, TypeVar
 
-from mimoc.errors import Problem, SpecError, suggestion
+from mimoc.base.errors import Problem, SpecError, suggestion
 from mimoc.schema.base import shown
 from mimoc.schema.source import Source
 from mimoc.schema.yaml_document import dump

@@ -48,7 +48,7 @@ HEAD_FEATURES = (
 """The nose and the ears, so that a head is recognisable from the side; the rest of the face is in the texture."""
 
 
-def dress(expression: str, *, round_head: bool = True) -> Appearance:
+def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
     Args:
@@ -79,7 +79,7 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
         layers: Names of the layers of its skin.
         round_head: Whether its head is a sphere.
     """
-    solid = dress(expression, round_head=round_head)
+    solid = add_materials(expression, round_head=round_head)
     shown = face_texture(expression)
     faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
     shades = {name: FlatTexture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}

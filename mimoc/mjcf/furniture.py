@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mimoc.base.units import cm_to_m
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import stature
 from mimoc.geometry.rotations import Vec3
-from mimoc.units import cm_to_m
 
 Rgba = tuple[float, float, float, float]
 """Red, green, blue and opacity, 0 to 1."""

@@ -7,8 +7,8 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
+from mimoc.base.rounding import num
 from mimoc.mjcf.scene import SceneTree
-from mimoc.rounding import num
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 

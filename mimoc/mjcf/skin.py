@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.rounding import rounded_array
 from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
-from mimoc.rounding import rounded_array
 
 NAME_BYTES = 40
 """For the name of a body in MuJoCo's file."""

@@ -24,14 +24,14 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.kinds import function_of
+from mimoc.base.kinds import function_of
+from mimoc.base.random_streams import stream
+from mimoc.base.units import ms_to_s
 from mimoc.noise.spec import NoiseEntry, noise_keys
-from mimoc.random_streams import stream
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.senses import SENSES
 from mimoc.senses.sense import FloatArray, Sample, Sense
-from mimoc.units import ms_to_s
 
 SEEDS = 2**128
 """Number of seeds there are: Gymnasium calls the seed of a generator that was set directly -1."""

@@ -7,13 +7,13 @@ from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
+from mimoc.base.units import to_steps
 from mimoc.delays.spec import DelaysSpec, is_delayed
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import composed
 from mimoc.schema.entries import Amount, Duration
 from mimoc.schema.quantities import Milliseconds, Real
 from mimoc.senses import SENSES
-from mimoc.units import to_steps
 
 LOW_PASS_MS = 60.0
 """Time constant of the noise of commands and of proprioception: as long as the muscles of infants are assumed to take

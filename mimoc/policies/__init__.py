@@ -1,6 +1,6 @@
 """Policies that need no training."""
 
-from mimoc.kinds import Kinds, PolicyKind
+from mimoc.base.kinds import Kinds, PolicyKind
 
 POLICIES: Kinds[PolicyKind] = Kinds(
     "policy",

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.units import ms_to_s
 from mimoc.control.reaching import ReachController, ReachGains
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray, Observation
-from mimoc.units import ms_to_s
 
 NEXT_TARGETS_S = 1.5
 """How long hands have to get to their targets."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mimoc.kinds import Kinds
+from mimoc.base.kinds import Kinds
 from mimoc.quantities.child import AGE, CHILD
 from mimoc.quantities.motion import (
     BEYOND_LIMITS,

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.errors import KindError
-from mimoc.kinds import function_of
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import function_of
 from mimoc.quantities import measured_in
 from mimoc.quantities.quantity import Quantity
 from mimoc.runtime.env import InfantEnv

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from mimoc.kinds import Code
+from mimoc.base.kinds import Code
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import RecordingError
+from mimoc.base.errors import RecordingError
 from mimoc.senses.sense import Observation
 
 Array = npt.NDArray[Any]

@@ -10,11 +10,11 @@ from functools import cached_property
 from itertools import groupby, takewhile
 from typing import Any, Literal
 
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.regular_files import UnusableFileError, parse_json
 from mimoc.recording.blocks import Reading
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
-from mimoc.units import ms_to_s
 
 NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
 MOST = 5_000_000

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
+from mimoc.base.errors import RecordingError
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
-from mimoc.errors import RecordingError
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
 

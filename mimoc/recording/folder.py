@@ -14,10 +14,10 @@ from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from mimoc.base.errors import OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
-from mimoc.errors import OutputError, RecordingError
 from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
 from mimoc.version import __version__
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file
-from mimoc.errors import RecordingError
 from mimoc.recording.folder import opened
 from mimoc.recording.video import CONTAINER, LOSSLESS, Lossless, Picture, require_av
 

@@ -19,7 +19,7 @@ from mimoc.recording.described import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.journal import Journal
+from mimoc.runtime.observer import Observer
 from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.senses.sense import Observation
 
@@ -110,7 +110,7 @@ class _Episode:
     """Complete states, since the last part."""
 
 
-class RecordingObserver(Journal):
+class RecordingObserver(Observer):
     """Writes down the episodes of one infant."""
 
     keeps = True

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
-from mimoc.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
 from mimoc.recording.described import OBSERVATION, Described

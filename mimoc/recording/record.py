@@ -10,7 +10,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
+from mimoc.base.units import ms_to_s
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
@@ -19,7 +20,6 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
-from mimoc.units import ms_to_s
 
 SHAPE = 4 / 3
 """Aspect ratio of the camera image."""

@@ -10,14 +10,14 @@ from typing import Any, Self
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
 
+from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
-from mimoc.errors import RecordingError
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
 from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.journal import UNTOLD
-from mimoc.runtime.many.vector_env import ManyInfants
+from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.task import CustomTask
 
@@ -43,7 +43,7 @@ class Recording:
     ):
         """Begin to record; see `Recorder`."""
         for infant in infants:
-            if infant.journal is not UNTOLD:
+            if infant.observer is not NO_OBSERVER:
                 raise RecordingError("this infant is being recorded already; close that recording first")
         if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
@@ -102,10 +102,10 @@ class Recording:
         Raises:
             OutputError: If something could not be written.
         """
-        if all(infant.journal is UNTOLD for infant in self._infants):
+        if all(infant.observer is NO_OBSERVER for infant in self._infants):
             return
         for infant in self._infants:
-            infant.journal = UNTOLD
+            infant.observer = NO_OBSERVER
         try:
             for journal in self._journals:
                 journal.end("closed")
@@ -129,8 +129,8 @@ class Recording:
             row_bytes = 1 + sum(math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values())
             rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
             stem_of = partial(folder.stem, number)
-            infant.journal = RecordingObserver(infant, self._writer, stem_of, first, rows, states_every, about)
-            journals.append(infant.journal)
+            infant.observer = RecordingObserver(infant, self._writer, stem_of, first, rows, states_every, about)
+            journals.append(infant.observer)
         return journals
 
 
@@ -214,7 +214,7 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
     inside = getattr(env, "unwrapped", None)
     if isinstance(inside, InfantEnv):
         return (inside,)
-    if isinstance(inside, ManyInfants):
+    if isinstance(inside, BatchEnv):
         return inside.infants
     several = [env.unwrapped for env in getattr(inside, "envs", ())]
     if several and all(isinstance(env, InfantEnv) for env in several):

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import MimocError, RecordingError
 from mimoc.bundle.io import Bundle
-from mimoc.errors import MimocError, RecordingError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.described import OBSERVATION

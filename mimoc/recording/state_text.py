@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.errors import RecordingError
+from mimoc.base.errors import RecordingError
 
 ARRAY, TUPLE, ITEMS, FLOAT = "array", "tuple", "items", "float"
 """Keys of dictionaries that stand for what JSON does not have; each is the only key that begins with `MARK`."""

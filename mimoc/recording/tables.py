@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.errors import MissingExtraError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.errors import MissingExtraError
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from mimoc.base.errors import MissingExtraError, OutputError
 from mimoc.bundle import files
-from mimoc.errors import MissingExtraError, OutputError
 
 Picture = npt.NDArray[np.uint8]
 """Shape (height, width, 3)."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from mimoc.errors import check_name
+from mimoc.base.errors import check_name
 from mimoc.render.opengl import has_screen
 from mimoc.render.renderer import Picture
 
@@ -59,7 +59,7 @@ class EnvRenderer:
         self._camera: BodyCamera | None = None
         self._window = self._open_window() if mode == "human" else None
 
-    def follow(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def set_model(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Show another model of the same parts from now on, such as that of the infant at another age.
 
         Raises:

@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 
 _NO_OPENGL = (
     "no picture can be drawn, because OpenGL does not start here ({}); install EGL or OSMesa "
@@ -40,7 +40,7 @@ def open_context(width: int, height: int) -> Any:
         RenderingError: If none of them works.
     """
     os.environ.setdefault(_MESA_THREADS, "0")
-    keep_apart()
+    isolate_triton()
     failures = []
     for name in _backends():
         try:
@@ -184,7 +184,7 @@ def opengl_driver() -> str:
 _LIBRARY = "triton._C.libtriton"
 
 
-def keep_apart() -> None:
+def isolate_triton() -> None:
     """Load triton's library so that it uses its own LLVM, if triton is installed and not loaded yet.
 
     Mesa draws without a graphics card by means of LLVM, whose symbols the OpenGL libraries make global in the process.

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
-from mimoc.errors import OutputError
 
 _JPEG = ("JPEG", {"quality": 95, "subsampling": 0})
 _TIFF = ("TIFF", {"compression": "tiff_deflate"})

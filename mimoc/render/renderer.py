@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import RenderingError
-from mimoc.mujoco_layout import SOLIDS_GROUP
+from mimoc.base.errors import RenderingError
+from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.render.opengl import Finalizer, current, open_context
 
 Setting = tuple[Any, str, Any]

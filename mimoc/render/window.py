@@ -9,7 +9,7 @@ import glfw
 import mujoco
 import mujoco.viewer
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render.camera import FROM_THE_SIDE
 
 DISTANCE_M = 1.4

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
-from mimoc.errors import MimocError
 from mimoc.reporting.page import Page, render
 from mimoc.schema.infant import InfantSpec
 

@@ -44,7 +44,7 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class TextBlock:
     """A paragraph."""
 
     template: ClassVar[str] = "report/text.html.j2"
@@ -55,7 +55,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """Text as it is in a file."""
+    """TextBlock as it is in a file."""
 
     template: ClassVar[str] = "report/code.html.j2"
     text: str
@@ -108,7 +108,7 @@ class Details:
     blocks: "tuple[Block, ...]"
 
 
-Block: TypeAlias = Text | Code | Table | Tiles | Drawings | Details
+Block: TypeAlias = TextBlock | Code | Table | Tiles | Drawings | Details
 
 
 @dataclass(frozen=True, slots=True)

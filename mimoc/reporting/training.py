@@ -24,10 +24,23 @@ from mimoc.reporting import words
 from mimoc.reporting.infant import infant_sections
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.who import introduce
-from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
+from mimoc.reporting.page import (
+    Block,
+    Cell,
+    Code,
+    Details,
+    Drawings,
+    Page,
+    Section,
+    TextBlock,
+    Tile,
+    Tiles,
+    number,
+    table,
+)
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
-from mimoc.training.settings import HYPERPARAMETERS, Settings
+from mimoc.training.settings import HYPERPARAMETERS, TrainingSettings
 from mimoc.version import __version__
 
 NAMES = {
@@ -79,7 +92,7 @@ def _summary(run: TrainingRun) -> str:
 
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
-        return Section("curves", "Learning", (Text(NO_CURVE, "note"),))
+        return Section("curves", "Learning", (TextBlock(NO_CURVE, "note"),))
     drawn = [draw_svg(_plot(curve, quantity)) for quantity in LEARNING if _known(curve, quantity)]
     caption = CAPTION + (UNFINISHED_NOTE if _points(curve, UNFINISHED_RETURN) else "")
     rows = [
@@ -155,13 +168,13 @@ def _settings(run: TrainingRun) -> Section:
         table(("setting", "value"), rows),
         Details("Hyperparameters", (table(("hyperparameter", "value", "default"), _hyper_rows(settings)),)),
         Details("Versions of the software", (_versions(run),)),
-        Text("To train an infant of this bundle in the same way:"),
+        TextBlock("To train an infant of this bundle in the same way:"),
         Code(run.command),
     ]
-    return Section("settings", "Settings and versions", tuple(blocks))
+    return Section("settings", "TrainingSettings and versions", tuple(blocks))
 
 
-def _hyper_rows(settings: Settings) -> Iterator[tuple[Cell, ...]]:
+def _hyper_rows(settings: TrainingSettings) -> Iterator[tuple[Cell, ...]]:
     defaults = HYPERPARAMETERS.get(settings.algo, {})
     for name, value in sorted(settings.hyper.items()):
         default = _text(defaults[name].default) if name in defaults else ""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.base.units import ms_to_s, rad_to_deg
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.runtime.constraints import Constraints
 from mimoc.senses.sense import FloatArray
-from mimoc.units import ms_to_s, rad_to_deg
 
 CHECKED_S = 1.0
 """Simulated time of each trial."""

@@ -3,9 +3,9 @@
 import mujoco
 import numpy as np
 
+from mimoc.base.model_fields import ModelField
+from mimoc.base.mujoco_layout import LOCK_ANGLE, WELD_ANCHOR, WELD_PLACE, WELD_TURN
 from mimoc.bundle.manifest import ConstraintsEntry
-from mimoc.model_fields import ModelField
-from mimoc.mujoco_layout import LOCK_ANGLE, WELD_ANCHOR, WELD_PLACE, WELD_TURN
 from mimoc.senses.sense import FloatArray, IntArray
 
 

@@ -13,30 +13,30 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
+from mimoc.base.errors import check_name
+from mimoc.base.model_fields import ModelFields
+from mimoc.base.random_streams import checked_seed
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import begin, bounded, broke_down, pose_of
-from mimoc.bundle.variants import Variant, Variants, opened
+from mimoc.bundle.model import begin, bounded, is_unstable, pose_of
+from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.delays.schedule import Schedule
-from mimoc.errors import check_name
-from mimoc.model_fields import ModelFields
 from mimoc.noise.noise import NoiseStreams
-from mimoc.random_streams import checked_seed
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
-from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.keypoints import Keypoints
-from mimoc.runtime.living import Living
+from mimoc.runtime.observer import NO_OBSERVER
+from mimoc.runtime.simulation_state import SimulationState
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
 from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.task import NO_REWARD, Task, bind_task
-from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
@@ -87,12 +87,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             KindError: If the task or a sense is no such object, or has the name of an existing sense.
         """
         check_rendering(render_mode, width, height)
-        self.render_mode, self._picture_size, self._infant = render_mode, (width, height), opened(bundle)
+        self.render_mode, self._picture_size, self._infant = render_mode, (width, height), open_variant(bundle)
         self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
         self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
-        self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
+        self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
@@ -171,7 +171,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             UnknownNameError: If there is no such expression.
         """
         set_expression(expression, self.manifest, self._infant.bare)
-        self.journal.expressed(expression)
+        self.observer.expressed(expression)
 
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
@@ -201,7 +201,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         seed = None if seed is None else checked_seed(seed)
         variant = growing.find_variant(self._variants, self.manifest, options)
         pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
-        self.journal.resetting()
+        self.observer.resetting()
         super().reset(seed=seed)
         if seed is not None:
             self._noise.restart(seed)
@@ -212,7 +212,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._renderer.start_again(self._infant.bare, self.data)
         self._renderer.show()
         info = {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
-        self.journal.was_reset(seed, options, observation, info)
+        self.observer.was_reset(seed, options, observation, info)
         return observation, info
 
     def grow(self, to: float) -> Observation:
@@ -235,9 +235,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             former = self._living
             self._become(variant)
             growing.carry_on(former, self._living)
-            self._renderer.follow(self._infant.bare, self.data)
+            self._renderer.set_model(self._infant.bare, self.data)
             self._renderer.show()
-            self.journal.grew(self.age_months)
+            self.observer.grew(self.age_months)
         return self._observe()
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -246,14 +246,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             ValueError: If the action has the wrong shape or is not finite.
         """
-        self.journal.stepping()
+        self.observer.stepping()
         self._schedule.step(action, self.data)
-        judged = self.judge(action, unstable=broke_down(self.data))
+        judged = self.judge(action, unstable=is_unstable(self.data))
         observation = self._observe()
         if judged[-1]["unstable"]:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
-        self.journal.stepped(action, observation, judged)
+        self.observer.stepped(action, observation, judged)
         self._renderer.show()
         return observation, *judged
 
@@ -296,7 +296,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
                 self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
-        self.journal.restored()
+        self.observer.restored()
         return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
@@ -326,7 +326,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Bind the copy to its own model and restore the state of the original."""
         state = kept.pop("state")
         self.__dict__.update(kept)
-        self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
+        self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._restore(state)
         self._renderer = self._open_renderer()
@@ -344,7 +344,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
         self._keypoints = Keypoints(self.manifest.keypoints, model)
         parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
-        self._living = Living(self.manifest, self._infant.bare, self.data, *parts)
+        self._living = SimulationState(self.manifest, self._infant.bare, self.data, *parts)
 
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
@@ -366,7 +366,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             if self._infant is not former:
                 self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
                 self._bind(self._senses)
-                self._renderer.follow(self._infant.bare, self.data)
+                self._renderer.set_model(self._infant.bare, self.data)
             self._restore(state)
             raise
 

@@ -3,9 +3,9 @@
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import check_name
+from mimoc.base.model_fields import ModelField
 from mimoc.bundle.manifest import Manifest
-from mimoc.errors import check_name
-from mimoc.model_fields import ModelField
 
 
 def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -> None:

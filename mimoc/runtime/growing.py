@@ -8,15 +8,15 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.model_fields import WORLD
+from mimoc.base.random_streams import checked_seed
+from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.errors import MimocError, UnknownNameError
-from mimoc.model_fields import WORLD
-from mimoc.random_streams import checked_seed
-from mimoc.rounding import rounded
-from mimoc.runtime.living import Living
+from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
 from mimoc.runtime.physics_state import STATE, physics_of
-from mimoc.runtime.settling import clip_angles, depths_of, settle
+from mimoc.runtime.simulation_state import SimulationState
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
@@ -114,7 +114,7 @@ def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
         )
 
 
-def carry_on(former: Living, now: Living) -> None:
+def carry_on(former: SimulationState, now: SimulationState) -> None:
     """Let an infant that has just been bound go on where it was at another age.
 
     Args:
@@ -126,7 +126,7 @@ def carry_on(former: Living, now: Living) -> None:
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)
     mujoco.mj_fwdPosition(former.model, former.data)
-    settle(
+    resolve_penetrations(
         now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs, depths_of(former.model, former.data)
     )
     mujoco.mj_kinematics(now.model, now.data)

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.runtime.growing import OLDEST_MONTHS
 
 Course = Literal["grown", "adult", "reversed", "shuffled"]

@@ -6,12 +6,12 @@ from time import perf_counter
 
 import numpy as np
 
-from mimoc.kinds import function_of
+from mimoc.base.kinds import function_of
+from mimoc.base.units import ms_to_s
 from mimoc.policies import POLICIES
 from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, metrics_of
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
-from mimoc.units import ms_to_s
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 from mimoc.actuation.binding import Actuation
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 from mimoc.senses.sense import Sense
 from mimoc.tasks.task import Task
 

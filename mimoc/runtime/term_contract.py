@@ -11,7 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.errors import KindError, MissingExtraError
+from mimoc.base.errors import KindError, MissingExtraError
 from mimoc.runtime.term import Put, Term, is_amount, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_many, worlds_of_one
 

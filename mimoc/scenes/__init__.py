@@ -1,6 +1,6 @@
 """The world around an infant: the kinds of scenes, a folder each."""
 
-from mimoc.kinds import Kinds, SceneKind
+from mimoc.base.kinds import Kinds, SceneKind
 
 SCENES: Kinds[SceneKind] = Kinds(
     "kind of scene",

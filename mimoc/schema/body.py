@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticKnownError
 
+from mimoc.base.errors import suggestion
 from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
-from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import (
     MEASUREMENT_KEYS,

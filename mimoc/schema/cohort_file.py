@@ -14,9 +14,9 @@ from pydantic import (
     model_validator,
 )
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
+from mimoc.base.rounding import rounded
 from mimoc.quantities import measures
-from mimoc.rounding import rounded
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty

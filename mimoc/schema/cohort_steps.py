@@ -15,7 +15,7 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.quantities import Whole
 from mimoc.schema.wording import got

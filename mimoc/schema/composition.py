@@ -5,8 +5,8 @@ from typing import Any, Literal, TypeVar
 
 from pydantic.fields import FieldInfo
 
-from mimoc.errors import KindError
-from mimoc.kinds import Kinds
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import Kinds
 from mimoc.schema.base import Model
 
 Fields = Callable[[], Mapping[str, FieldInfo]]

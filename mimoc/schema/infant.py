@@ -7,8 +7,8 @@ from typing import Any, Self
 
 from pydantic import PrivateAttr
 
+from mimoc.base.rounding import rounded
 from mimoc.plugins import load_plugins
-from mimoc.rounding import rounded
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from mimoc.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.schema.base import Model
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec

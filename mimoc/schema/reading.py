@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema.base import KeyPath, Model
 from mimoc.schema.outline import Language, language_of
 from mimoc.schema.source import Source

@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any, Literal, NoReturn
 
-from mimoc.errors import Problem, SpecError
+from mimoc.base.errors import Problem, SpecError
 from mimoc.schema.base import KeyPath, Place, dotted
 from mimoc.schema.yaml_document import UNPRINTABLE, DocumentReader, dump
 

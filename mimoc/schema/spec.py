@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, StringConstraints, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
+from mimoc.base.units import to_steps
 from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
@@ -21,7 +22,6 @@ from mimoc.senses.spec import SensesSpec
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskSpec
 from mimoc.tasks.spec import task_field
-from mimoc.units import to_steps
 
 REMOVED = ("body", "remove")
 

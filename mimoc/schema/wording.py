@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pydantic_core import ErrorDetails
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, KeyPath, dotted, shown
 from mimoc.schema.outline import Language, Outline
 

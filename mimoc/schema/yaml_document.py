@@ -18,7 +18,7 @@ from yaml.parser import Parser
 from yaml.reader import Reader
 from yaml.scanner import Scanner
 
-from mimoc.errors import Problem, SpecError
+from mimoc.base.errors import Problem, SpecError
 from mimoc.schema.base import KeyPath, Place, dotted, shown
 
 _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")

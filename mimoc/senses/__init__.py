@@ -1,6 +1,6 @@
 """What an infant perceives: the senses, a folder each."""
 
-from mimoc.kinds import Kinds, SenseKind
+from mimoc.base.kinds import Kinds, SenseKind
 
 SENSES: Kinds[SenseKind] = Kinds(
     "sense",

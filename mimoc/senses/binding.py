@@ -6,9 +6,9 @@ from typing import Any
 
 import mujoco
 
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import function_of
 from mimoc.bundle.io import Bundle
-from mimoc.errors import KindError
-from mimoc.kinds import function_of
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense, nothing
 from mimoc.senses.sense import Sense
@@ -33,7 +33,7 @@ def bind_senses(
         RenderingError: If it sees, and there is no OpenGL here.
     """
     entries = dict(bundle.manifest.senses)
-    kept = {name: sense for name, sense in former.items() if sense.follow(entries.get(name), model)}
+    kept = {name: sense for name, sense in former.items() if sense.rebind(entries.get(name), model)}
     for name in former.keys() - kept.keys():
         former[name].close()
     names = [name for name, entry in entries.items() if entry is not None]

@@ -8,14 +8,14 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import check_custom_object
+from mimoc.base.units import to_steps
 from mimoc.bundle.io import Bundle
 from mimoc.delays.spec import DelayEntry
-from mimoc.errors import KindError
-from mimoc.kinds import check_custom_object
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense, Vector
-from mimoc.units import to_steps
 
 
 class Measure:

@@ -73,7 +73,7 @@ class Sense(ABC):
         for name, array in self.observe(sample).items():
             observation[name][...] = array
 
-    def follow(self, entry: Any, model: mujoco.MjModel) -> bool:
+    def rebind(self, entry: Any, model: mujoco.MjModel) -> bool:
         """Read the same infant at another age or in another scene from now on, or return False: it is bound anew then.
 
         Args:

@@ -1,6 +1,6 @@
 """Tasks, each in its own folder."""
 
-from mimoc.kinds import Kinds, TaskKind
+from mimoc.base.kinds import Kinds, TaskKind
 
 TASKS: Kinds[TaskKind] = Kinds(
     "task",

@@ -5,10 +5,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
+from mimoc.base.errors import UnsupportedTaskError
+from mimoc.base.kinds import function_of
 from mimoc.body import BodyTree
-from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
-from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, SOLID, Furniture, WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks import TASKS

@@ -14,13 +14,13 @@ import numpy as np
 
 from mimoc.actuation.binding import command_range
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.base.kinds import check_custom_object, function_of
+from mimoc.base.model_fields import ModelField, rows_by_name
+from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
-from mimoc.kinds import check_custom_object, function_of
-from mimoc.model_fields import ModelField, rows_by_name
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, Observation
-from mimoc.state_form import check_form
 from mimoc.tasks import TASKS
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})

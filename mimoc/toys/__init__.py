@@ -1,6 +1,6 @@
 """Toys: shapes, collision geoms, mass, choice and placement; each source of toys is a module or a folder."""
 
-from mimoc.kinds import Kinds, ToySource
+from mimoc.base.kinds import Kinds, ToySource
 
 TOY_SOURCES: Kinds[ToySource] = Kinds(
     "source of toys",

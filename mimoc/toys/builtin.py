@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.errors import UnknownToysError, suggestion
+from mimoc.base.errors import UnknownToysError, suggestion
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Mesh, Part, Solid, ToyModel
 from mimoc.toys.spec import ToysSpec

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from mimoc.base.random_streams import between, pick, stream, whole_between
+from mimoc.base.units import cm_to_m
 from mimoc.mjcf.furniture import Rgba
-from mimoc.random_streams import between, pick, stream, whole_between
 from mimoc.toys.model import Tint, ToyModel, radius
 from mimoc.toys.spec import ToysSpec
-from mimoc.units import cm_to_m
 
 SATURATION, BRIGHTNESS = (0.55, 0.9), (0.65, 0.95)
 """Ranges of the saturation and brightness of a toy's colour; its hue is unrestricted."""

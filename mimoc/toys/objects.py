@@ -5,11 +5,11 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
+from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
-from mimoc.random_streams import SEED, drawn_rule
 from mimoc.toys.choosing import Toy
 from mimoc.toys.model import Mesh, Solid, solid_volume
 

@@ -14,7 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.settings import Number, Settings
+from mimoc.training.settings import Number, TrainingSettings
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
@@ -25,7 +25,7 @@ _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SA
 _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
-def make_agent(env: VecNormalize, settings: Settings) -> BaseAlgorithm:
+def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
     """Return an untrained agent; the same seed gives the same initial weights."""
     return _ALGORITHMS[settings.algo](
         "MultiInputPolicy",

@@ -11,9 +11,9 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.base.errors import TrainingError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, parse_json
-from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import agent_state, restore_agent

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import TrainingError
+from mimoc.base.errors import TrainingError
 from mimoc.schema.quantities import bounded
 
 
@@ -34,7 +34,7 @@ class UnfinishedEpisode:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class CurvePoint:
     """Statistics of the episodes that ended since the previous row; the mean of no episodes is NaN.
 
     Episodes that a checkpoint interrupts are not counted among them, so that long episodes are slightly
@@ -74,7 +74,7 @@ class Curve:
         64
     """
 
-    rows: tuple[Row, ...] = ()
+    rows: tuple[CurvePoint, ...] = ()
 
     @property
     def steps(self) -> int:
@@ -82,24 +82,24 @@ class Curve:
         return self.rows[-1].steps if self.rows else 0
 
     @property
-    def ends(self) -> tuple[Row, Row]:
+    def ends(self) -> tuple[CurvePoint, CurvePoint]:
         """The first and the last row with episodes that ended; of all rows, if none did. There must be a row."""
         rows = [row for row in self.rows if row.episodes] or self.rows
         return rows[0], rows[-1]
 
     def column(self, name: str) -> npt.NDArray[np.float64]:
-        """Return one field of `Row`, by name, for all rows, shape (n,)."""
+        """Return one field of `CurvePoint`, by name, for all rows, shape (n,)."""
         return np.array([getattr(row, name) for row in self.rows], float)
 
     def columns(self) -> dict[str, npt.NDArray[np.float64]]:
         """Return all fields by name, each of shape (n,)."""
-        return {column.name: self.column(column.name) for column in fields(Row)}
+        return {column.name: self.column(column.name) for column in fields(CurvePoint)}
 
     def to_csv(self) -> str:
         """Return the curve as CSV in full precision; NaN is an empty cell."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(column.name for column in fields(Row))
+        writer.writerow(column.name for column in fields(CurvePoint))
         writer.writerows(["" if math.isnan(value) else repr(value) for value in astuple(row)] for row in self.rows)
         return text.getvalue()
 
@@ -122,7 +122,7 @@ def summarize(
     step_s: float,
     wall_s: float,
     unfinished: Sequence[UnfinishedEpisode] = (),
-) -> Row:
+) -> CurvePoint:
     """Return the row of a learning curve for the given episodes.
 
     Args:
@@ -132,7 +132,7 @@ def summarize(
         wall_s: Wall time of the training so far.
         unfinished: Episodes under way.
     """
-    return Row(
+    return CurvePoint(
         steps=steps,
         episodes=len(episodes),
         episode_return=_mean(episode.total_reward for episode in episodes),
@@ -151,7 +151,7 @@ def _mean(values: Iterable[float]) -> float:
     return math.fsum(numbers) / len(numbers) if numbers else math.nan
 
 
-def _possible(row: Row) -> Row:
+def _possible(row: CurvePoint) -> CurvePoint:
     """Return a row, if its counts are none below zero or of more than 64 bits, and no mean is infinite."""
     for value in astuple(row):
         if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
@@ -159,10 +159,10 @@ def _possible(row: Row) -> Row:
     return row
 
 
-def _row(cells: dict[str, str]) -> Row:
-    names = [column.name for column in fields(Row) if column.name in cells or column.default is MISSING]
+def _row(cells: dict[str, str]) -> CurvePoint:
+    names = [column.name for column in fields(CurvePoint) if column.name in cells or column.default is MISSING]
     numbers = {name: int(cells[name]) if name in COUNTS else float(cells[name] or "nan") for name in names}
-    return Row(**dict[str, Any](numbers))
+    return CurvePoint(**dict[str, Any](numbers))
 
 
 COUNTS = ("steps", "episodes", "unfinished")

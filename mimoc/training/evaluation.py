@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.errors import TrainingError, UnknownNameError
+from mimoc.base.errors import TrainingError, UnknownNameError
+from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import episode_limit_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker, policy_of
 from mimoc.senses.sense import FloatArray
-from mimoc.units import ms_to_s
 
 
 @dataclass(frozen=True, slots=True)

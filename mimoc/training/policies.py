@@ -18,14 +18,14 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.base.errors import MimocError, PolicyError, UnknownNameError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
-from mimoc.errors import MimocError, PolicyError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
-from mimoc.training.settings import Settings, complete
+from mimoc.training.settings import TrainingSettings, complete
 from mimoc.training.vector_env import normalized_names, statistics
 
 MOST_BYTES = 2**29
@@ -133,7 +133,7 @@ class TrainedPolicy:
         return np.clip(normalized, -self.clip, self.clip).astype(np.float32)
 
 
-def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Settings, env: InfantEnv) -> bytes:
+def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: InfantEnv) -> bytes:
     """Return the content of an agent's policy file, for `load_policy`."""
     content = io.BytesIO()
     agent.save(content)

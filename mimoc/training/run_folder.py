@@ -13,15 +13,15 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
+from mimoc.base.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.bundle.files import check_unlinked, make_folder, remove, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
-from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded
 from mimoc.training.curve import Curve
 from mimoc.training.policies import MOST_BYTES
-from mimoc.training.settings import Settings
+from mimoc.training.settings import TrainingSettings
 from mimoc.version import __version__
 
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
@@ -36,7 +36,7 @@ class RunFile(Model):
     """Version of this kind of file."""
     command: str = ""
     """Command that trains another infant with these settings."""
-    settings: Settings
+    settings: TrainingSettings
     bundle: str
     """Digest of the lock of its infant."""
     sessions: tuple[Mapping[str, str], ...]
@@ -81,7 +81,7 @@ class RunFolder:
 class TrainingRun:
     """What is in the folder of a training run, besides its policies."""
 
-    settings: Settings
+    settings: TrainingSettings
     command: str
     """Command that trains another infant with these settings."""
     sessions: tuple[Mapping[str, str], ...]
@@ -124,7 +124,7 @@ def read_run_bundle(path: Path) -> Bundle:
 @contextmanager
 def open_run_folder(
     out: str | Path,
-    settings: Settings,
+    settings: TrainingSettings,
     bundle: Bundle,
     *,
     force: bool,
@@ -183,7 +183,7 @@ def _read_run(path: Path) -> RunFile | None:
     try:
         if (run := read_json_file(path / RUN, RunFile)) is None:
             raise UnusableFileError("cannot be read")
-        Settings.choose(**bounded(run.settings.data()))
+        TrainingSettings.choose(**bounded(run.settings.data()))
     except (UnusableFileError, ValueError, MimocError) as error:
         reason = error if isinstance(error, UnusableFileError) else one_line(f"settings: {error}")
         raise TrainingError(f"{path / RUN}: file is damaged ({reason}); name another folder") from None
@@ -202,7 +202,7 @@ def _content(path: Path) -> bytes | None:
         raise TrainingError(f"{path}: {error}") from None
 
 
-def _check_same_run(path: Path, previous: RunFile, settings: Settings, bundle: Bundle) -> None:
+def _check_same_run(path: Path, previous: RunFile, settings: TrainingSettings, bundle: Bundle) -> None:
     """Raise a TrainingError for other settings (except more steps) or another infant than those of the run."""
     differences = settings.differences(previous.settings)
     if previous.bundle != _digest(bundle):
@@ -248,7 +248,7 @@ def _clear(path: Path) -> None:
 def _write_description(
     path: Path,
     previous: RunFile | None,
-    settings: Settings,
+    settings: TrainingSettings,
     bundle: Bundle,
     origin: Mapping[str, Any] | None,
 ) -> None:

@@ -10,9 +10,9 @@ from typing import Any, Self, cast
 
 from gymnasium.spaces import Dict
 
-from mimoc.errors import TrainingError, UnknownNameError
+from mimoc.base.errors import TrainingError, UnknownNameError
+from mimoc.base.units import ms_to_s
 from mimoc.runtime.env import InfantEnv
-from mimoc.units import ms_to_s
 
 Number = int | float
 
@@ -105,7 +105,7 @@ CHECKPOINT_EVERY = 20_480
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class TrainingSettings:
     """All settings of a training run, with defaults filled in."""
 
     algo: str
@@ -202,7 +202,7 @@ class Settings:
         return options + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
 
 
-def _flat(settings: Settings) -> dict[str, Any]:
+def _flat(settings: TrainingSettings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
     return {**data.pop("hyper"), **data.pop("custom"), **data.pop("growth"), **data}

@@ -15,10 +15,10 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import KVWriter, Logger
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_unlinked, make_folder
-from mimoc.errors import MimocError
 from mimoc.training.checkpoint import Progress
-from mimoc.training.curve import Curve, FinishedEpisode, Row, UnfinishedEpisode, summarize
+from mimoc.training.curve import Curve, CurvePoint, FinishedEpisode, UnfinishedEpisode, summarize
 
 TENSORBOARD = "tensorboard"
 """Folder of a training run with TensorBoard's files."""
@@ -177,7 +177,7 @@ class Recorder(BaseCallback):
         before: Progress,
         step_s: float,
         report: Callable[[int], None],
-        on_row: Callable[[Row], None],
+        on_row: Callable[[CurvePoint], None],
         watch: RewardWatch,
     ):
         """Continue the curve of earlier intervals.
@@ -192,7 +192,7 @@ class Recorder(BaseCallback):
         super().__init__()
         self._before, self._step_s, self._report = before, step_s, report
         self._on_row, self._watch = on_row, watch
-        self._rows: list[Row] = []
+        self._rows: list[CurvePoint] = []
         self._ended: list[FinishedEpisode] = []
         self._row_start, self._start_s = before.steps, perf_counter()
 

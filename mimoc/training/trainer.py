@@ -12,11 +12,12 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.base.errors import TrainingError
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.variants import Variant, opened
+from mimoc.bundle.variants import Variant, open_variant
 from mimoc.compiler import pipeline
 from mimoc.compiler.variants import BundleVariants
-from mimoc.errors import TrainingError
 from mimoc.recording.folder import check_recordable
 from mimoc.recording.recorder import Recording
 from mimoc.render.plots.file import encode, require_matplotlib
@@ -25,18 +26,17 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import has_learnt, make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
-from mimoc.training.curve import Curve, Row
+from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.policies import pack_policy
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.settings import Number, Settings, check_learnable, episode_limit
+from mimoc.training.settings import Number, TrainingSettings, check_learnable, episode_limit
 from mimoc.training.tracking import Recorder, RewardWatch, tracked
 from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
-from mimoc.units import ms_to_s
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
-RowCallback = Callable[[Row], None]
+RowCallback = Callable[[CurvePoint], None]
 """Called with a new row of the learning curve."""
 
 STEPS = 500_000
@@ -138,10 +138,10 @@ def train(
         (64, 'policy.zip')
     """
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
-    choose = partial(Settings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
+    choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     choose(steps_per_episode)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
-    open_one = partial(_open_one, opened(bundle), task, senses or {})
+    open_one = partial(_open_one, open_variant(bundle), task, senses or {})
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     with closing(open_one()) as infant:
         check_learnable(infant)
@@ -157,7 +157,7 @@ def train(
 class _Session:
     """What a training has from its first interval to its last, besides its folder."""
 
-    settings: Settings
+    settings: TrainingSettings
     infant: InfantEnv
     """One like those that are trained."""
     open_envs: Callable[[], VecNormalize]
@@ -258,7 +258,9 @@ def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
 
 
-def _check_recordable(record: str | Path | None, bundle: Bundle, settings: Settings, processes: bool | None) -> None:
+def _check_recordable(
+    record: str | Path | None, bundle: Bundle, settings: TrainingSettings, processes: bool | None
+) -> None:
     """Check that a training can be recorded in a folder, if there is one, before anything is written.
 
     Raises:

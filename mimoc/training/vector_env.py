@@ -22,15 +22,15 @@ from stable_baselines3.common.vec_env import (
 )
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
+from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.variants import BundleVariants
-from mimoc.errors import TrainingError
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
-from mimoc.runtime.growing_env import Growing
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
-from mimoc.runtime.many.vector_env import ManyInfants
-from mimoc.training.settings import Settings
+from mimoc.runtime.growth_wrapper import GrowthWrapper
+from mimoc.training.settings import TrainingSettings
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
 """What Stable-Baselines3 expects of its environments."""
@@ -43,7 +43,7 @@ class InfantVecEnv(DummyVecEnv):
     Attributes and methods of single infants are reached as in its `DummyVecEnv`.
     """
 
-    def __init__(self, infants: ManyInfants):
+    def __init__(self, infants: BatchEnv):
         """Give infants that are reset in the same step to Stable-Baselines3, which closes them."""
         assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
         self.infants, self.envs = infants, list[gymnasium.Env](infants.infants)
@@ -90,7 +90,7 @@ class InfantVecEnv(DummyVecEnv):
         return self.env_method("render")
 
 
-def monitored(infants: ManyInfants) -> VecMonitor:
+def monitored(infants: BatchEnv) -> VecMonitor:
     """Return infants that are reset in the same step as Stable-Baselines3 wants them, with returns of episodes."""
     return VecMonitor(InfantVecEnv(infants))
 
@@ -137,7 +137,7 @@ class Growth:
     """The infant at each age."""
 
 
-def growth_of(bundle: Bundle, settings: Settings) -> Growth | None:
+def growth_of(bundle: Bundle, settings: TrainingSettings) -> Growth | None:
     """Return how the infants of a training grow, if the settings say so.
 
     Args:
@@ -157,7 +157,7 @@ def growth_of(bundle: Bundle, settings: Settings) -> Growth | None:
     return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
 
 
-def seek(env: VecNormalize, settings: Settings, steps_done: int) -> None:
+def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None:
     """Let infants that grow go on as after a number of control steps, summed over all environments."""
     if not settings.growth:
         return
@@ -182,7 +182,7 @@ class SinglePrecisionRewards(VecEnvWrapper):
 
 def make_vector_env(
     open_env: Callable[..., InfantEnv],
-    settings: Settings,
+    settings: TrainingSettings,
     growth: Growth | None,
     threads: int | None,
     processes: bool | None,
@@ -254,7 +254,7 @@ def _together(
     openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
 ) -> VecEnv:
     schedule = growth and growth.schedule
-    return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
+    return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
 
 
 def _apart(
@@ -267,4 +267,4 @@ def _apart(
 def _open_alone(open_env: Callable[[], InfantEnv], growth: Growth | None, limit: int | None) -> gymnasium.Env:
     infant = open_env()
     limited = infant if limit is None else TimeLimit(infant, limit)
-    return Growing(limited, growth.schedule) if growth else limited
+    return GrowthWrapper(limited, growth.schedule) if growth else limited

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.bundle.variants import Variant
-from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
-from mimoc.viewer.packing import EncodedArrays
 
 BONES = 4
 """Bodies that move a vertex, at most."""

@@ -9,15 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import fits
+from mimoc.base.errors import MimocError
 from mimoc.bundle.manifest import ChildEntry, Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
-from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
 from mimoc.render.plots.growth import PERCENTILES, who_chart
 from mimoc.render.plots.plot import Line
 from mimoc.senses.binding import bind_sense
-from mimoc.viewer.packing import EncodedArrays
+from mimoc.viewer.encoding import EncodedArrays
 
 IntArray = npt.NDArray[np.intp]
 ByAge = Callable[[str, str], dict[str, Any]]

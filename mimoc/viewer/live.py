@@ -15,8 +15,8 @@ from urllib.parse import parse_qs
 import mujoco
 import numpy as np
 
-from mimoc.errors import MimocError, MissingExtraError
-from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.base.errors import MimocError, MissingExtraError
+from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
 from mimoc.viewer.meshes import coloured_faces, mesh_of, skin_of, texture_of
 

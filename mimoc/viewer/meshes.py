@@ -10,7 +10,7 @@ import numpy.typing as npt
 from PIL import Image
 from trimesh import creation
 
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 
 Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
 """Vertices in the frame of the geom, shape (n, 3), [m], and the vertices of each triangle, shape (m, 3)."""

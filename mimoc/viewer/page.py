@@ -9,15 +9,16 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import SpecError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
-from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins, describe_surroundings
+from mimoc.viewer.encoding import EncodedArrays, built, source
 from mimoc.viewer.growth import (
     AGES_MONTHS,
     SKIN_AGES_MONTHS,
@@ -27,7 +28,6 @@ from mimoc.viewer.growth import (
     own_parts,
     posed,
 )
-from mimoc.viewer.packing import EncodedArrays, built, source
 
 ENGINE, WASM = "mujoco.js", "mujoco.wasm.gz"
 PHYSICS_AGES_MONTHS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 24.0)

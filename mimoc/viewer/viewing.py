@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, cast
 import gymnasium
 import numpy as np
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import compiled
-from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
+from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import Progress, describe, fill, page_of
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
@@ -115,7 +115,7 @@ def view(
     """
     place = path and check_page(path)
     if (recording := _recording_of(shown)) is not None:
-        from mimoc.viewer.replayed import page_of_recording
+        from mimoc.viewer.episode_page import page_of_recording
 
         made = View(*page_of_recording(recording, infant, episode, physics, progress))
     elif (infant, episode) != (None, None):

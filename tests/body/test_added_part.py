@@ -13,14 +13,14 @@ from gymnasium.utils.env_checker import check_env
 from support.registered import registered
 
 import mimoc
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.errors import KindError, SpecError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts import PARTS
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
-from mimoc.errors import KindError, SpecError
-from mimoc.kinds import PartKind
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 
@@ -60,30 +60,30 @@ SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {
 SENSES["vision"] = {"width_px": 16, "height_px": 16}
 
 
-def tail(p) -> Dimensions:
+def tail(p) -> BodyGeometry:
     """Return where the tail is, and how large."""
     hip = p.trunk.pelvis[0]
-    return Dimensions(
+    return BodyGeometry(
         origins={"tail": (-1.1 * hip, 0.0, 0.0)},
-        shapes={"tail1": Shape((0.2 * hip, 0.4 * hip), (0.0, 0.0, 0.5 * hip))},
+        shapes={"tail1": GeomShape((0.2 * hip, 0.4 * hip), (0.0, 0.0, 0.5 * hip))},
     )
 
 
-def wings(p) -> Dimensions:
+def wings(p) -> BodyGeometry:
     """Return where the right wing is, and how large."""
     chest = p.trunk.girdle[0]
-    return Dimensions(
+    return BodyGeometry(
         origins={"{side}_wing": (-1.3 * chest, -0.5 * chest, 0.0)},
-        shapes={"{side}_wing1": Shape((0.1 * chest, 0.5 * chest, 0.7 * chest), (0.0, -0.5 * chest, 0.0))},
+        shapes={"{side}_wing1": GeomShape((0.1 * chest, 0.5 * chest, 0.7 * chest), (0.0, -0.5 * chest, 0.0))},
     )
 
 
-def paws(p) -> Dimensions:
+def paws(p) -> BodyGeometry:
     """Return where the right paw is, and how large."""
     half = p.hand.length_m / 4
-    return Dimensions(
+    return BodyGeometry(
         origins={"{side}_hand": (0.0, 0.0, p.forearm.length_m)},
-        shapes={"{side}_hand1": Shape((p.forearm.radius_m, half), (0.0, 0.0, half))},
+        shapes={"{side}_hand1": GeomShape((p.forearm.radius_m, half), (0.0, 0.0, half))},
     )
 
 
@@ -353,7 +353,7 @@ def test_other_hands_that_are_not_on_the_forearm_are_refused():
 def test_a_shape_that_says_too_little_is_an_error_of_one_line():
     part = ReferencePart("stump", "hip", (ReferenceGeom("stump1", "sphere", 0.1, (), "none"),), skin_spacing_m=0.01)
     message = r"the shape of the body part 'stump' does not say size and place of the geom 'stump1'"
-    stump = PartKind("stump", "A stump.", (part,), lambda _: Dimensions())
+    stump = PartKind("stump", "A stump.", (part,), lambda _: BodyGeometry())
     with registered(stump), pytest.raises(KindError, match=message):
         mimoc.build(spec(body={"extra": ["stump"]}))
 
@@ -361,7 +361,7 @@ def test_a_shape_that_says_too_little_is_an_error_of_one_line():
 def test_a_part_on_other_hands_than_the_infant_has_is_an_error():
     geom = ReferenceGeom("{side}_claw1", "sphere", 0.01, ("hand_length",), "as large as a claw")
     part = ReferencePart("{side}_claw", "{side}_fingers", (geom,), skin_spacing_m=0.01)
-    shape = Dimensions({"{side}_claw": (0.0, 0.0, 0.01)}, {"{side}_claw1": Shape((0.003,), (0.0, 0.0, 0.0))})
+    shape = BodyGeometry({"{side}_claw": (0.0, 0.0, 0.01)}, {"{side}_claw1": GeomShape((0.003,), (0.0, 0.0, 0.0))})
     with registered(PartKind("claws", "Claws.", (part,), lambda _: shape)):
         assert "left_claw" in mimoc.build(spec(body={"extra": ["claws"]})).files["infant.xml"].decode()
         with pytest.raises(

@@ -12,9 +12,9 @@ from support.full import full_but
 from support.start_poses import DEPTH_M
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.body import assemble, grow_body, grow_tree
 from mimoc.compiler.validation import compile_infant, measure_compiled
-from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse

@@ -10,7 +10,7 @@ from support.start_poses import DEPTH_M
 import mimoc
 from mimoc.body import assemble, grow_tree
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, pose_of
-from mimoc.compiler.compose import keyframes
+from mimoc.compiler.assembling import keyframes
 from mimoc.fits import measure
 from mimoc.scenes.spec import SceneSpec
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mimoc.base.errors import GeometryError
 from mimoc.body.proportions import REFERENCE_M, Proportions, proportions
 from mimoc.body.sections import CHEST, HIP, WAIST, stadium
-from mimoc.errors import GeometryError
 from mimoc.fits import load_tables, measure
 
 ages_months = st.floats(0, 24)

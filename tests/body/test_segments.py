@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mimoc.base.errors import GeometryError
 from mimoc.body import assemble, grow_tree
-from mimoc.errors import GeometryError
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import depths
 

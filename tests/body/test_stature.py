@@ -1,9 +1,9 @@
 import pytest
 
+from mimoc.base.units import m_to_cm
 from mimoc.body import assemble, grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.fits import load_tables, measure
-from mimoc.units import m_to_cm
 
 MITTEN = assemble("mitten", False)
 

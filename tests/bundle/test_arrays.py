@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import mimoc
+from mimoc.base.errors import BundleError
+from mimoc.base.rounding import num, rounded_array
 from mimoc.bundle.arrays import ARRAYS, pack_arrays, unpack_arrays
-from mimoc.errors import BundleError
-from mimoc.rounding import num, rounded_array
 
 names = st.from_regex(r"[a-z]{1,8}/[a-z_]{1,8}", fullmatch=True)
 values = arrays.arrays(

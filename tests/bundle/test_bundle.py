@@ -9,16 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.bundles import ONE, TWO, contents
 
+from mimoc.base.errors import BundleError
 from mimoc.bundle.io import (
     LOCK,
     MANIFEST,
     MAX_LOCK_BYTES,
     digests,
+    lock_files,
     read_bundle,
-    seal,
     write_bundle,
 )
-from mimoc.errors import BundleError
 
 # What is written is what is read.
 
@@ -38,7 +38,7 @@ FILE_NAMES = st.builds(lambda above, name: "/".join([*above, f"f{name}"]), FOLDE
 
 @given(files=st.dictionaries(FILE_NAMES, st.binary(max_size=99), max_size=8))
 def test_any_tree_of_files_survives_the_round_trip(files, tmp_path_factory):
-    whole = seal({**files, MANIFEST: ONE.files[MANIFEST]}, {}, {})
+    whole = lock_files({**files, MANIFEST: ONE.files[MANIFEST]}, {}, {})
     folder = write_bundle(whole, tmp_path_factory.mktemp("tree") / "out")
     assert read_bundle(folder).files == whole.files
     assert contents(folder) == dict(whole.files)
@@ -54,7 +54,7 @@ def test_the_lock_has_the_digest_of_every_file_and_input():
 
 def test_the_same_files_in_another_order_are_the_same_bundle():
     files = {name: content for name, content in ONE.files.items() if name != LOCK}
-    again = seal(dict(reversed(files.items())), {"mimoc": "1"}, {"who.csv": b"1,2"})
+    again = lock_files(dict(reversed(files.items())), {"mimoc": "1"}, {"who.csv": b"1,2"})
     assert list(again.files.items()) == list(ONE.files.items())
 
 

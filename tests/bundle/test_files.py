@@ -4,8 +4,8 @@ import threading
 
 import pytest
 
+from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
-from mimoc.errors import OutputError
 
 
 def test_a_file_is_written_and_its_path_returned(tmp_path):

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from support.bundles import ONE, TWO, contents
 
+from mimoc.base.errors import BundleError
 from mimoc.bundle import io as bundle_io
 from mimoc.bundle.files import writer_prefix
 from mimoc.bundle.io import read_bundle, write_bundle
-from mimoc.errors import BundleError
 
 # What is interrupted leaves nothing.
 
@@ -53,7 +53,7 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
 BUILDERS = """
 import os, signal, sys
 from mimoc.bundle.io import read_bundle, write_bundle
-from mimoc.errors import BundleError
+from mimoc.base.errors import BundleError
 
 one, two = map(read_bundle, sys.argv[1:3])
 

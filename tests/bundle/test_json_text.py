@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mimoc.base.rounding import rounded
 from mimoc.bundle.json_text import render_json
-from mimoc.rounding import rounded
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 plain_data = st.recursive(

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.bundle.model import broke_down, load_model, simulation_warnings
-from mimoc.errors import ModelError
+from mimoc.base.errors import ModelError
+from mimoc.bundle.model import is_unstable, load_model, simulation_warnings
 
 SPARSE, DENSE = mujoco.mjtJacobian.mjJAC_SPARSE, mujoco.mjtJacobian.mjJAC_DENSE
 
@@ -59,7 +59,7 @@ def test_a_calm_simulation_has_no_warnings(bundle):
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 10)
     assert simulation_warnings(data) == ()
-    assert not broke_down(data)
+    assert not is_unstable(data)
 
 
 @pytest.mark.matrix
@@ -73,7 +73,7 @@ def test_warnings_are_reported_by_kind_and_logged(bundle, array, kind, broken, c
     with caplog.at_level(logging.INFO, "mimoc"):
         mujoco.mj_step(model, data)
     assert simulation_warnings(data) == (kind,)
-    assert broke_down(data) == broken
+    assert is_unstable(data) == broken
     assert kind.removeprefix("BAD") in caplog.text
     assert capfd.readouterr() == ("", "")
 

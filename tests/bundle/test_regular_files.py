@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from mimoc.base.errors import OutputError
 from mimoc.bundle.files import make_folder, open_new_file, write_file
 from mimoc.bundle.regular_files import (
     UnusableFileError,
@@ -12,7 +13,6 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
-from mimoc.errors import OutputError
 from mimoc.schema.base import Model
 
 

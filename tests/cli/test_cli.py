@@ -11,7 +11,7 @@ import pytest
 from support.full import full_rows
 
 import mimoc
-from mimoc.bundle.io import LOCK, seal
+from mimoc.bundle.io import LOCK, lock_files
 from mimoc.compiler import validation
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -132,7 +132,7 @@ def test_check_fails_an_unstable_bundle(invoke, built, here):
     files = dict(mimoc.read_bundle(built).files)
     files["scene.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["scene.xml"])
     files.pop(LOCK)
-    mimoc.write_bundle(seal(files, versions={}, inputs={}), "crane")
+    mimoc.write_bundle(lock_files(files, versions={}, inputs={}), "crane")
     done = invoke("check", "crane")
     assert (done.code, done.err) == (1, "")
     assert "failed supine: BADQ" in done.out

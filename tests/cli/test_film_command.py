@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.kinds import PolicyKind
+from mimoc.base.kinds import PolicyKind
 from mimoc.policies import random
 
 

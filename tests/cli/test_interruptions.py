@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc import interruption
+from mimoc.base import interruption
 
 SPEC = str(Path(__file__).parents[2] / "configs" / "nine_months.yaml")
 CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}

@@ -8,7 +8,7 @@ import pytest
 from support.pages import few_ages, read_page
 
 import mimoc
-from mimoc.bundle.io import seal
+from mimoc.bundle.io import lock_files
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -74,6 +74,6 @@ def test_serving_without_viser_says_what_to_install(invoke, here, built, monkeyp
 def test_an_infant_that_a_page_cannot_show_at_all_ages_is_refused_in_one_line(invoke, here, built):
     bundle = mimoc.read_bundle(built)
     files = {name: content for name, content in bundle.files.items() if name not in ("resolved.yaml", "lock.json")}
-    mimoc.write_bundle(seal(files, {}, {}), here / "without_spec")
+    mimoc.write_bundle(lock_files(files, {}, {}), here / "without_spec")
     code, _, err = invoke("view", here / "without_spec", "-o", "page.html")
     assert (code, err) == (2, "there is no resolved.yaml in it\n")

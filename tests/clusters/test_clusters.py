@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 from support.commands import process
 
+from mimoc.base.errors import MimocError
 from mimoc.cohorts import Cohort
-from mimoc.errors import MimocError
 from mimoc.schema.yaml_document import dump
 
 HERE = Path(__file__).parent

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mimoc.cohorts import Cohort, engines
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.work import JobWorkspace
 from mimoc.schema.yaml_document import dump
 

@@ -2,9 +2,9 @@
 
 import pytest
 
+from mimoc.base.errors import SpecError
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.plan import plan
-from mimoc.errors import SpecError
 from mimoc.quantities import measures
 from mimoc.schema import source
 from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec

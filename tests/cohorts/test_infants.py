@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.fits import load_tables
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}

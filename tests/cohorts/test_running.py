@@ -12,11 +12,11 @@ from support.commands import process
 from support.full import FULL
 
 import mimoc
+from mimoc.base.errors import MimocError, OutputError
 from mimoc.cohorts import perform as performing
-from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.plan import plan
+from mimoc.cohorts.run_jobs import PINNED, run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError, OutputError
 
 OWN = """
 import os, signal, sys
@@ -196,7 +196,7 @@ KILLED = """
 import os, random, signal, sys
 from pathlib import Path
 import mimoc
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
 
 study, store, chance = mimoc.read_cohort(sys.argv[1]), Store(Path(sys.argv[2])), random.Random(1)

@@ -4,11 +4,11 @@ import mujoco
 import pytest
 
 import mimoc
+from mimoc.base.errors import BundleError
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store, size_bytes
 from mimoc.compiler import explain
-from mimoc.errors import BundleError
 
 NUMBER = 3
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from pyarrow import parquet
 
+from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError, MissingExtraError
 from mimoc.schema.yaml_document import dump
 
 NOTE = """

@@ -4,11 +4,11 @@ import sys
 
 import pytest
 
+from mimoc.base.errors import MimocError
 from mimoc.cohorts.engines import End, RefusedError, do_on, tasks_of
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.work import JobWorkspace
-from mimoc.errors import MimocError
 
 OWN = "def nothing(work):\n    return {}\n"
 MANY = {"python": {"function": "own:nothing", "seeds": "0:7"}}

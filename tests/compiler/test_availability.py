@@ -9,7 +9,7 @@ import pytest
 from support import store
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec
 from mimoc.senses import SENSES
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse
 

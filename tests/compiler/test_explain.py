@@ -1,7 +1,7 @@
 import pytest
 
+from mimoc.base.errors import MimocError
 from mimoc.compiler.explain import Explanation, entries_of, explain
-from mimoc.errors import MimocError
 
 
 @pytest.fixture(scope="module")

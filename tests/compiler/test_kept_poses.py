@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
+from mimoc.base.errors import UnknownNameError
 from mimoc.compiler import model_check, pipeline
-from mimoc.errors import UnknownNameError
 from mimoc.render.portrait import portrait
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import InfantSpec

@@ -15,10 +15,10 @@ from PIL import Image
 from support import store
 
 import mimoc
+from mimoc.base.errors import ModelError
 from mimoc.compiler import building
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.provenance import who_percentiles
-from mimoc.errors import ModelError
 from mimoc.schema import InfantSpec
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))

@@ -5,9 +5,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.compiler.availability import LARGEST, LEAST, refuse_unavailable
-from mimoc.compiler.variants import aged
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
+from mimoc.compiler.availability import LARGEST, LEAST, check_available
+from mimoc.compiler.variants import at_age
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import MEASUREMENTS
@@ -32,7 +32,7 @@ def spec(age_months: float, **measurements_cm: float) -> InfantSpec:
 @pytest.mark.parametrize("case", REAL_CM)
 def test_what_real_children_measure_is_plausible(case):
     age_months, measured_cm = REAL_CM[case]
-    refuse_unavailable(spec(age_months, **{f"{name}_cm": float(value) for name, value in measured_cm.items()}))
+    check_available(spec(age_months, **{f"{name}_cm": float(value) for name, value in measured_cm.items()}))
 
 
 @given(
@@ -45,10 +45,10 @@ def test_plausible_is_what_is_near_the_average_of_that_age(age_months, name, fac
     assume(0 < value_cm <= 150 and abs(factor / LEAST - 1) > 1e-9 < abs(factor / LARGEST - 1))
     child = spec(age_months, **{f"{name}_cm": value_cm})
     if LEAST <= factor <= LARGEST:
-        refuse_unavailable(child)
+        check_available(child)
     else:
         with pytest.raises(SpecError, match="times what the average child of"):
-            refuse_unavailable(child)
+            check_available(child)
 
 
 def test_the_message_says_which_range_and_why():
@@ -66,4 +66,4 @@ def test_the_message_says_which_range_and_why():
 def test_what_is_plausible_at_one_age_is_so_at_every_other(age_months, later_months, factor):
     """A measurement keeps its ratio to the average child's."""
     child = spec(age_months, foot_length_cm=100 * factor * measure(age_months)["foot_length"])
-    refuse_unavailable(aged(child, later_months))
+    check_available(at_age(child, later_months))

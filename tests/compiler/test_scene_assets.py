@@ -12,8 +12,8 @@ from lxml import etree
 from PIL import Image
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.compiler import building
-from mimoc.errors import SpecError
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 

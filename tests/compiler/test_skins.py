@@ -11,8 +11,8 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder, sees_skin
 from mimoc.compiler.variants import SpecVariants, skin_at
-from mimoc.looks.skin import carrying
-from mimoc.looks.skin.carrying import layers_of
+from mimoc.looks.skin import deformation as carrying
+from mimoc.looks.skin.deformation import layers_of
 from mimoc.mjcf.skin import single
 
 LAYERS = ["body", "shirt", "trousers", "head"]

@@ -5,6 +5,8 @@ import pytest
 from support.full import full_rows
 
 from mimoc import body, fits
+from mimoc.base.errors import Problem, SpecError
+from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.body.kinematics import Stature, stature
 from mimoc.compiler import validation
 from mimoc.compiler.validation import (
@@ -15,9 +17,7 @@ from mimoc.compiler.validation import (
     grow_against_who,
     measure_compiled,
 )
-from mimoc.errors import Problem, SpecError
 from mimoc.schema import InfantSpec
-from mimoc.units import DAYS_PER_MONTH
 
 MITTEN = body.assemble("mitten", False)
 LAW = {"length_cm": 0.8, "weight_kg": 0.8, "head_circumference_cm": 0.8, "arm_circumference_cm": 1.0}

@@ -9,7 +9,7 @@ from support.full import full_but
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler.variants import SpecVariants, aged
+from mimoc.compiler.variants import SpecVariants, at_age
 
 SENSES = {"proprioception": {}, "vestibular": {}}
 STATISTICS = ("meaninertia", "meanmass", "meansize", "extent", "center")
@@ -56,7 +56,7 @@ def equal(found: Any, wanted: Any) -> bool:
 def test_a_variant_is_what_a_build_of_its_age_gives(infant):
     variants = SpecVariants(spec(**INFANTS[infant]))
     found = {age_months: variants(age_months, 0) for age_months in AGES_MONTHS}
-    built = {age_months: mimoc.build(aged(spec(**INFANTS[infant]), age_months)) for age_months in AGES_MONTHS}
+    built = {age_months: mimoc.build(at_age(spec(**INFANTS[infant]), age_months)) for age_months in AGES_MONTHS}
     for age_months in AGES_MONTHS:
         ours, theirs = found[age_months].bundle, built[age_months]
         assert differences(found[age_months].model, load_model(theirs)) == [], age_months
@@ -67,13 +67,13 @@ def test_a_variant_is_what_a_build_of_its_age_gives(infant):
 
 @pytest.mark.parametrize("infant", full_but(DIFFERENT, list(INFANTS)))
 def test_an_infant_cast_from_another_is_what_a_build_of_it_gives(infant):
-    first, own = SpecVariants(spec(**INFANTS[infant])), aged(spec(**INFANTS[infant], name="second"), 17.25)
+    first, own = SpecVariants(spec(**INFANTS[infant])), at_age(spec(**INFANTS[infant], name="second"), 17.25)
     second = SpecVariants(own)
     found, built = second.own_like(first), mimoc.build(own)
     assert differences(found.model, load_model(built)) == []
     assert found.bundle.manifest == built.manifest
     assert found.bundle.files == built.files
-    younger, of_3_months = second(3.0, 0), mimoc.build(aged(own, 3.0))
+    younger, of_3_months = second(3.0, 0), mimoc.build(at_age(own, 3.0))
     assert differences(younger.model, load_model(of_3_months)) == []
     assert differences(first(9.0, 0).model, load_model(mimoc.build(spec(**INFANTS[infant])))) == []
 
@@ -102,12 +102,12 @@ def test_models_of_one_age_belong_to_whoever_asked():
 
 def test_measures_keep_their_z_scores_and_their_ratios():
     child = spec(body={"individual": {"sex": "male", "length_cm": 73.0}, "measurements": {"hand_breadth_cm": 4.2}})
-    older = aged(child, 18)
+    older = at_age(child, 18)
     assert older.age_months == 18
     assert older.body.individual
     assert older.body.individual.length_cm == pytest.approx(83.8, abs=0.5)
     assert 4.2 < older.body.measurements["hand_breadth_cm"] < 5.2
-    again = aged(older, 9).body.individual
+    again = at_age(older, 9).body.individual
     assert again
     assert again.length_cm == pytest.approx(73.0)
-    assert aged(child, 9) is child
+    assert at_age(child, 9) is child

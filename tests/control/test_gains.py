@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from mimoc.base.errors import ControlError
 from mimoc.control import Gains
-from mimoc.errors import ControlError
 
 
 def test_a_law_of_the_first_power_is_a_damped_spring():

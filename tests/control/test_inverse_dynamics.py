@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from support.full import full_but, full_rows
 
 import mimoc
-from mimoc.control import Align, InverseDynamics, LookAt, Posture, Reach, ReachGains
-from mimoc.errors import ControlError, UnknownNameError
+from mimoc.base.errors import ControlError, UnknownNameError
+from mimoc.control import GazeTask, InverseDynamics, OrientationTask, PositionTask, Posture, ReachGains
 from mimoc.policies.reach import reach_errors
 from mimoc.runtime.worlds import worlds_of_one
 
@@ -66,7 +66,7 @@ def test_the_acceleration_that_is_wanted_comes_about(floating):
     """A floating infant: MuJoCo does with the action what the controller said it would."""
     for seed in range(5):
         disturb(floating, seed)
-        objective = Reach(HAND, near(floating))
+        objective = PositionTask(HAND, near(floating))
         control = control_of(floating, [objective])
         control()
         wanted = objective.demand(control._motion(objective)).accelerations
@@ -78,8 +78,11 @@ def test_a_lower_objective_never_disturbs_a_higher_one(floating):
     """Actions are float32, so what is compared is in shares of torque, before they are rounded."""
     for seed in range(10):
         disturb(floating, seed)
-        first = Reach(HAND, near(floating))
-        lower = [LookAt(eye, (1, 0, 1)) for eye in EYES], Reach("left_foot", near(floating, "left_foot", (0, 0, 0.05)))
+        first = PositionTask(HAND, near(floating))
+        lower = (
+            [GazeTask(eye, (1, 0, 1)) for eye in EYES],
+            PositionTask("left_foot", near(floating, "left_foot", (0, 0, 0.05))),
+        )
         alone, together = control_of(floating, [first]), control_of(floating, [first, *lower])
         found = []
         for control in (alone, together):
@@ -100,7 +103,7 @@ def test_joints_that_may_not_move_rest(held_infant):
     for model in ("torque", "muscle"):
         env = held_infant(model=model)
         env.reset(seed=0)
-        control = control_of(env, [Reach(HAND, near(env, by_m=(0.05, 0, 0.1)))], joints=ARM)
+        control = control_of(env, [PositionTask(HAND, near(env, by_m=(0.05, 0, 0.1)))], joints=ARM)
         moved = np.isin([actuator.joint for actuator in env.manifest.actuation.actuators], ARM)
         for _ in range(30):
             action = control()
@@ -115,7 +118,7 @@ def test_no_torque_is_beyond_the_limits(held_infant, development):
     env = held_infant(development=development)
     env.reset(seed=0)
     limits = env.actuation.limits_nm / env.model.actuator_gear[env.actuation.actuators, :1]
-    control = control_of(env, [Reach(HAND, (3, -3, 1))])
+    control = control_of(env, [PositionTask(HAND, (3, -3, 1))])
     reached = np.zeros(len(limits), bool)
     for _ in range(50):
         action = control()
@@ -135,7 +138,7 @@ def test_a_target_that_is_out_of_reach_leaves_everything_bounded(held_infant, mo
     env = held_infant(model=model)
     env.reset(seed=0)
     start_m = near(env, by_m=(0, 0, 0))
-    control = control_of(env, [Reach(HAND, target), [LookAt(eye, target) for eye in EYES]])
+    control = control_of(env, [PositionTask(HAND, target), [GazeTask(eye, target) for eye in EYES]])
     for _ in range(200):
         action = control()
         assert np.isfinite(action).all()
@@ -149,7 +152,7 @@ def test_a_target_that_is_out_of_reach_leaves_everything_bounded(held_infant, mo
 def test_joints_stop_before_the_ends_of_their_ranges(held_infant):
     env = held_infant()
     env.reset(seed=0)
-    control = control_of(env, [Reach(HAND, (-1, -1, 0))])
+    control = control_of(env, [PositionTask(HAND, (-1, -1, 0))])
     low, high = np.array([env.model.joint(name).range for name in ARM]).T
     addresses = [env.model.joint(name).qposadr[0] for name in ARM]
     for _ in range(150):
@@ -211,7 +214,7 @@ def test_a_hand_takes_on_an_orientation(held_infant):
         there.joint(name).qpos = angle_rad
     mujoco.mj_kinematics(env.model, there)
     hand = there.body(HAND)
-    control = control_of(env, [[Reach(HAND, hand.xipos), Align(HAND, hand.xquat)]])
+    control = control_of(env, [[PositionTask(HAND, hand.xipos), OrientationTask(HAND, hand.xquat)]])
     for _ in range(150):
         env.step(control())
     assert control.errors()[0] < 0.005
@@ -221,7 +224,7 @@ def test_a_hand_takes_on_an_orientation(held_infant):
 def test_targets_can_be_set_as_it_runs(held_infant):
     env = held_infant()
     env.reset(seed=0)
-    reach = Reach(HAND, near(env, by_m=(0.03, 0.0, 0.05)))
+    reach = PositionTask(HAND, near(env, by_m=(0.03, 0.0, 0.05)))
     control = control_of(env, [reach])
     for by_m in ((0.0, 0.0, 0.05), (0.03, 0.03, 0.05), (0.03, 0.0, 0.1)):
         reach.target = reach.target + by_m
@@ -250,7 +253,7 @@ def test_the_posture_of_some_joints_can_come_first(held_infant):
     for first in ([], [Posture(joints=["robot:right_elbow"])]):
         env.reset(seed=0)
         start_rad = env.data.joint("robot:right_elbow").qpos[0]
-        control = control_of(env, [*first, Reach(HAND, near(env, by_m=(0.03, -0.02, 0.05)))])
+        control = control_of(env, [*first, PositionTask(HAND, near(env, by_m=(0.03, -0.02, 0.05)))])
         for _ in range(100):
             env.step(control())
         found.append(abs(env.data.joint("robot:right_elbow").qpos[0] - start_rad))
@@ -261,7 +264,7 @@ def test_the_environment_is_only_looked_at(held_infant):
     env = held_infant()
     env.reset(seed=0)
     before = env.get_state()["physics"]
-    control = control_of(env, [Reach(HAND, (0.2, 0, 0.2))])
+    control = control_of(env, [PositionTask(HAND, (0.2, 0, 0.2))])
     first, second = control(), control()
     control.errors()
     assert np.array_equal(first, second)
@@ -272,7 +275,7 @@ def test_it_follows_the_infant_into_another_scene():
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"kind": "room", "pose": "sitting"}}
     env = mimoc.make(mimoc.InfantSpec.model_validate(spec))
     env.reset(seed=0)
-    control = control_of(env, [Reach(HAND, (0.2, 0, 0.2))])
+    control = control_of(env, [PositionTask(HAND, (0.2, 0, 0.2))])
     control()
     env.reset(options={"scene_seed": 5})
     control.bind(env.unwrapped.model, env.unwrapped.data)
@@ -283,7 +286,7 @@ def test_toys_are_no_part_of_the_infant(built):
     scene = {"kind": "flat", "pose": "sitting", "toys": {"subset": ["ball"], "count": [3, 3]}}
     env = mimoc.InfantEnv(built(scene=scene))
     env.reset(seed=0)
-    control = control_of(env, [Reach(HAND, near(env))])
+    control = control_of(env, [PositionTask(HAND, near(env))])
     control()
     toys = [env.model.body(toy.body).id for toy in env.manifest.toys]
     assert not control._supports._bearing[np.append(np.isin(env.model.geom_bodyid, toys), False)].any()
@@ -292,7 +295,7 @@ def test_toys_are_no_part_of_the_infant(built):
 def test_a_simulation_that_broke_down_is_left_to_rest(held_infant):
     env = held_infant()
     env.reset(seed=0)
-    control = control_of(env, [Reach(HAND, (0.2, 0, 0.2))])
+    control = control_of(env, [PositionTask(HAND, (0.2, 0, 0.2))])
     env.data.qvel[:] = np.nan
     assert not control().any()
 
@@ -300,7 +303,7 @@ def test_a_simulation_that_broke_down_is_left_to_rest(held_infant):
 def test_a_wrapped_environment_is_one_too(bundle):
     env = gymnasium.wrappers.TimeLimit(mimoc.make(bundle), 10)
     env.reset(seed=0)
-    control = control_of(env, [mimoc.Reach(HAND, (0.2, 0, 0.2)), mimoc.Posture()])
+    control = control_of(env, [mimoc.PositionTask(HAND, (0.2, 0, 0.2)), mimoc.Posture()])
     assert env.action_space.contains(control())
 
 
@@ -310,18 +313,18 @@ def test_servos_are_refused_with_a_reason(open_env):
         ControlError,
         match=r"'position' does not accept; build .* actuation: {model: torque} or {model: muscle}$",
     ):
-        control_of(env, [Reach(HAND, (0, 0, 0))])
+        control_of(env, [PositionTask(HAND, (0, 0, 0))])
 
 
 @pytest.mark.parametrize(
     ("objectives", "joints", "complaint"),
     [
         (
-            [Reach("right_hnad", (0, 0, 0))],
+            [PositionTask("right_hnad", (0, 0, 0))],
             None,
             "'right_hnad' is not a site, camera or body",
         ),
-        ([LookAt("left_eyes", (0, 0, 0))], None, "did you mean .*'left_eye'"),
+        ([GazeTask("left_eyes", (0, 0, 0))], None, "did you mean .*'left_eye'"),
         (
             [],
             ["robot:right_elbo"],
@@ -339,6 +342,6 @@ def test_names_that_there_are_not_are_refused(env, objectives, joints, complaint
 
 def test_nothing_can_come_after_the_posture(env):
     with pytest.raises(ControlError, match="make it the last objective"):
-        control_of(env, [Posture(), Reach(HAND, (0, 0, 0))])
+        control_of(env, [Posture(), PositionTask(HAND, (0, 0, 0))])
     with pytest.raises(ControlError, match="shares its priority with nothing"):
-        control_of(env, [[Posture(joints=ARM), Reach(HAND, (0, 0, 0))]])
+        control_of(env, [[Posture(joints=ARM), PositionTask(HAND, (0, 0, 0))]])

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.control.priorities import LinearDemand, fulfil, product
+from mimoc.control.priorities import LinearDemand, product, solve_prioritized
 
 COUNT = 12
 seeds = st.integers(0, 10_000)
@@ -21,8 +21,8 @@ def test_a_wish_never_disturbs_those_before_it(seed, rows):
     for count in range(1, len(demands) + 1):
         alone, nothing = demands[:count], LinearDemand(np.zeros((0, COUNT)), np.zeros(0))
         for before in alone:
-            assert before.response @ fulfil(demands, rest) == pytest.approx(
-                before.response @ fulfil(alone, nothing), abs=1e-9
+            assert before.response @ solve_prioritized(demands, rest) == pytest.approx(
+                before.response @ solve_prioritized(alone, nothing), abs=1e-9
             )
 
 
@@ -30,7 +30,7 @@ def test_a_wish_never_disturbs_those_before_it(seed, rows):
 def test_the_first_wish_is_fulfilled(seed):
     generator = np.random.default_rng(seed)
     first, rest = demand(generator, 3), demand(generator, COUNT)
-    assert first.response @ fulfil([first], rest) == pytest.approx(first.accelerations, rel=0.01, abs=0.01)
+    assert first.response @ solve_prioritized([first], rest) == pytest.approx(first.accelerations, rel=0.01, abs=0.01)
 
 
 @given(seeds, st.floats(0, 1e-3))
@@ -41,12 +41,12 @@ def test_a_wish_that_can_hardly_be_fulfilled_costs_little(seed, scale):
     right, _ = np.linalg.qr(generator.normal(size=(COUNT, 3)))
     singular = LinearDemand(left @ np.diag([1.0, 0.5, scale]) @ right.T, np.ones(3))
     rest = LinearDemand(np.eye(COUNT), np.zeros(COUNT))
-    assert np.abs(fulfil([singular], rest)).max() < 10.0
+    assert np.abs(solve_prioritized([singular], rest)).max() < 10.0
 
 
 def test_a_wish_that_nothing_answers_to_is_let_be():
     nothing = LinearDemand(np.zeros((2, COUNT)), np.ones(2))
-    assert not fulfil([nothing], LinearDemand(np.eye(COUNT), np.zeros(COUNT))).any()
+    assert not solve_prioritized([nothing], LinearDemand(np.eye(COUNT), np.zeros(COUNT))).any()
 
 
 @given(st.integers(1, 300), st.integers(1, 40))

@@ -5,9 +5,9 @@ import pytest
 from support.full import full_rows
 
 import mimoc
+from mimoc.base.errors import ControlError
 from mimoc.control import GAIN_SETS
-from mimoc.control.reaching import ReachablePlaces
-from mimoc.errors import ControlError
+from mimoc.control.reaching import ReachableTargets
 from mimoc.policies.reach import ReachPolicy, reach_errors
 from mimoc.runtime.rollout import Run
 
@@ -15,7 +15,7 @@ SITTING = {"kind": "flat", "pose": "sitting"}
 
 
 def places_of(env):
-    return ReachablePlaces(env.model, env.manifest)
+    return ReachableTargets(env.model, env.manifest)
 
 
 def test_drawn_places_are_within_reach_of_their_hands(held_infant):

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from mimoc.control.objectives import directions_across, turn_to, turn_towards
+from mimoc.control.objectives import directions_across, rotation_vector, turn_towards
 
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda vector: np.linalg.norm(vector) > 0.1)
 unit_vectors = vectors.map(lambda vector: vector / np.linalg.norm(vector))
@@ -13,7 +13,7 @@ rotations = st.tuples(unit_vectors, st.floats(-3.1, 3.1)).map(lambda pair: Rotat
 
 @given(rotations, rotations)
 def test_a_turn_to_an_orientation_leads_there(here, there):
-    turn = turn_to(here.as_matrix(), there.as_matrix())
+    turn = rotation_vector(here.as_matrix(), there.as_matrix())
     assert (Rotation.from_rotvec(turn) * here).as_matrix() == pytest.approx(there.as_matrix(), abs=1e-7)
     assert np.linalg.norm(turn) <= np.pi + 1e-9
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow_tree
-from mimoc.body.tree import prune
+from mimoc.body.tree import remove_parts
 from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.fits import measure
@@ -86,4 +86,4 @@ def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_mon
 
 
 def test_an_infant_without_a_leg_has_one_leg():
-    assert entry(tree=prune(TREE, ("left_upper_leg",))).legs == ("right_upper_leg",)
+    assert entry(tree=remove_parts(TREE, ("left_upper_leg",))).legs == ("right_upper_leg",)

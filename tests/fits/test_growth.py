@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.errors import DataError
+from mimoc.base.errors import DataError
+from mimoc.base.units import cm_to_m
 from mimoc.fits import BIRTH, fit_growth, load_tables, measure
-from mimoc.units import cm_to_m
 
 FINGERS = ("middle_finger_diameter", "thumb_diameter")
 """Known by their published coefficients only."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimoc.errors import DataError
+from mimoc.base.errors import DataError
 from mimoc.fits import load_tables, tables
 from mimoc.fits.who import SEXES
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.fits import GrowthStandard, load_tables
 from mimoc.fits.who import REFERENCES, SEXES, percentile
-from mimoc.units import DAYS_PER_MONTH
 
 WHO = load_tables().who
 

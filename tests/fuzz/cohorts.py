@@ -11,10 +11,10 @@ from fuzz.honest_cohorts import ENGINE, MODULE, in_this_process
 from fuzz.mutations import pick
 
 import mimoc
+from mimoc.base.errors import MimocError
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Result, Store
-from mimoc.errors import MimocError
 from mimoc.schema.yaml_document import dump
 
 STUDY = {

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from fuzz.canaries import Canaries
 
-from mimoc.errors import MimocError, SpecError
+from mimoc.base.errors import MimocError, SpecError
 
 FUZZERS = (
     *("bundles", "policies", "recordings", "specs", "meshes", "pictures"),

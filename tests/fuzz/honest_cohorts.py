@@ -17,12 +17,12 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc import cli
+from mimoc.base.errors import MimocError, SpecError
 from mimoc.cohorts import Cohort, Job, engines
 from mimoc.cohorts import plan as plans
 from mimoc.cohorts.infants import children_of
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Result, Store
-from mimoc.errors import MimocError, SpecError
 from mimoc.policies import POLICIES
 from mimoc.quantities import measures
 from mimoc.runtime.rollout import policy_of

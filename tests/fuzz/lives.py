@@ -38,7 +38,7 @@ from stable_baselines3.common.monitor import Monitor
 from support.forks import status_of_fork
 
 import mimoc
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render.renderer import Renderer
 
 TESTS = Path(__file__).parents[1]
@@ -77,7 +77,9 @@ OPENERS: dict[str, Callable[[Path], Any]] = {
     "all_senses": lambda _: alone("all_senses"),
     "room": lambda _: alone("room"),
     "muscle": lambda _: alone("muscle"),
-    "growing": lambda _: mimoc.Growing(mimoc.make(bundle("all_senses"), **SIZE), ages_months=AGES_MONTHS, steps=4),
+    "growing": lambda _: mimoc.GrowthWrapper(
+        mimoc.make(bundle("all_senses"), **SIZE), ages_months=AGES_MONTHS, steps=4
+    ),
     "monitor": lambda _: Monitor(mimoc.make(bundle("all_senses"), **SIZE)),
     "recorder": lambda folder: mimoc.Recorder(mimoc.make(bundle("all_senses"), **SIZE), folder),
     "many": lambda _: mimoc.make_vec(bundle("all_senses"), 2, threads=2, **SIZE),

@@ -11,8 +11,8 @@ from fuzz.sealing import write_resealed
 from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files
 
 import mimoc
+from mimoc.base.errors import MimocError
 from mimoc.bundle.model import load_model
-from mimoc.errors import MimocError
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 

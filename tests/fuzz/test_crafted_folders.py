@@ -16,9 +16,9 @@ from fuzz.mutations import TEXTS, VALUES
 from support.full import full_but
 
 import mimoc
+from mimoc.base.errors import MimocError, TrainingError
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.store import MARK, Store, kept_jobs
-from mimoc.errors import MimocError, TrainingError
+from mimoc.cohorts.store import MARK, Store, finished_jobs
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import CURVE, RUN, STATE, read_training_run
 
@@ -89,7 +89,7 @@ def test_results_of_a_cohort_with_any_value_are_used_or_left_out(cohort, every):
     for number in range(0, max(map(len, faults)), every):
         for file, known in zip(files, faults, strict=True):
             file.write_text(json.dumps(known[number % len(known)]))
-        jobs, damaged = kept_jobs(Store(out))
+        jobs, damaged = finished_jobs(Store(out))
         assert len(jobs) + len(damaged) == len(files)
         numbers.add(len(jobs))
         mimoc.report(out, cohort / "page.html")
@@ -103,7 +103,7 @@ def test_a_mark_of_a_cohort_with_any_value_is_used_or_refused(cohort):
     refused = 0
     for data in tried:
         mark.write_text(json.dumps(data))
-        refused += is_refused(lambda: kept_jobs(Store(cohort / "out")))
+        refused += is_refused(lambda: finished_jobs(Store(cohort / "out")))
     assert 0 < refused < len(tried)
 
 

@@ -7,7 +7,7 @@ from fuzz import policies
 from fuzz.crafted_policies import CRAFTED, packed, ran
 from fuzz.fuzzing import is_clear
 
-from mimoc.errors import PolicyError
+from mimoc.base.errors import PolicyError
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,7 @@ from fuzz.recordings import Prepared, go_on, prepare, read, replay_to_video
 from fuzz.strange_infants import CANARIES
 
 import mimoc
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 
 SEEING, BLIND = 0, 1
 FILES = ("recording.json", "episodes", f"{PART}.json", f"{PART}.parquet", "episodes/0000-000000.parquet", "bundles")

@@ -7,8 +7,8 @@ from fuzz import meshes, pictures
 from fuzz.fuzzing import is_clear
 from support.mesh_kinds import glb_of
 
-from mimoc.errors import TextureError, ToyError
-from mimoc.looks.own_textures import read_textures
+from mimoc.base.errors import TextureError, ToyError
+from mimoc.looks.user_textures import read_textures
 from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.dataset import find_toys
 

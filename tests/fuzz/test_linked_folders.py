@@ -14,8 +14,8 @@ from fuzz import cohorts, trainings
 from fuzz.canaries import Canaries
 from support.full import full_but
 
+from mimoc.base.errors import MimocError
 from mimoc.cohorts.store import MARK
-from mimoc.errors import MimocError
 from mimoc.training.run_folder import RUN
 
 FILE = b"of somebody else"

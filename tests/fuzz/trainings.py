@@ -14,7 +14,7 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import pick
 
 import mimoc
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.reporting.infant import who
 from mimoc.training.run_folder import read_training_run
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.errors import SpecError, UnknownNameError
+from mimoc.base.errors import SpecError, UnknownNameError
 from mimoc.importers import IMPORTERS, import_config
 from mimoc.importers.babybench.regions import REGIONS
 from mimoc.schema import InfantSpec

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow_average
-from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, dress, face_material
+from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material
 from mimoc.mjcf.furniture import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
@@ -41,13 +41,13 @@ def mjcf(appearance: Appearance) -> str:
 
 
 def test_every_material_of_the_reference_body_exists():
-    names = [material.name for material in dress("neutral").materials]
+    names = [material.name for material in add_materials("neutral").materials]
     assert set(names) >= REFERENCE_MATERIALS
     assert len(set(names)) == len(names)
 
 
 def test_geoms_and_features_name_materials_that_exist():
-    names = {material.name for material in dress("neutral").materials}
+    names = {material.name for material in add_materials("neutral").materials}
     geoms = grow_average(18, assemble("mitten", False)).geoms.values()
     assert {geom.material for geom in geoms} == REFERENCE_MATERIALS
     assert {feature.material for feature in HEAD_FEATURES} <= names
@@ -55,7 +55,7 @@ def test_geoms_and_features_name_materials_that_exist():
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
 def test_every_texture_has_its_file_and_every_file_its_texture(expression):
-    appearance = dress(expression)
+    appearance = add_materials(expression)
     textures = {texture.name for texture in appearance.textures}
     assert {material.texture for material in appearance.materials if material.texture} == textures
     assert {texture.file for texture in appearance.textures} == set(appearance.assets)
@@ -64,7 +64,7 @@ def test_every_texture_has_its_file_and_every_file_its_texture(expression):
 
 def test_only_the_face_depends_on_the_expression():
     """All faces are there to change to; which one the head starts with is the material's."""
-    happy, sad = dress("happy"), dress("sad")
+    happy, sad = add_materials("happy"), add_materials("sad")
     assert (happy.assets, happy.textures) == (sad.assets, sad.textures)
     differ = [pair for pair in zip(happy.materials, sad.materials, strict=True) if pair[0] != pair[1]]
     assert [(a.name, a.texture, b.texture) for a, b in differ] == [("head", "tex_head_happy", "tex_head_sad")]
@@ -72,19 +72,19 @@ def test_only_the_face_depends_on_the_expression():
 
 def test_there_is_a_material_for_each_expression_of_the_language():
     assert get_args(Expression) == EXPRESSIONS
-    shown = {material.name: material.texture for material in dress("neutral").materials}
+    shown = {material.name: material.texture for material in add_materials("neutral").materials}
     assert {name: shown[face_material(name)] for name in EXPRESSIONS} == {
         name: face_texture(name) for name in EXPRESSIONS
     }
 
 
 def test_no_two_faces_look_alike():
-    pictures = [dress("neutral").assets[f"assets/face_{name}.png"] for name in EXPRESSIONS]
+    pictures = [add_materials("neutral").assets[f"assets/face_{name}.png"] for name in EXPRESSIONS]
     assert len(set(pictures)) == len(EXPRESSIONS) == 7
 
 
 def test_mujoco_reads_the_pictures_as_they_were_drawn():
-    appearance = dress("neutral")
+    appearance = add_materials("neutral")
     model = mujoco.MjModel.from_xml_string(mjcf(appearance), dict(appearance.assets))
     assert model.ntex == len(appearance.textures)
     cube = model.texture("tex_head_default")
@@ -93,7 +93,7 @@ def test_mujoco_reads_the_pictures_as_they_were_drawn():
 
 
 def test_mujoco_reads_the_pictures_without_warnings(capfd):
-    appearance = dress("neutral")
+    appearance = add_materials("neutral")
     data = mujoco.MjData(mujoco.MjModel.from_xml_string(mjcf(appearance), dict(appearance.assets)))
     assert not any(warning.number for warning in data.warning)
     assert capfd.readouterr().err == ""

@@ -17,10 +17,10 @@ from support.full import full_but
 from typer.testing import CliRunner
 
 import mimoc
+from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import load_model
 from mimoc.cli.commands import app
 from mimoc.compiler.building import builder
-from mimoc.errors import UnknownNameError
 from mimoc.mjcf.mimo.model import TARGETS
 from mimoc.runtime.check import check_stability
 

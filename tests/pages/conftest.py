@@ -9,8 +9,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from support.browser import wait_for
 
 import mimoc
+from mimoc.viewer.episode_page import page_of_recording
 from mimoc.viewer.page import page_of
-from mimoc.viewer.replayed import page_of_recording
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SOFTWARE = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]

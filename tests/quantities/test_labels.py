@@ -6,7 +6,7 @@ from pathlib import Path
 
 import mimoc
 from mimoc.quantities import QUANTITIES, measures, quantity_of
-from mimoc.training.curve import Row
+from mimoc.training.curve import CurvePoint
 
 ROOT = Path(mimoc.__file__).parent
 READERS = sorted(path for folder in ("reporting", "cohorts", "cli") for path in (ROOT / folder).rglob("*.py"))
@@ -49,7 +49,7 @@ def test_every_measure_of_a_run_has_at_most_one_way_to_be_measured():
 
 
 def test_columns_of_learning_curves_are_those_of_rows():
-    fields = set(Row.__dataclass_fields__)
+    fields = set(CurvePoint.__dataclass_fields__)
     assert {quantity.curve for quantity in QUANTITIES.values() if quantity.curve} == fields - {"wall_s"}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import KindError
+from mimoc.base.errors import KindError
 from mimoc.quantities import Quantity
 from mimoc.quantities.measuring import REDUCERS, Outcome, StepMeasures, measure
 from mimoc.quantities.motion import HIP_PATH

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.base.kinds import function_of
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.work import JobWorkspace
-from mimoc.kinds import function_of
 from mimoc.quantities import QUANTITIES
 from mimoc.runtime.rollout import Run
 from mimoc.runtime.term import stack_terms

@@ -14,7 +14,7 @@ import pyarrow as pa
 import pytest
 
 import mimoc
-from mimoc.errors import RecordingError
+from mimoc.base.errors import RecordingError
 
 STEPS = [4, 4, 3]
 PART = "episodes/0000-000002.part0001.arrow"

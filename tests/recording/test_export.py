@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
-from mimoc.errors import MissingExtraError, OutputError, RecordingError, UnknownNameError
+from mimoc.base.errors import MissingExtraError, OutputError, RecordingError, UnknownNameError
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.replaying import replay
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.recording.record import GAP_PX, VideoFrames
 from mimoc.render.camera import shows
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from mimoc.errors import RecordingError
+from mimoc.base.errors import RecordingError
 from mimoc.recording import described, frames
 from mimoc.recording.blocks import Sparse, reading_of
 from mimoc.recording.described import compact_names, expand_names

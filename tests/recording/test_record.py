@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import OutputError, UnknownNameError
+from mimoc.base.errors import OutputError, UnknownNameError
 from mimoc.policies import random
 from mimoc.runtime.rollout import Run
 

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
-from mimoc.errors import MissingExtraError, RecordingError, UnknownNameError
+from mimoc.base.errors import MissingExtraError, RecordingError, UnknownNameError
 from mimoc.recording.described import KEY, Described
 
 SPEC = {
@@ -113,7 +113,7 @@ def test_tables_are_ready_for_pandas(lived):
 def test_noise_jitter_and_growth_come_out_again(disturbed, tmp_path):
     """Grown in the midst of an episode, by a wrapper, and by the option of a reset."""
     env = mimoc.Recorder(mimoc.make(disturbed), tmp_path / "grown")
-    growing = mimoc.Growing(env, lambda done: 18.0 + done // 4 / 4)
+    growing = mimoc.GrowthWrapper(env, lambda done: 18.0 + done // 4 / 4)
     growing.reset(seed=1)
     for action in ACTIONS[:10]:
         growing.step(action)

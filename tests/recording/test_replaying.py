@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
-from mimoc.errors import RecordingError
+from mimoc.base.errors import RecordingError
 from mimoc.recording.tables import array_of
 
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}, "touch": {"density": 0.2}}}

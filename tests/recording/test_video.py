@@ -4,7 +4,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from mimoc.errors import MissingExtraError, OutputError
+from mimoc.base.errors import MissingExtraError, OutputError
 from mimoc.recording import video
 from mimoc.recording.video import check_video, open_video
 

@@ -6,7 +6,7 @@ import types
 import pytest
 from support.full import full_rows
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render import opengl
 
 ADVICE = "install EGL or OSMesa"

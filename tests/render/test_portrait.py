@@ -7,8 +7,8 @@ import pytest
 from scipy import ndimage
 
 import mimoc
+from mimoc.base.errors import RenderingError, UnknownNameError
 from mimoc.bundle.model import load_model, load_posed
-from mimoc.errors import RenderingError, UnknownNameError
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, Planes, Spheres, fit_shot, view_of_body
 from mimoc.render.markers import MOST, UNLOADED

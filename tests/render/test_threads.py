@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render.renderer import Renderer
 
 

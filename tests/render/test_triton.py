@@ -12,7 +12,7 @@ import pytest
 from support.full import full_but
 
 from mimoc.render import opengl
-from mimoc.render.opengl import keep_apart
+from mimoc.render.opengl import isolate_triton
 
 SEE = """
 import sys, mimoc
@@ -70,7 +70,7 @@ def loaded(monkeypatch, tmp_path) -> list:
 
 def test_tritons_library_is_loaded_by_itself_and_looks_at_itself_first(triton, loaded):
     triton.touch()
-    keep_apart()
+    isolate_triton()
     assert loaded == [(str(triton), os.RTLD_LAZY | os.RTLD_LOCAL | os.RTLD_DEEPBIND)]
     assert "triton" not in sys.modules
 
@@ -78,14 +78,14 @@ def test_tritons_library_is_loaded_by_itself_and_looks_at_itself_first(triton, l
 def test_a_triton_that_is_in_use_is_left_alone(triton, loaded):
     triton.touch()
     sys.modules["triton._C.libtriton"] = types.ModuleType("libtriton")
-    keep_apart()
+    isolate_triton()
     assert loaded == []
 
 
 def test_other_systems_keep_libraries_apart_themselves(triton, loaded, monkeypatch):
     triton.touch()
     monkeypatch.setattr(sys, "platform", "darwin")
-    keep_apart()
+    isolate_triton()
     assert loaded == []
 
 

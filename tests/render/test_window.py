@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render import window
 
 

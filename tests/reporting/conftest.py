@@ -10,13 +10,13 @@ import pytest
 from support import store
 
 import mimoc
+from mimoc.base.errors import RenderingError
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.store import Result, Store
-from mimoc.errors import RenderingError
 from mimoc.reporting.infant import who
-from mimoc.training.curve import Curve, Row
+from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.run_folder import open_run_folder
-from mimoc.training.settings import Settings
+from mimoc.training.settings import TrainingSettings
 
 VOID = {"meta", "img", "br", "link"}
 SPEC = {
@@ -127,10 +127,10 @@ def cohort_page(cohort, tmp_path_factory) -> Path:
 def run(small_one, tmp_path_factory) -> Path:
     """Return the folder of a training run, as `mimoc train` writes it."""
     folder = tmp_path_factory.mktemp("runs") / "run"
-    settings = Settings.choose("ppo", 4096, 3, 2, 1024, {"gamma": 0.9})
+    settings = TrainingSettings.choose("ppo", 4096, 3, 2, 1024, {"gamma": 0.9})
     rows = [
-        Row(1024, 5, -2.0, 0.0, 100.0, float("nan"), 1.5),
-        Row(2048, 7, 1.25, 0.375, 80.0, 0.5, 3.0),
+        CurvePoint(1024, 5, -2.0, 0.0, 100.0, float("nan"), 1.5),
+        CurvePoint(2048, 7, 1.25, 0.375, 80.0, 0.5, 3.0),
     ]
     with open_run_folder(folder, settings, small_one, force=False) as opened:
         opened.write("curve.csv", Curve(tuple(rows)).to_csv().encode())

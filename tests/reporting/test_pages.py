@@ -10,7 +10,7 @@ from PIL import Image
 
 import mimoc
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.store import Result, Store, kept_jobs
+from mimoc.cohorts.store import Result, Store, finished_jobs
 from mimoc.cohorts.table import rows_of
 from mimoc.compiler.provenance import who_percentiles
 from mimoc.reporting.words import THIN_SPACE
@@ -166,7 +166,7 @@ def test_with_its_file_the_missing_jobs_of_a_cohort_are_counted(cohort, study, t
 
 def test_what_is_in_the_folder_is_what_the_cohort_knows(cohort, study):
     store = Store(cohort)
-    jobs, damaged = kept_jobs(store)
+    jobs, damaged = finished_jobs(store)
     known = [job.key for job in study.jobs() if store.read(job) is not None]
     assert (sorted(job.key for job in jobs), damaged) == (sorted(known), ())
     rows = {row["job"]: row for row in study.rows(cohort)}

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mimoc
+from mimoc.base.units import cm_to_m
 from mimoc.bundle.model import load_model
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.drawing import around, draw_svg, ticks
@@ -15,9 +16,8 @@ from mimoc.render.plots.plot import Dots, Plot
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.strength import strength
-from mimoc.reporting.page import Cell, Code, Details, Page, Section, Text, render, table
+from mimoc.reporting.page import Cell, Code, Details, Page, Section, TextBlock, render, table
 from mimoc.reporting.silhouette import silhouette
-from mimoc.units import cm_to_m
 
 from .conftest import Seen
 
@@ -29,7 +29,7 @@ TEXTS = st.text(
 
 @given(TEXTS)
 def test_whatever_a_text_holds_is_shown_as_it_is(text):
-    blocks = (Text(text), Code(text), Details(text, (Text(text),)), table((text,), [(Cell(text),)]))
+    blocks = (TextBlock(text), Code(text), Details(text, (TextBlock(text),)), table((text,), [(Cell(text),)]))
     seen = Seen(render(Page(text, text, (text,), (Section("place", text, blocks),), text)).decode())
     assert seen.text.count(text) >= 10
     assert seen.rows == [[text], [text]]

@@ -4,8 +4,8 @@ import re
 import numpy as np
 import pytest
 
+from mimoc.base.errors import ModelError
 from mimoc.bundle.model import load_model
-from mimoc.errors import ModelError
 from mimoc.runtime.check import COMMANDS, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 
 

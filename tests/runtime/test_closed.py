@@ -14,8 +14,8 @@ from stable_baselines3.common.monitor import Monitor
 
 import mimoc
 from mimoc.environments import open_infant
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.closing import STAYS
-from mimoc.runtime.many.vector_env import ManyInfants
 
 EYES = {"proprioception": {}, "touch": {"density": 0.1}, "vision": {"width_px": 16, "height_px": 16}}
 SIZE = {"render_mode": "rgb_array", "width": 32, "height": 32}
@@ -30,7 +30,7 @@ def seeing(built) -> mimoc.Bundle:
 KINDS = {
     "one": lambda bundle: mimoc.make(bundle, **SIZE).unwrapped,
     "many": lambda bundle: mimoc.make_vec(bundle, 2, **SIZE),
-    "growing many": lambda bundle: ManyInfants([partial(open_infant, bundle, **SIZE)], schedule=lambda _: 9.5),
+    "growing many": lambda bundle: BatchEnv([partial(open_infant, bundle, **SIZE)], schedule=lambda _: 9.5),
 }
 WRAPPED = {
     "gymnasium": lambda bundle, _: mimoc.make(bundle, **SIZE),
@@ -38,7 +38,7 @@ WRAPPED = {
     "recorder": lambda bundle, folder: mimoc.Recorder(mimoc.make(bundle, **SIZE), folder / "recording"),
     "recorder of many": lambda bundle, folder: mimoc.Recorder(mimoc.make_vec(bundle, 2, **SIZE), folder / "recording"),
     "monitor": lambda bundle, _: Monitor(mimoc.make(bundle, **SIZE)),
-    "growing": lambda bundle, _: mimoc.Growing(mimoc.make(bundle, **SIZE), lambda steps: 9 + steps),
+    "growing": lambda bundle, _: mimoc.GrowthWrapper(mimoc.make(bundle, **SIZE), lambda steps: 9 + steps),
 }
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 

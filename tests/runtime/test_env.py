@@ -7,7 +7,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.errors import BundleError, UnknownNameError
+from mimoc.base.errors import BundleError, UnknownNameError
 
 
 def actions(env, count, seed=0):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.runtime.expression import expression_of
 from mimoc.schema.body import Expression
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.runtime.growth_schedule import read_ages
 
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
@@ -59,7 +59,7 @@ def test_unknown_courses_and_impossible_numbers_are_refused():
 
 
 def test_an_environment_grows_with_its_steps():
-    env = mimoc.Growing(mimoc.make(mimoc.InfantSpec.model_validate(SPEC)), "grown", ages_months=(9, 9.5), steps=6)
+    env = mimoc.GrowthWrapper(mimoc.make(mimoc.InfantSpec.model_validate(SPEC)), "grown", ages_months=(9, 9.5), steps=6)
     space = env.observation_space
     told = [env.reset(seed=0)[1]["age_months"]]
     for _ in range(4):
@@ -75,4 +75,4 @@ def test_an_environment_grows_with_its_steps():
 
 def test_only_infants_grow():
     with pytest.raises(MimocError, match=r"mimoc\.make"):
-        mimoc.Growing(gymnasium.make("CartPole-v1"), lambda step: 6.0)
+        mimoc.GrowthWrapper(gymnasium.make("CartPole-v1"), lambda step: 6.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 
 SENSES = {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.1}}
 NOISE = {"motor": 0.2, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10.0}

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mimoc.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.runtime.rollout import POLICIES, Run
 
 

@@ -8,9 +8,9 @@ from pydantic import Field
 from support.registered import registered
 
 import mimoc
+from mimoc.base.errors import SpecError
+from mimoc.base.kinds import SceneKind
 from mimoc.compiler.explain import entries_of, explain
-from mimoc.errors import SpecError
-from mimoc.kinds import SceneKind
 from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import SUN, BuiltScene

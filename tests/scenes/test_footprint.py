@@ -9,7 +9,7 @@ import mimoc
 from mimoc.body.poses import POSES
 from mimoc.compiler import building, model_check
 from mimoc.compiler.building import Builder
-from mimoc.compiler.furnish import place_pose
+from mimoc.compiler.placing import place_pose
 from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes.built_scene import Placement
 from mimoc.scenes.footprint import footprint, reach_of, reachable_floor

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.base.errors import SpecError
+from mimoc.base.kinds import function_of
 from mimoc.compiler import building
-from mimoc.compiler.furnish import place_discs, place_pose
-from mimoc.errors import SpecError
-from mimoc.kinds import function_of
+from mimoc.compiler.placing import place_discs, place_pose
 from mimoc.looks.wallpaper import Wallpapers
 from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes import SCENES

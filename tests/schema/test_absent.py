@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse
 

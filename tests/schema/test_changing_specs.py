@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.compiler.validation import grow_against_who
-from mimoc.errors import SpecError
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
 from mimoc.schema.source import parse
 

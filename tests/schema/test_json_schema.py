@@ -9,7 +9,7 @@ from hypothesis import given
 from support.any_specs import specs
 from support.bad_specs import HEAD, SPECS
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec, to_data
 from mimoc.schema.json_schema import DIALECT, FILES, json_schema, json_text, shipped_schema
 from mimoc.schema.source import parse

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from support.full import FULL
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.body.measurements import targets
 from mimoc.bundle.model import load_model
 from mimoc.compiler.validation import compare_with_anthrokids, grow_against_who
 from mimoc.compiler.variants import SpecVariants
-from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.fits.who import percentile
 from mimoc.schema import InfantSpec, read_spec

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.compiler.notes import notes
 from mimoc.compiler.validation.who import grow_against_who
-from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.outline import language_of

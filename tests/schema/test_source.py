@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import source
 from mimoc.schema.base import dotted
 from mimoc.schema.source import parse, read

@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from mimoc import schema
+from mimoc.base.errors import SpecError
 from mimoc.body.parts import kinds_of_hands
-from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.base import KeyPath
 from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies

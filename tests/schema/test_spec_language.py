@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from support.any_specs import LEAST, specs
 
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec, VisionSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
 from mimoc.schema.yaml_document import dump

@@ -10,11 +10,11 @@ from gymnasium.utils.env_checker import check_env
 from pydantic import Field
 
 import mimoc
+from mimoc.base.errors import SpecError
+from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.body import BodyTree
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import entries_of, explain
-from mimoc.errors import SpecError
-from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.mjcf.infant import Sensor, Site
 from mimoc.mjcf.scene import Placed
 from mimoc.noise.noise import Noise

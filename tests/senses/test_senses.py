@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mimoc.kinds import function_of
+from mimoc.base.kinds import function_of
 from mimoc.senses import SENSES
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.spec import SensesEntry, SensesSpec

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from mimoc.bundle.io import MANIFEST, Bundle, seal
+from mimoc.bundle.io import MANIFEST, Bundle, lock_files
 
 MANIFEST_DATA = {
     "name": "infant",
@@ -29,7 +29,7 @@ def make_bundle(mark: str = "one", **changes: object) -> Bundle:
     """Return a bundle whose every file says which one it is."""
     files = {f"assets/{n}.png": f"{mark} {n}".encode() * 3000 for n in range(8)}
     manifest = json.dumps({**MANIFEST_DATA, "name": mark, **changes}).encode()
-    return seal({"infant.xml": mark.encode(), **files, MANIFEST: manifest}, {"mimoc": "1"}, {"who.csv": b"1,2"})
+    return lock_files({"infant.xml": mark.encode(), **files, MANIFEST: manifest}, {"mimoc": "1"}, {"who.csv": b"1,2"})
 
 
 ONE, TWO = make_bundle("one"), make_bundle("two")

@@ -2,7 +2,7 @@
 
 import pytest
 
-TOGETHER = ("tests/runtime/warp/",)
+TOGETHER = ("tests/runtime/device/",)
 """Folders whose tests run in one worker, so that kernels are compiled once where nothing is cached yet."""
 
 

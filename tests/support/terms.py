@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.kinds import function_of
+from mimoc.base.kinds import function_of
 from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
 from mimoc.noise.spec import NoiseEntry, noise_keys
 from mimoc.quantities import QUANTITIES

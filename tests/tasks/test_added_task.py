@@ -10,9 +10,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
+from mimoc.base.kinds import TaskKind
+from mimoc.base.model_fields import ModelField
 from mimoc.compiler.explain import explain
-from mimoc.kinds import TaskKind
-from mimoc.model_fields import ModelField
 from mimoc.runtime.term import Term
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.model_fields import ModelField
+from mimoc.base.model_fields import ModelField
 from mimoc.runtime.term import Term
 from mimoc.tasks.task import Change, Judgement, Task
 

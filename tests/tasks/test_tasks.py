@@ -7,8 +7,8 @@ from gymnasium.utils.env_checker import check_env
 from support.full import full_but
 
 import mimoc
+from mimoc.base.kinds import function_of
 from mimoc.bundle.model import simulation_warnings
-from mimoc.kinds import function_of
 from mimoc.registration import env_name
 from mimoc.tasks import TASKS
 

@@ -6,9 +6,9 @@ from pydantic import Field
 from support.registered import registered
 
 import mimoc
+from mimoc.base.errors import SpecError, UnknownToysError, suggestion
+from mimoc.base.kinds import ToySource
 from mimoc.compiler.explain import explain
-from mimoc.errors import SpecError, UnknownToysError, suggestion
-from mimoc.kinds import ToySource
 from mimoc.schema.base import Model
 from mimoc.toys.assembling import assemble
 from mimoc.toys.choosing import Toybox

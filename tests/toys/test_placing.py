@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from mimoc.random_streams import stream
+from mimoc.base.random_streams import stream
 from mimoc.toys.placing import GAP_M, Floor, ReachableFloor, place_toys
 
 NOTHING = np.empty((0, 3))

@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from mimoc.errors import TrainingError
-from mimoc.training import Curve, Row
+from mimoc.base.errors import TrainingError
+from mimoc.training import Curve, CurvePoint
 from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
 
 EPISODES = [FinishedEpisode(90.5, 100, True), FinishedEpisode(-30.25, 1000, False), FinishedEpisode(95.0, 50, True)]
@@ -13,7 +13,9 @@ EPISODES = [FinishedEpisode(90.5, 100, True), FinishedEpisode(-30.25, 1000, Fals
 
 def test_a_row_is_about_the_episodes_that_ended():
     row = summarize(EPISODES, steps=4096, step_s=0.01, wall_s=1.5)
-    assert row == Row(4096, 3, pytest.approx(155.25 / 3), pytest.approx(2 / 3), pytest.approx(1150 / 3), 0.75, 1.5)
+    assert row == CurvePoint(
+        4096, 3, pytest.approx(155.25 / 3), pytest.approx(2 / 3), pytest.approx(1150 / 3), 0.75, 1.5
+    )
 
 
 def test_the_statistics_of_no_episodes_are_nan():

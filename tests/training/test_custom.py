@@ -8,7 +8,7 @@ from gymnasium.spaces import Box
 
 import mimoc
 from mimoc import cli
-from mimoc.errors import TrainingError
+from mimoc.base.errors import TrainingError
 from mimoc.training.policies import load_policy
 
 MODULE = """

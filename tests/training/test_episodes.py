@@ -8,7 +8,7 @@ import pytest
 from gymnasium.spaces import Box
 
 import mimoc
-from mimoc.errors import TrainingError
+from mimoc.base.errors import TrainingError
 from mimoc.runtime.rollout import Run
 from mimoc.training.settings import STEPS_PER_EPISODE
 

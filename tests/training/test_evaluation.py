@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import TrainingError, UnknownNameError
+from mimoc.base.errors import TrainingError, UnknownNameError
 
 
 @pytest.fixture(scope="module")

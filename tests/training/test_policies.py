@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import PolicyError
+from mimoc.base.errors import PolicyError
 from mimoc.runtime.rollout import Run
 
 

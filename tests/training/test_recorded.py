@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import RecordingError, TrainingError
+from mimoc.base.errors import RecordingError, TrainingError
 
 EVERY = 128
 

@@ -1,12 +1,12 @@
 import pytest
 
-from mimoc.errors import TrainingError, UnknownNameError
-from mimoc.training.settings import HYPERPARAMETERS, Settings, parse
+from mimoc.base.errors import TrainingError, UnknownNameError
+from mimoc.training.settings import HYPERPARAMETERS, TrainingSettings, parse
 
 
 def settings(**changed):
     choices = {"algo": "ppo", "steps": 100_000, "seed": 0, "envs": 8, "checkpoint_every": 20_480, "hyper": {}}
-    return Settings.choose(**{**choices, **changed})
+    return TrainingSettings.choose(**{**choices, **changed})
 
 
 def test_every_hyperparameter_has_a_value():
@@ -25,7 +25,7 @@ def test_intervals_and_the_end_are_whole_rollouts():
 
 def test_settings_go_through_json():
     chosen = settings(hyper={"gamma": 0.9})
-    assert Settings(**chosen.data()) == chosen
+    assert TrainingSettings(**chosen.data()) == chosen
 
 
 def test_all_differences_but_the_steps_are_named():

@@ -6,7 +6,7 @@ from types import ModuleType
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 from mimoc.training.tracking import ASKED_BY
 
 

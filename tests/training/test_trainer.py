@@ -13,12 +13,12 @@ from support.full import full_but
 
 import mimoc
 import mimoc.training
+from mimoc.base.errors import BundleError, MimocError, TrainingError, UnknownNameError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.io import LOCK
-from mimoc.errors import BundleError, MimocError, TrainingError, UnknownNameError
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import open_run_folder
-from mimoc.training.settings import Settings
+from mimoc.training.settings import TrainingSettings
 
 EVERY = 128
 """Steps between checkpoints."""
@@ -62,7 +62,7 @@ def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(l
     assert {"mujoco", "gymnasium", "numpy", "torch", "stable_baselines3", "python", "mimoc"} <= run["sessions"][
         0
     ].keys()
-    assert Settings(**run["settings"]).hyper["width"] == 8
+    assert TrainingSettings(**run["settings"]).hyper["width"] == 8
 
 
 def test_the_command_in_the_run_folder_has_all_settings(learn, tmp_path):
@@ -205,7 +205,7 @@ def test_a_path_that_is_not_a_run_folder_is_left_alone(learn, tmp_path, kind):
 
 def test_two_processes_cannot_train_in_one_folder(learn, bundle, tmp_path):
     tiny = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
-    settings = Settings.choose("ppo", EVERY, 0, 2, EVERY, tiny)
+    settings = TrainingSettings.choose("ppo", EVERY, 0, 2, EVERY, tiny)
     with (
         open_run_folder(tmp_path / "run", settings, bundle, force=False),
         pytest.raises(TrainingError, match="another process is training here"),

@@ -11,7 +11,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 import mimoc
-from mimoc.errors import MimocError
+from mimoc.base.errors import MimocError
 from mimoc.viewer.live import Access, LiveView
 
 

@@ -13,12 +13,12 @@ from support.pages import at_age, few_ages, read_page
 
 import mimoc
 from mimoc import fits
+from mimoc.base.errors import MimocError
 from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants
-from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
-from mimoc.viewer import packing
-from mimoc.viewer.packing import EncodedArrays
+from mimoc.viewer import encoding as packing
+from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.page import describe, fill, page_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -12,7 +12,7 @@ from support.pages import read_page
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.viewer.packing import EncodedArrays
+from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.page import describe, fill
 
 CONFIGS = Path(__file__).parents[2] / "configs"

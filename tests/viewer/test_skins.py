@@ -9,9 +9,9 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.appearance import describe_skins
+from mimoc.viewer.encoding import FINE_M, EncodedArrays
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.meshes import coloured_faces, rows_of, skin_of
-from mimoc.viewer.packing import FINE_M, EncodedArrays
 
 SKIN = """<deformable><skin name="sleeve" vertex="{vertex}" face="0 1 2 1 3 2 2 3 4">
 <bone body="left_upper_arm" bindpos="0.1 0.2 0.3" bindquat="0.8 0.6 0 0" vertid="0 1 2 3" vertweight="1 0.5 0.7 0.2"/>

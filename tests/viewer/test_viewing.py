@@ -13,7 +13,7 @@ from support.full import full_but
 from support.pages import few_ages, read_page
 
 import mimoc
-from mimoc.errors import MimocError, OutputError
+from mimoc.base.errors import MimocError, OutputError
 from mimoc.viewer.growth import own_parts
 
 SPEC = {"mimoc": 1, "name": "shown", "age_months": 9, "scene": {"pose": "supine"}, "body": {"skin": False}}

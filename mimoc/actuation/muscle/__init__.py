@@ -1,6 +1,6 @@
 """Two antagonistic muscles for each joint."""
 
-from mimoc.kinds import ActuationKind
+from mimoc.base.kinds import ActuationKind
 
 KIND = ActuationKind(
     name="muscle",

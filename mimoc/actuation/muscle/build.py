@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mimoc.actuation.setup import ActuationSetup, Origin, activation, activation_origin
+from mimoc.base.mujoco_layout import MuscleParameters
+from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
 from mimoc.mjcf.infant import Actuator
-from mimoc.mujoco_layout import MuscleParameters
-from mimoc.units import deg_to_rad
 
 PEAK = 1.07
 """Largest isometric torque of a muscle, at its optimal length, by the limit of the torque motor it stands for: what

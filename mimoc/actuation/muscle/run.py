@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.actuation.binding import Actuation, activations, command_range, effort_of, find_actuators
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.mujoco_layout import MUSCLE_FORCE
+from mimoc.base.mujoco_layout import MUSCLE_FORCE
 
 
 def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:

@@ -1,6 +1,6 @@
 """Servos that hold a commanded angle with the strength of muscles."""
 
-from mimoc.kinds import ActuationKind
+from mimoc.base.kinds import ActuationKind
 
 KIND = ActuationKind(
     name="position",

@@ -24,14 +24,14 @@ import numpy as np
 
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.base.mujoco_layout import AffineBias
+from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree, Geom, Joint, Motor
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
 from mimoc.body.origins import LAW, REFERENCE
 from mimoc.body.strength import FORWARDS
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
-from mimoc.mujoco_layout import AffineBias
-from mimoc.units import deg_to_rad
 
 POSES = 4
 """Number of sampled poses, distributed evenly over the ranges of all joints."""

@@ -1,6 +1,6 @@
 """Torque on a spring and damper at each joint."""
 
-from mimoc.kinds import ActuationKind
+from mimoc.base.kinds import ActuationKind
 
 KIND = ActuationKind(
     name="torque",

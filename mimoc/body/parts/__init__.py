@@ -1,7 +1,7 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
+from mimoc.base.kinds import Kinds, PartKind
 from mimoc.body.parts import arm, feet, five_finger, head, leg, mitten, trunk
-from mimoc.kinds import Kinds, PartKind
 
 PARTS: Kinds[PartKind] = Kinds("body part", {kind.name: kind for kind in (mitten.KIND, five_finger.KIND)})
 """What a spec can choose or add."""

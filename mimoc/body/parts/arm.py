@@ -1,11 +1,11 @@
 """Upper arm and forearm: parts, joints and motors at 18 months, and their shapes."""
 
-from mimoc.body.dimensions import Dimensions, Shape, along
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape, along
 from mimoc.body.part import REST_ABDUCTION_DEG, SHOULDERS, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.trunk import behind_chest
 from mimoc.body.proportions import Proportions
 from mimoc.body.sections import SHOULDER_BACK
-from mimoc.kinds import PartKind
 
 UPPER_ARM_MOTORS = (
     ReferenceMotor(
@@ -90,10 +90,10 @@ WRIST_MOTORS = (
 )
 
 
-def arm_dimensions(p: Proportions) -> Dimensions:
+def arm_dimensions(p: Proportions) -> BodyGeometry:
     """Return upper arm and forearm."""
     upper, axis_y_m = p.upper_arm, -p.trunk.arm_inwards_m  # The arm hangs: its y points to the midline.
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "{side}_upper_arm": (behind_chest(p.trunk, SHOULDER_BACK), -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
             "{side}_lower_arm": (0.0, 0.0, p.upper_arm.length_m),
@@ -106,10 +106,10 @@ def arm_dimensions(p: Proportions) -> Dimensions:
     )
 
 
-def _moved(solid: Shape, y_m: float) -> Shape:
+def _moved(solid: GeomShape, y_m: float) -> GeomShape:
     """Return a solid moved along y."""
     x_m, _, z_m = solid.pos_m
-    return Shape(solid.size_m, (x_m, y_m, z_m))
+    return GeomShape(solid.size_m, (x_m, y_m, z_m))
 
 
 KIND = PartKind("arm", "Upper arms and forearms.", ARM, arm_dimensions)

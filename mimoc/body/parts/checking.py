@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from mimoc.body.dimensions import Dimensions
+from mimoc.base.errors import KindError, suggestion
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import MATURING_GROUPS, ReferencePart
 from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
-from mimoc.errors import KindError, suggestion
-from mimoc.kinds import PartKind
 
 Named = tuple[type, str]
 HAND, FOREARM = "{side}_hand", "{side}_lower_arm"
@@ -23,7 +23,7 @@ def check_parts(kind: PartKind) -> None:
         raise KindError(f"the body part '{kind.name}' does not fit: {problem}")
 
 
-def check_dimensions(kind: PartKind, dimensions: Dimensions) -> None:
+def check_dimensions(kind: PartKind, dimensions: BodyGeometry) -> None:
     """Check that the shape of a kind gives a place for each of its parts, and a shape for each of their geoms.
 
     Raises:

@@ -5,13 +5,13 @@ Names with `{side}` stand for a right and a left part; values are those of the r
 
 from dataclasses import replace
 
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.errors import GeometryError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_Y, LEG_LENGTH, LEG_SHARE, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.leg import ANKLE_JOINTS, ANKLE_MOTORS
 from mimoc.body.proportions import REFERENCE_M, Foot, Proportions
 from mimoc.body.sections import CLEARANCE_M
-from mimoc.errors import GeometryError
-from mimoc.kinds import PartKind
 
 _SOLE_GRIP = (2.0, 0.02, 0.01)
 _SIZE = ("foot_breadth", "foot_length")
@@ -82,16 +82,16 @@ def _half_of_toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s:
     )
 
 
-def flat_foot_dimensions(p: Proportions) -> Dimensions:
+def flat_foot_dimensions(p: Proportions) -> BodyGeometry:
     """Return heel, sole and toes, distributed along x so that the foot has its measured length."""
     f = p.foot
     s = _stretch(f, 0.084)
     sole = _foot_dimensions(f, -0.016 * s, (0.035 * s, 0.019 * s), 0.054 * s)
     toes = _toes_dimensions("toes", 0.007 * s, f.half_breadth_m, f.half_height_m)
-    return sole | toes | Dimensions(origins={"{side}_toes": (0.054 * s, 0.0, 0.0)})
+    return sole | toes | BodyGeometry(origins={"{side}_toes": (0.054 * s, 0.0, 0.0)})
 
 
-def two_toed_foot_dimensions(p: Proportions) -> Dimensions:
+def two_toed_foot_dimensions(p: Proportions) -> BodyGeometry:
     """Return heel, sole, big toe and toes, distributed along x so that the foot has its measured length."""
     f = p.foot
     s, wide = _stretch(f, 0.079), f.half_breadth_m / (REFERENCE_M["foot_breadth"] / 2)
@@ -99,7 +99,7 @@ def two_toed_foot_dimensions(p: Proportions) -> Dimensions:
         _foot_dimensions(f, -0.007 * s, (0.030 * s, 0.023 * s), 0.053 * s)
         | _toes_dimensions("big_toe", 0.0095 * s, 0.0075 * wide, f.half_height_m)
         | _toes_dimensions("toes", 0.0095 * s, 0.0165 * wide, f.half_height_m)
-        | Dimensions(
+        | BodyGeometry(
             {"{side}_big_toe": (0.053 * s, 0.0175 * wide, 0.0), "{side}_toes": (0.053 * s, -0.0075 * wide, 0.0)}
         )
     )
@@ -117,25 +117,25 @@ def _stretch(f: Foot, between_m: float) -> float:
     return (f.length_m - heel_m - f.half_height_m) / between_m
 
 
-def _foot_dimensions(f: Foot, heel_x_m: float, sole_m: tuple[float, float], ball_x_m: float) -> Dimensions:
+def _foot_dimensions(f: Foot, heel_x_m: float, sole_m: tuple[float, float], ball_x_m: float) -> BodyGeometry:
     """Return heel, sole and ball from their places along x; *sole_m* is half its length, and its middle."""
     width_m, height_m, (half_m, sole_x_m) = f.half_breadth_m, f.half_height_m, sole_m
-    return Dimensions(
+    return BodyGeometry(
         shapes={
-            "{side}_foot1": Shape((width_m - CLEARANCE_M, height_m - CLEARANCE_M), (heel_x_m, 0.0, 0.0)),
-            "{side}_foot2": Shape((half_m, width_m, height_m), (sole_x_m, 0.0, 0.0)),
-            "{side}_foot3": Shape((height_m - CLEARANCE_M, width_m - 2 * CLEARANCE_M), (ball_x_m, 0.0, 0.0)),
+            "{side}_foot1": GeomShape((width_m - CLEARANCE_M, height_m - CLEARANCE_M), (heel_x_m, 0.0, 0.0)),
+            "{side}_foot2": GeomShape((half_m, width_m, height_m), (sole_x_m, 0.0, 0.0)),
+            "{side}_foot3": GeomShape((height_m - CLEARANCE_M, width_m - 2 * CLEARANCE_M), (ball_x_m, 0.0, 0.0)),
         },
         anchors={f"robot:{{side}}_foot{k}": (0.0, 0.0, 1.5 * height_m) for k in (1, 2, 3)},
     )
 
 
-def _toes_dimensions(name: str, half_m: float, half_width_m: float, height_m: float) -> Dimensions:
+def _toes_dimensions(name: str, half_m: float, half_width_m: float, height_m: float) -> BodyGeometry:
     box_m = (half_m, half_width_m - CLEARANCE_M, height_m - CLEARANCE_M)
-    return Dimensions(
+    return BodyGeometry(
         shapes={
-            f"{{side}}_{name}1": Shape(box_m, (half_m, 0.0, 0.0)),
-            f"{{side}}_{name}2": Shape((height_m, half_width_m), (2 * half_m, 0.0, 0.0)),
+            f"{{side}}_{name}1": GeomShape(box_m, (half_m, 0.0, 0.0)),
+            f"{{side}}_{name}2": GeomShape((height_m, half_width_m), (2 * half_m, 0.0, 0.0)),
         }
     )
 

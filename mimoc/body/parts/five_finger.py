@@ -7,15 +7,15 @@ ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Matt
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.errors import GeometryError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_X, WRIST, GeomType, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.body.parts.mitten import check_hand
 from mimoc.body.proportions import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
 from mimoc.body.sections import CLEARANCE_M
-from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
-from mimoc.kinds import PartKind
 
 Figures = tuple[float, ...]
 
@@ -251,7 +251,7 @@ FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 
 """Radius and length of each finger relative to the middle finger (MIMo v2)."""
 
 
-def fingers_dimensions(p: Proportions) -> Dimensions:
+def fingers_dimensions(p: Proportions) -> BodyGeometry:
     """Return a five-finger hand, whose palm and middle finger are each half as long as the hand."""
     h = p.hand
     thick_m = 0.584 * h.half_thickness_m
@@ -277,22 +277,22 @@ def fingers_dimensions(p: Proportions) -> Dimensions:
     return dimensions | _thumb_dimensions(h, palm_m, wide)
 
 
-def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: float) -> Dimensions:
+def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: float) -> BodyGeometry:
     middle_m = (0.0, 0.0, 0.0)
     side_x_m = 0.007 * wide
     meta_m = 0.204 * palm_m
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "{side}_hand": (side_x_m, -0.9 * h.half_thickness_m, forearm.length_m + palm_m + thick_m),
             "{side}_lfmetacarpal": (-0.01498 * wide, 0.0, 0.122 * palm_m),
         },
         shapes={
-            "{side}_hand1": Shape((0.01712 * wide, thick_m, palm_m), middle_m),
-            "{side}_hand2": Shape((0.00588 * wide, thick_m, palm_m / 2), (-h.half_breadth_m, 0.0, -palm_m / 2)),
-            "{side}_hand3": Shape((thick_m, 0.01712 * wide - CLEARANCE_M), (0.0, 0.0, palm_m)),
-            "{side}_hand4": Shape((thick_m, h.half_breadth_m), (-0.00588 * wide, 0.0, -palm_m)),
-            "{side}_lfmetacarpal1": Shape((0.00508 * wide, thick_m, palm_m / 2), (-0.00883 * wide, 0.0, meta_m)),
-            "{side}_lfmetacarpal2": Shape(
+            "{side}_hand1": GeomShape((0.01712 * wide, thick_m, palm_m), middle_m),
+            "{side}_hand2": GeomShape((0.00588 * wide, thick_m, palm_m / 2), (-h.half_breadth_m, 0.0, -palm_m / 2)),
+            "{side}_hand3": GeomShape((thick_m, 0.01712 * wide - CLEARANCE_M), (0.0, 0.0, palm_m)),
+            "{side}_hand4": GeomShape((thick_m, h.half_breadth_m), (-0.00588 * wide, 0.0, -palm_m)),
+            "{side}_lfmetacarpal1": GeomShape((0.00508 * wide, thick_m, palm_m / 2), (-0.00883 * wide, 0.0, meta_m)),
+            "{side}_lfmetacarpal2": GeomShape(
                 (thick_m, 0.00508 * wide - CLEARANCE_M), (-0.00883 * wide, 0.0, meta_m + palm_m / 2)
             ),
         },
@@ -304,37 +304,37 @@ def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide
     )
 
 
-def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) -> Dimensions:
+def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) -> BodyGeometry:
     """Return three phalanges, the first twice as long, from joint to joint, as each of the others."""
     tip_m = half_m / 2 - 0.45 * radius_m
-    return Dimensions(
+    return BodyGeometry(
         origins={
             f"{{side}}_{name}knuckle": root,
             f"{{side}}_{name}middle": (0.0, 0.0, 2 * half_m),
             f"{{side}}_{name}distal": (0.0, 0.0, half_m),
         },
         shapes={
-            f"{{side}}_{name}knuckle1": Shape((radius_m, half_m), (0.0, 0.0, half_m)),
-            f"{{side}}_{name}middle1": Shape((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
-            f"{{side}}_{name}distal1": Shape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+            f"{{side}}_{name}knuckle1": GeomShape((radius_m, half_m), (0.0, 0.0, half_m)),
+            f"{{side}}_{name}middle1": GeomShape((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
+            f"{{side}}_{name}distal1": GeomShape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
         },
     )
 
 
-def _thumb_dimensions(h: Hand, palm_m: float, wide: float) -> Dimensions:
+def _thumb_dimensions(h: Hand, palm_m: float, wide: float) -> BodyGeometry:
     half_m, radius_m = 0.75 * h.length_m / 8, h.thumb_radius_m
     lengths_m = (half_m, 0.75 * half_m, 0.6 * half_m)
     base_m, hub_m, tip_m = lengths_m
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "{side}_thbase": (0.0123 * wide, -0.423 * h.half_thickness_m, -0.633 * palm_m),
             "{side}_thhub": (0.0, 0.0, 2 * base_m),
             "{side}_thdistal": (0.0, 0.0, 2 * hub_m),
         },
         shapes={
-            "{side}_thbase1": Shape((radius_m, base_m), (0.0, 0.0, base_m)),
-            "{side}_thhub1": Shape((0.95 * radius_m, hub_m), (0.0, 0.0, hub_m)),
-            "{side}_thdistal1": Shape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+            "{side}_thbase1": GeomShape((radius_m, base_m), (0.0, 0.0, base_m)),
+            "{side}_thhub1": GeomShape((0.95 * radius_m, hub_m), (0.0, 0.0, hub_m)),
+            "{side}_thdistal1": GeomShape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
         },
     )
 

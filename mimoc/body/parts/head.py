@@ -2,11 +2,11 @@
 
 import math
 
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import AXIAL_RULE, TRUNK_HEIGHT, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.proportions import Proportions
 from mimoc.geometry.rotations import Vec3
-from mimoc.kinds import PartKind
 
 REFERENCE_HEAD_RADIUS_M = 0.0735
 
@@ -92,38 +92,38 @@ NECK_FROM, NECK_TO = -0.015, 0.030
 lower end is in the shoulders, also of tall children with small heads, and its upper end in the head."""
 
 
-def head_dimensions(p: Proportions) -> Dimensions:
+def head_dimensions(p: Proportions) -> BodyGeometry:
     """Return the head by the published law, a ball."""
     radius_m = p.head_radius_m
     s = radius_m / REFERENCE_HEAD_RADIUS_M
-    return Dimensions(
+    return BodyGeometry(
         origins={"head": (0.0, 0.0, 0.135 * p.trunk.axial)},
-        shapes={"head": Shape((radius_m,), (0.01 * s, 0.0, radius_m))},
+        shapes={"head": GeomShape((radius_m,), (0.01 * s, 0.0, radius_m))},
         anchors={"robot:head_tilt": (0.0, 0.0, 0.0123 * s), "robot:head_tilt_side": (0.0, 0.0, 0.0245 * s)},
     )
 
 
-def eye_dimensions(p: Proportions) -> Dimensions:
+def eye_dimensions(p: Proportions) -> BodyGeometry:
     """Return the eyes, in proportion to the head, where the published law has them."""
     s = p.head_radius_m / REFERENCE_HEAD_RADIUS_M
-    return Dimensions(
+    return BodyGeometry(
         origins={"{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
-        shapes={"{side}_eye1": Shape((0.01125 * s,), (0.0, 0.0, 0.0))},
+        shapes={"{side}_eye1": GeomShape((0.01125 * s,), (0.0, 0.0, 0.0))},
     )
 
 
-def maturing_head_dimensions(p: Proportions) -> Dimensions:
+def maturing_head_dimensions(p: Proportions) -> BodyGeometry:
     """Return head, neck and eyes: the crown is where a round head's would be, the chin below the joints of the neck."""
     radius_m = p.head_radius_m
     length_m, breadth_m = p.head_half_axes_m
     half_axes_m = (length_m, breadth_m, HEIGHT * radius_m)
     centre_m = (CENTRE_X * radius_m, 0.0, 2 * radius_m - half_axes_m[2])
     neck_from_m, neck_to_m = NECK_FROM * p.trunk.axial, NECK_TO * p.trunk.axial
-    return Dimensions(
+    return BodyGeometry(
         origins={"{side}_eye": _below(half_axes_m, centre_m, EYE_PLACE, EYE_DEPTH * radius_m)},
         shapes={
-            "head": Shape(half_axes_m, centre_m),
-            "neck": Shape(
+            "head": GeomShape(half_axes_m, centre_m),
+            "neck": GeomShape(
                 (NECK_RADIUS * radius_m, (neck_to_m - neck_from_m) / 2), (0.0, 0.0, (neck_from_m + neck_to_m) / 2)
             ),
         },

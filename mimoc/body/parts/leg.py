@@ -1,6 +1,8 @@
 """Thigh and shank: parts, joints and motors at 18 months, and their shapes."""
 
-from mimoc.body.dimensions import Dimensions, Shape, along
+from mimoc.base.errors import GeometryError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape, along
 from mimoc.body.part import (
     LEG_LENGTH,
     LEG_SHARE,
@@ -14,9 +16,7 @@ from mimoc.body.part import (
 from mimoc.body.parts.trunk import PELVIS_X_M, PELVIS_Z_M, REFERENCE_PELVIS_RADIUS_M
 from mimoc.body.proportions import Proportions
 from mimoc.body.sections import Trunk
-from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
-from mimoc.kinds import PartKind
 
 UPPER_LEG_MOTORS = (
     ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
@@ -95,7 +95,7 @@ ANKLE_MOTORS = (
 )
 
 
-def leg_dimensions(p: Proportions) -> Dimensions:
+def leg_dimensions(p: Proportions) -> BodyGeometry:
     """Return thigh and shank."""
     thigh, shank = p.thigh, p.shank
     into_foot_m = shank.length_m + 0.6 * p.foot.half_height_m
@@ -104,7 +104,7 @@ def leg_dimensions(p: Proportions) -> Dimensions:
         raise GeometryError(
             f"a shank {shank.length_m:.3f} m long cannot have an ankle {2 * p.ankle_radius_m:.3f} m thick"
         )
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "{side}_upper_leg": _hip_joint(p.trunk),
             "{side}_lower_leg": (p.knee_forward_m, 0.0, -thigh.length_m),
@@ -112,10 +112,10 @@ def leg_dimensions(p: Proportions) -> Dimensions:
         },
         shapes={
             "{side}_upper_leg1": _flip(along("thigh", thigh.length_m, thigh.radius_m, shank.radius_m)),
-            "{side}_lower_leg1": Shape(
+            "{side}_lower_leg1": GeomShape(
                 (shank.radius_m, 0.044 / 0.177 * shank.length_m), (0.0, 0.0, -0.044 / 0.177 * shank.length_m)
             ),
-            "{side}_lower_leg2": Shape(
+            "{side}_lower_leg2": GeomShape(
                 (p.ankle_radius_m, (lower_end_m - lower_start_m) / 2), (0.0, 0.0, -(lower_start_m + lower_end_m) / 2)
             ),
         },
@@ -129,10 +129,10 @@ def _hip_joint(t: Trunk) -> Vec3:
     return x_m, -t.hip_y_m, PELVIS_Z_M * t.axial - (radius_m - t.rump_m)
 
 
-def _flip(solid: Shape) -> Shape:
+def _flip(solid: GeomShape) -> GeomShape:
     """Return the same solid along -z instead of +z."""
     x_m, y_m, z_m = solid.pos_m
-    return Shape(solid.size_m, (x_m, y_m, -z_m))
+    return GeomShape(solid.size_m, (x_m, y_m, -z_m))
 
 
 KIND = PartKind("leg", "Thighs and shanks.", LEG, leg_dimensions)

@@ -1,12 +1,12 @@
 """Mitten hands, whose fingers move together (Mattern et al. 2024): parts at 18 months, and their shapes."""
 
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.errors import GeometryError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_X, WRIST, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.body.proportions import Hand, Proportions
 from mimoc.body.sections import CLEARANCE_M
-from mimoc.errors import GeometryError
-from mimoc.kinds import PartKind
 
 _PALM = ("maximum_fist_breadth", "hand_length", "hand_breadth")
 _FINGERS = ("hand_breadth", "hand_length")
@@ -68,7 +68,7 @@ HAND = (
 )
 
 
-def mitten_dimensions(p: Proportions) -> Dimensions:
+def mitten_dimensions(p: Proportions) -> BodyGeometry:
     """Return palm and fingers, whose tip, at the length of the hand, is rounded with half the hand's thickness."""
     h = p.hand
     tip_m = h.half_thickness_m + 2 * CLEARANCE_M
@@ -79,18 +79,18 @@ def mitten_dimensions(p: Proportions) -> Dimensions:
         raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * h.half_thickness_m:.3f} m thick")
     thumb_m = 0.5 * h.half_thickness_m
     rim_m = h.half_fist_m - 2 * CLEARANCE_M
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "{side}_hand": (0.0, -0.7 * h.half_thickness_m, p.forearm.length_m),
             "{side}_fingers": (0.0, 0.0, palm_m),
         },
         shapes={
-            "{side}_hand1": Shape((h.half_fist_m, h.half_thickness_m, palm_m / 2), (thumb_m, 0.0, palm_m / 2)),
-            "{side}_hand2": Shape((tip_m, rim_m), (thumb_m, 0.0, palm_m)),
-            "{side}_fingers1": Shape(
+            "{side}_hand1": GeomShape((h.half_fist_m, h.half_thickness_m, palm_m / 2), (thumb_m, 0.0, palm_m / 2)),
+            "{side}_hand2": GeomShape((tip_m, rim_m), (thumb_m, 0.0, palm_m)),
+            "{side}_fingers1": GeomShape(
                 (h.half_breadth_m - 2 * CLEARANCE_M, h.half_thickness_m, fingers_m / 2), (0.0, 0.0, fingers_m / 2)
             ),
-            "{side}_fingers2": Shape((tip_m, h.half_breadth_m), (0.0, 0.0, fingers_m)),
+            "{side}_fingers2": GeomShape((tip_m, h.half_breadth_m), (0.0, 0.0, fingers_m)),
         },
         anchors={"robot:{side}_hand1": (0.0, 0.7 * h.half_thickness_m, 0.0)},
     )

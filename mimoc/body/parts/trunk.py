@@ -1,6 +1,8 @@
 """Pelvis, abdomen and chest: parts, joints, motors and couplings at 18 months, and their shapes."""
 
-from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.base.errors import GeometryError
+from mimoc.base.kinds import PartKind
+from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import (
     ALONG_Y,
     AXIAL_RULE,
@@ -14,8 +16,6 @@ from mimoc.body.part import (
 from mimoc.body.parts.head import REFERENCE_HEAD_RADIUS_M
 from mimoc.body.proportions import Proportions
 from mimoc.body.sections import GIRDLE_BACK, Section, Trunk
-from mimoc.errors import GeometryError
-from mimoc.kinds import PartKind
 
 REFERENCE_PELVIS_RADIUS_M = 0.059
 PELVIS_X_M, CHEST_X_M = 0.008, 0.004
@@ -179,7 +179,7 @@ EXCLUDED = (
 upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""
 
 
-def trunk_dimensions(p: Proportions) -> Dimensions:
+def trunk_dimensions(p: Proportions) -> BodyGeometry:
     """Return pelvis, abdomen, chest and shoulder girdle, and the neck of the published law."""
     t, z = p.trunk, p.trunk.axial
     depth = t.pelvis[0] / REFERENCE_PELVIS_RADIUS_M
@@ -187,7 +187,7 @@ def trunk_dimensions(p: Proportions) -> Dimensions:
     bend = {
         f"robot:hip_{motion}{level}": (0.0, 0.0, -0.05 * z) for motion in ("lean", "rot", "bend") for level in (1, 2)
     }
-    return Dimensions(
+    return BodyGeometry(
         origins={
             "hip": (0.0, 0.0, 0.0),
             "lower_body": (0.002 * depth, 0.0, 0.076 * z),
@@ -199,19 +199,19 @@ def trunk_dimensions(p: Proportions) -> Dimensions:
             "cb": _across(t.waist, 0.008 * depth, -0.008 * z),
             "ub1": _across(t.belly, 0.007 * depth, -0.024 * z),
             "ub2": _across(t.ribs, CHEST_X_M * depth, 0.030 * z),
-            "neck": Shape((0.028 * neck, 0.02 * z), (-0.004 * neck, 0.0, 0.125 * z)),
+            "neck": GeomShape((0.028 * neck, 0.02 * z), (-0.004 * neck, 0.0, 0.125 * z)),
             "ub3": _across(t.girdle, behind_chest(t, GIRDLE_BACK), 0.0),
         },
         anchors=bend,
     )
 
 
-def _across(section: Section, x_m: float, z_m: float) -> Shape:
+def _across(section: Section, x_m: float, z_m: float) -> GeomShape:
     """Return a capsule along y from its radius and half width."""
     radius_m, half_width_m = section
     if half_width_m <= radius_m:
         raise GeometryError(f"a trunk {2 * half_width_m:.3f} m wide cannot be {2 * radius_m:.3f} m deep")
-    return Shape((radius_m, half_width_m - radius_m), (x_m, 0.0, z_m))
+    return GeomShape((radius_m, half_width_m - radius_m), (x_m, 0.0, z_m))
 
 
 def behind_chest(t: Trunk, radii: float) -> float:

@@ -2,7 +2,7 @@
 
 An engine is one module here, listed in `ENGINES`. Its `OPTIONS` are the names of its options, and `check(options)`
 raises if it cannot run with them. `run(jobs, store, options, done)` has every job done by
-`mimoc.cohorts.perform.run_jobs(jobs, store)`, in some process that sees the cohort's folder, which writes a result for
+`mimoc.cohorts.run_jobs.run_jobs(jobs, store)`, in some process that sees the cohort's folder, which writes a result for
 each; and it calls `done` with the number of jobs that have one, whenever there are more. It returns when all have one,
 or raises. When an exception such as KeyboardInterrupt leaves it, it ends what it has started. Jobs and store can be
 pickled; jobs may be handed out twice. A job that has no result after `run` has returned counts as failed.
@@ -16,10 +16,10 @@ from importlib import import_module
 from itertools import groupby
 from typing import Any, NamedTuple, Protocol
 
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import failed_result
+from mimoc.cohorts.run_jobs import failed_result
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError, UnknownNameError
 
 Done = Callable[[int], None]
 """Called with the number of jobs that have a result now."""

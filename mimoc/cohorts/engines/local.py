@@ -12,11 +12,11 @@ from threading import Thread
 from time import monotonic
 from typing import Any
 
+from mimoc.base.errors import MimocError
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, failed_result, run_jobs
+from mimoc.cohorts.run_jobs import PINNED, failed_result, run_jobs
 from mimoc.cohorts.store import Result, Store
 from mimoc.cohorts.work import JobWorkspace
-from mimoc.errors import MimocError
 
 OPTIONS = ("processes",)
 WORKER = "mimoc.cohorts.engines.local"

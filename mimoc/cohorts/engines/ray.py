@@ -6,11 +6,11 @@ import socket
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.cohorts.engines import End, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, run_jobs
+from mimoc.cohorts.run_jobs import PINNED, run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError, MissingExtraError
 
 try:
     import ray

@@ -9,12 +9,12 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.bundle.files import make_folder
 from mimoc.cohorts.engines import End, RefusedError, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, run_jobs
+from mimoc.cohorts.run_jobs import PINNED, run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError, MissingExtraError
 
 try:
     import submitit

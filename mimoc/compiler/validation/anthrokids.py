@@ -7,17 +7,17 @@ from itertools import groupby
 from typing import Any
 
 from mimoc import fits
-from mimoc.compiler.availability import refuse_unavailable
+from mimoc.base.rounding import rounded
+from mimoc.base.units import m_to_cm
+from mimoc.compiler.availability import check_available
 from mimoc.compiler.child import child_of
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
-from mimoc.compiler.variants import errors_at, quickly_aged
+from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.tables import GroupMean
-from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.schema.names import unsided
-from mimoc.units import m_to_cm
 
 TOLERANCE = 0.04
 """Largest deviation from the mean of a group, relative to it."""
@@ -102,13 +102,13 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    refuse_unavailable(infant)
+    check_available(infant)
     means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if fits.group_age(mean) <= LAST_MONTH]
     rows: list[MeasurementRow] = []
     for done, mean in enumerate(means, start=1):
         age_months = fits.group_age(mean)
         with errors_at(infant, age_months):
-            rows += _compare(quickly_aged(infant, age_months), mean.first_month)
+            rows += _compare(at_age_unchecked(infant, age_months), mean.first_month)
         if progress:
             progress(done, len(means))
     return MeasurementReport(tuple(rows))

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 import mujoco
 import numpy as np
 
+from mimoc.base.units import deg_to_rad
 from mimoc.compiler.validation.requests import own_solids, solid_extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
 from mimoc.schema.names import SIDES
-from mimoc.units import deg_to_rad
 
 FORWARD, LEFT, UP = np.eye(3)
 TRUNK = ("hip", "lower_body", "upper_body", "chest")

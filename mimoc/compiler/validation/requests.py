@@ -8,20 +8,20 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.setup import build_actuation
+from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
+from mimoc.base.units import m_to_cm, ms_to_s
 from mimoc.body.kinematics import Stature, stature
 from mimoc.body.measurements import targets
+from mimoc.compiler.assembling import assemble_infant
 from mimoc.compiler.child import child_of
-from mimoc.compiler.compose import compose
-from mimoc.compiler.furnish import SceneAssets, furnish
 from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.placing import SceneAssets, place_in_scene
 from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.mjcf import printing
-from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 from mimoc.schema.sizes import MEASUREMENT_OF
-from mimoc.units import m_to_cm, ms_to_s
 
 SAME = 1e-6
 """Relative difference from which on a key is said to change a measure; files hold nine digits."""
@@ -106,7 +106,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     tree = child_of(spec).tree
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
-    infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
+    infant = place_in_scene(assemble_infant(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
     return compile_model(printing.render_scene(infant))
 
 

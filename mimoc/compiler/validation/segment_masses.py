@@ -4,11 +4,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from mimoc.base.units import m_to_cm
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measurements, measure
-from mimoc.units import m_to_cm
 
 HEAD, TORSO, ARMS, LEGS = "head and neck", "torso", "both arms", "both legs"
 THIGH, SHANK, FOOT = "thigh", "shank", "foot"

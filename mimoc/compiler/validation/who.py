@@ -9,8 +9,10 @@ import mujoco
 import numpy as np
 
 from mimoc import fits
+from mimoc.base.rounding import rounded
+from mimoc.base.units import m_to_cm
 from mimoc.body.kinematics import Stature
-from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.availability import check_available
 from mimoc.compiler.validation.requests import (
     PRIMITIVES,
     ROOT,
@@ -21,12 +23,10 @@ from mimoc.compiler.validation.requests import (
     requests_of,
     solid_extents,
 )
-from mimoc.compiler.variants import errors_at, quickly_aged
+from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
-from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
-from mimoc.units import m_to_cm
 
 MONTHS = range(25)
 """Ages of the comparison, in whole months."""
@@ -157,7 +157,7 @@ def grow_against_who(
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    refuse_unavailable(infant)
+    check_available(infant)
     ages = sorted({*map(float, MONTHS if months is None else months), *([infant.age_months] if spec else ())})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
@@ -170,7 +170,7 @@ def grow_against_who(
 def _rows_at(infant: InfantSpec, age_months: float) -> list[Row]:
     """Return the rows of an infant that has grown to an age."""
     with errors_at(infant, age_months):
-        child = quickly_aged(infant, age_months)
+        child = at_age_unchecked(infant, age_months)
         measures = measure_compiled(compile_infant(child))
         individual = child.body.individual
         sex = individual.sex if individual else None

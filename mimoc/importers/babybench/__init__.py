@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
 from mimoc.importers.babybench.scene import read_actuation, read_body, read_control, read_scene, read_task
 from mimoc.importers.babybench.senses import read_senses
 from mimoc.importers.settings import Imported, Settings, plain

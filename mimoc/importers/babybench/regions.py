@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
 from mimoc.importers.settings import Settings
 from mimoc.schema.base import shown
 from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mimoc.errors import suggestion
+from mimoc.base.errors import suggestion
 from mimoc.importers.babybench.regions import (
     SINGLE_GROUPS,
     enabled_groups,

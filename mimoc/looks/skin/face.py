@@ -5,7 +5,7 @@ import numpy as np
 from mimoc.body.head_surface import half_axes
 from mimoc.body.tree import BodyTree, Geom
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.skin.sculpture import SculptedHead
+from mimoc.looks.skin.template_mesh import SculptedHead
 
 NEWBORN_UNTIL, CHANGED_BY = 0.0, 6.0
 """Ages between which the face of a newborn changes into that of a child, in months (D)."""

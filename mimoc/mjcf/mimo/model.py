@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from mimoc.base.errors import UnknownNameError
+from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body import Body, BodyTree
-from mimoc.errors import UnknownNameError
 from mimoc.mjcf.infant import Actuator, Camera, Node, Site
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import Mark
-from mimoc.mujoco_layout import AffineBias
 
 CHEST, UPPER_BODY, HEAD = "chest", "upper_body", "head"
 

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
-from mimoc.errors import OutputError, RecordingError, UnknownNameError
+from mimoc.base.errors import OutputError, RecordingError, UnknownNameError
 from mimoc.recording.described import OBSERVATION
 from mimoc.recording.earlier import convert
 from mimoc.recording.export.lerobot import export_lerobot

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 
 from mimoc.actuation.binding import command_range
-from mimoc.errors import MissingExtraError, counted
+from mimoc.base.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
 from mimoc.recording.reading import Episode, ReadRecording
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mimoc.base.errors import MissingExtraError, OutputError
 from mimoc.bundle.files import write_file
-from mimoc.errors import MissingExtraError, OutputError
 from mimoc.render.plots.plot import Plot, Sheet
 
 if TYPE_CHECKING:

@@ -5,14 +5,14 @@ from pathlib import Path
 
 from mimoc.cohorts import Cohort, Job
 from mimoc.cohorts.cohort import Progress, Status, status_of
-from mimoc.cohorts.store import Store, kept_jobs
+from mimoc.cohorts.store import Store, finished_jobs
 from mimoc.cohorts.table import Rows, rows_of
 from mimoc.quantities import quantity_of
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
 from mimoc.reporting.cohort.measures import OF_CHILDREN, measures_of
-from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, Text, number, table
+from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, TextBlock, number, table
 from mimoc.version import __version__
 
 MOST_FACTORS = 6
@@ -48,7 +48,7 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
         store.check()
         jobs, damaged, shown = cohort.jobs(), (), cohort.spec.measure
     else:
-        (jobs, damaged), shown = kept_jobs(store), ()
+        (jobs, damaged), shown = finished_jobs(store), ()
     status, rows = status_of(jobs, store), rows_of(jobs, store, shown, progress)
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
     sections += [_results(jobs, rows), _versions(rows)]
@@ -75,10 +75,10 @@ def _jobs(status: Status, damaged: Sequence[str], *, is_whole: bool) -> Section:
     rows.append((Cell("All"), *(number(f"{status.number(state):,}") for state in states)))
     blocks: list[Block] = [table(("step", *states), rows)]
     if not is_whole:
-        blocks.append(Text(UNKNOWN, "note"))
+        blocks.append(TextBlock(UNKNOWN, "note"))
     if damaged:
         names = ", ".join(damaged[:3])
-        blocks.append(Text(f"{words.count(len(damaged), 'result')} cannot be read, such as {names}.", "warning"))
+        blocks.append(TextBlock(f"{words.count(len(damaged), 'result')} cannot be read, such as {names}.", "warning"))
     return Section("jobs", "What was done", (*blocks, *_failures(status)))
 
 
@@ -95,10 +95,10 @@ def _failures(status: Status) -> Iterator[Block]:
         who = ", ".join(f"{name} {value}" for name, value in first.job.factors.items())
         log = "/".join(first.log.parts[-3:])
         rows.append((Cell(step), number(f"{len(numbers):,}"), Cell(error, "bad"), Cell(who), Cell(log, "code")))
-    yield Text(f"{words.count(len(status.failures), 'job')} failed:")
+    yield TextBlock(f"{words.count(len(status.failures), 'job')} failed:")
     yield table(("step", "jobs", "error", "the first of these infants", "its log"), rows)
     if len(errors) > MOST_ERRORS:
-        yield Text(
+        yield TextBlock(
             f"{len(errors) - MOST_ERRORS} more errors are in the table that 'mimoc cohort table' writes.", "note"
         )
 
@@ -121,17 +121,19 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
     if drawn:
         blocks.append(Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION))
     else:
-        blocks.append(Text("No measure differs between the jobs, or nothing varies that it could be drawn by.", "note"))
+        blocks.append(
+            TextBlock("No measure differs between the jobs, or nothing varies that it could be drawn by.", "note")
+        )
     if len(drawn) > MOST_PLOTS:
-        blocks.append(Text(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
+        blocks.append(TextBlock(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
     if left_out:
         names = words.listed([quantity_of(name).heading for name in left_out])
         blocks.append(
-            Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
+            TextBlock(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
         )
     if constant:
         same = [f"{measure.title}: {words.figure(measure.values[0])}" for measure in constant]
-        blocks.append(Text(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
+        blocks.append(TextBlock(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
     return Section("results", "Results", tuple(blocks))
 
 

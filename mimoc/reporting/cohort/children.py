@@ -4,17 +4,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.cohorts import Job
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import HEAD, LENGTH, WEIGHT
 from mimoc.render.plots.drawing import Drawing, draw_svg, label
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.reporting import words
-from mimoc.reporting.page import Block, Cell, Details, Drawings, Section, Text, number, table
+from mimoc.reporting.page import Block, Cell, Details, Drawings, Section, TextBlock, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
 
 MOST_DRAWN = 12
@@ -109,7 +109,7 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     """Yield a drawing of the infants that were built, to scale."""
     built = [job for job in jobs if job.step == "build" and (result := store.read(job)) and result.ok]
     if not built:
-        yield Text("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
+        yield TextBlock("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
         return
     first = {_body(job): job for job in reversed(built)}
     bodies = sorted((job for job in built if first[_body(job)] is job), key=_months)
@@ -117,7 +117,7 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     chosen = [bodies[index * len(bodies) // number_drawn] for index in range(number_drawn)]
     drawn = [(bundle, silhouette(load_model(bundle))) for job in chosen for bundle in _bundle(job, store)]
     if not drawn:
-        yield Text("No infants are drawn, because their bundles are no longer in the folder.", "note")
+        yield TextBlock("No infants are drawn, because their bundles are no longer in the folder.", "note")
         return
     drawn.sort(key=lambda item: item[0].manifest.child.age_months)
     some = f"{len(drawn)} of the {len(bodies)} bodies" if len(drawn) < len(bodies) else "The bodies"

@@ -5,13 +5,13 @@ from typing import Any
 
 import mujoco
 
+from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
 from mimoc.delays.spec import MOTOR
-from mimoc.errors import RenderingError
 from mimoc.noise.spec import noise_keys
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.page import Block, Cell, Section, Text, table
+from mimoc.reporting.page import Block, Cell, Section, TextBlock, table
 from mimoc.senses import SENSES
 from mimoc.senses.binding import bind_sense
 
@@ -45,9 +45,9 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
     action = Cell(f"action: {_action_size(bundle)} numbers", "code")
     late, noisy = _delay(MOTOR, bundle, sources), _motor_noise(bundle, sources)
     rows.append([Cell("Commands"), Cell(_commands(bundle)), action, late, noisy])
-    about = Text(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
+    about = TextBlock(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
     blocks: tuple[Block, ...] = (about, table(("", "what it gives", "observation", "delay", "noise"), rows))
-    return Section("senses", "Senses and delays", blocks if entries else (Text(NONE), *blocks))
+    return Section("senses", "Senses and delays", blocks if entries else (TextBlock(NONE), *blocks))
 
 
 def _about(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:

@@ -5,12 +5,12 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from mimoc.base.errors import MimocError
 from mimoc.bundle.io import LOCK, Bundle, digests
 from mimoc.compiler.explain import entries_of, value_text
 from mimoc.compiler.provenance import SPEC_FILE
-from mimoc.errors import MimocError
 from mimoc.reporting import words
-from mimoc.reporting.page import Block, Cell, Code, Details, Link, Section, Text, number, table
+from mimoc.reporting.page import Block, Cell, Code, Details, Link, Section, TextBlock, number, table
 
 GROUPS = {
     "who": "Percentiles",
@@ -54,13 +54,13 @@ class Sources:
     def section(self) -> Section:
         """Return the section on the origin of all numbers that were referred to so far."""
         if self._reason:
-            return Section("sources", TITLE, (Text(f"Not known here: {self._reason}.", "note"),))
+            return Section("sources", TITLE, (TextBlock(f"Not known here: {self._reason}.", "note"),))
         groups: dict[str, list[str]] = {}
         for key in sorted(self._followed()):
             groups.setdefault(key.split(".")[0], []).append(key)
         order = [name for name in GROUPS if name in groups] + [name for name in groups if name not in GROUPS]
         blocks = [self._group(GROUPS.get(name, words.sentence(name)), groups[name]) for name in order]
-        return Section("sources", TITLE, (Text(ABOUT), *blocks))
+        return Section("sources", TITLE, (TextBlock(ABOUT), *blocks))
 
     def _followed(self) -> set[str]:
         """Return the numbers that were referred to, and all that they depend on."""
@@ -110,7 +110,7 @@ def origin(bundle: Bundle) -> Section:
     spec = (
         Code(bundle.files[SPEC_FILE].decode(errors="replace"))
         if SPEC_FILE in bundle.files
-        else Text("It has no spec.", "note")
+        else TextBlock("It has no spec.", "note")
     )
     blocks = (table(("", ""), rows), Details("The spec, as it was written", (spec,)))
     return Section("spec", "What it was made from", blocks)

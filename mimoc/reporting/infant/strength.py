@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.base.units import rad_to_deg
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.quantities.child import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
@@ -13,11 +14,10 @@ from mimoc.quantities.motion import BEYOND_LIMITS, ENERGY
 from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.page import Cell, Details, Drawings, Section, Text, number, table
+from mimoc.reporting.page import Cell, Details, Drawings, Section, TextBlock, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
 from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 from mimoc.runtime.limits import torque_limits
-from mimoc.units import rad_to_deg
 
 PARTS: Mapping[str, tuple[str, ...]] = {
     "head": ("head", "left_eye", "right_eye"),
@@ -207,12 +207,12 @@ def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
         progress(len(checks))
     about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
     headings = ("pose", "result", "warnings", ENERGY.heading, BEYOND_LIMITS.heading, "")
-    return Section("stability", "Stability", (Text(about), table(headings, map(_row, checks))))
+    return Section("stability", "Stability", (TextBlock(about), table(headings, map(_row, checks))))
 
 
 def unchecked() -> Section:
     """Return the section on the stability of an infant that was not checked."""
-    return Section("stability", "Stability", (Text(SKIPPED, "note"),))
+    return Section("stability", "Stability", (TextBlock(SKIPPED, "note"),))
 
 
 def _row(check: PoseCheck) -> tuple[Cell, ...]:

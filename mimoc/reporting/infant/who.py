@@ -9,12 +9,13 @@ import mujoco
 import numpy as np
 from PIL import Image
 
+from mimoc.base.errors import RenderingError
+from mimoc.base.units import m_to_cm
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.provenance import who_percentiles
 from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
-from mimoc.errors import RenderingError
 from mimoc.fits import load_tables, measure
 from mimoc.quantities.child import AVERAGE, DIFFERENCE, INDICATORS, MEASURED
 from mimoc.render.plots.drawing import Drawing, Path, box, draw_svg, line
@@ -23,9 +24,8 @@ from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.portrait import portrait
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.page import Cell, Drawings, Picture, Section, Text, Tile, Tiles, number, table
+from mimoc.reporting.page import Cell, Drawings, Picture, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.tasks import TASKS
-from mimoc.units import m_to_cm
 
 WIDTH_PX, HEIGHT_PX = 800, 600
 """Of the picture, twice as large as it is shown, for screens with small pixels."""
@@ -134,7 +134,7 @@ def proportions(model: mujoco.MjModel, age_months: float, sources: Sources) -> S
     about = ABOUT.format(tolerance=100 * TOLERANCE)
     headings = ("measurement", MEASURED.heading, AVERAGE.heading, DIFFERENCE.heading, "")
     rows = list(_rows(model, age_months, sources))
-    return Section("proportions", "Proportions", (Text(about), table(headings, rows)))
+    return Section("proportions", "Proportions", (TextBlock(about), table(headings, rows)))
 
 
 def _rows(model: mujoco.MjModel, age_months: float, sources: Sources) -> Iterator[tuple[Cell, ...]]:

@@ -1,6 +1,6 @@
 """A crib that fits the infant."""
 
-from mimoc.kinds import SceneKind
+from mimoc.base.kinds import SceneKind
 
 KIND = SceneKind(
     name="crib",

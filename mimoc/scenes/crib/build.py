@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import stature
 from mimoc.body.origins import Entry
 from mimoc.looks.wallpaper import WALLS, Wallpapers
@@ -22,7 +23,6 @@ from mimoc.mjcf.furniture import (
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.scenes.spec import SceneSpec
-from mimoc.units import cm_to_m
 
 INNER_M = (1.2, 0.6)
 """Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""

@@ -1,6 +1,6 @@
 """Nothing at all: no floor and no gravity."""
 
-from mimoc.kinds import SceneKind
+from mimoc.base.kinds import SceneKind
 
 KIND = SceneKind(
     name="empty",

@@ -1,6 +1,6 @@
 """An endless floor."""
 
-from mimoc.kinds import SceneKind
+from mimoc.base.kinds import SceneKind
 
 KIND = SceneKind(
     name="flat",

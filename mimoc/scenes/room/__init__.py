@@ -1,6 +1,6 @@
 """A furnished room drawn at random."""
 
-from mimoc.kinds import SceneKind
+from mimoc.base.kinds import SceneKind
 from mimoc.scenes.room.spec import RoomSpec
 
 KIND = SceneKind(

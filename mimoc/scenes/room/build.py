@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.base.random_streams import SEED, between, drawn_rule, pick, shuffled, stream, whole_between
 from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import Vec3
 from mimoc.looks.wallpaper import OWN_WALLPAPERS, Wallpaper, Wallpapers
@@ -21,7 +22,6 @@ from mimoc.mjcf.furniture import (
     WorldTexture,
 )
 from mimoc.mjcf.world import World
-from mimoc.random_streams import SEED, between, drawn_rule, pick, shuffled, stream, whole_between
 from mimoc.scenes.built_scene import HEADLIGHT, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import reach_of
 from mimoc.scenes.spec import SceneSpec

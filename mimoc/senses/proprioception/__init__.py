@@ -1,7 +1,7 @@
 """Joint angles, velocities, torques and limits, and the state of the actuators."""
 
+from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
 
 KIND = SenseKind(

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.units import deg_to_rad
 from mimoc.noise.noise import Draw, Noise, Smooth
 from mimoc.senses.proprioception.run import ANGLE_UNIT, VELOCITY_UNIT
 from mimoc.senses.sense import FloatArray, IntArray, Sense
-from mimoc.units import deg_to_rad
 
 
 @dataclass(frozen=True)

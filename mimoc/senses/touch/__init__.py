@@ -1,7 +1,7 @@
 """Touch, all over the skin."""
 
+from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.senses.touch.spec import TouchEntry, TouchSpec
 
 KIND = SenseKind(
@@ -11,7 +11,7 @@ KIND = SenseKind(
     build="mimoc.senses.touch.build",
     run="mimoc.senses.touch.run",
     many="mimoc.senses.touch.many",
-    device="mimoc.runtime.warp.touch",
+    device="mimoc.runtime.device.touch",
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
     noise=NoiseOption(
         unit="n",

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
-from mimoc.errors import RenderingError
 from mimoc.render.markers import Markers, force_markers
 from mimoc.senses.binding import bind_sense
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
+from mimoc.base.errors import BundleError
 from mimoc.bundle.io import Bundle
-from mimoc.errors import BundleError
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.touch.contacts import (
     ContactForces,

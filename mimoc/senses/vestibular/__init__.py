@@ -1,7 +1,7 @@
 """Balance."""
 
+from mimoc.base.kinds import AgeTable, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 
 KIND = SenseKind(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec

@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
-from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry

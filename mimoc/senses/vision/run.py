@@ -52,7 +52,7 @@ class Vision(Sense):
         """Return a picture for each eye, under the name of its camera."""
         return {name: picture.copy() for name, picture in zip(self._entry.cameras, sample, strict=True)}
 
-    def follow(self, entry: VisionEntry, model: mujoco.MjModel) -> bool:
+    def rebind(self, entry: VisionEntry, model: mujoco.MjModel) -> bool:
         """See another scene, or with the acuity of another age, with the same OpenGL context."""
         self.eyes.use_model(model)
         if entry != self._entry:

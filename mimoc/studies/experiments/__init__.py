@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 
-from mimoc.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
 

@@ -9,6 +9,7 @@ from statistics import fmean
 
 import numpy as np
 
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
@@ -22,7 +23,6 @@ from mimoc.studies.experiments.learner import Learner, binned_times_s, detour, m
 from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.tasks.reach import ReachEntry
 from mimoc.training import evaluate, load_policy, train
-from mimoc.units import ms_to_s
 
 Groups = Mapping[float, Sequence[Learner]]
 """Trained infants by sensory delay in ms."""

@@ -6,10 +6,10 @@ from statistics import fmean
 
 import numpy as np
 
+from mimoc.base.units import ms_to_s
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.sensed_reaching import log_dimensionless_jerk, path_ratio, spectral_arc_length
 from mimoc.training import Curve, Episode, Training
-from mimoc.units import ms_to_s
 
 STEP_MS = 10.0
 """Duration of a control step."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
-from mimoc.errors import OutputError
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Plot, Sheet
 

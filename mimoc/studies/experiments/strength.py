@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.units import ms_to_s
 from mimoc.body import grow_body
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
@@ -22,7 +23,6 @@ from mimoc.studies.experiments.effort import (
     efforts,
 )
 from mimoc.studies.experiments.notebook import Cell, Notebook, Progress, markdown_table, page_texts
-from mimoc.units import ms_to_s
 
 TARGET_DEG = 60.0
 FULL_SIZE_MONTHS = 18

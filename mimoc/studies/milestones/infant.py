@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.requests import ROOT, compile_infant, solid_extents
-from mimoc.compiler.variants import errors_at, quickly_aged
+from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.delays.presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-from mimoc.units import deg_to_rad, ms_to_s
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -204,7 +204,7 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     }
     actuation = asked.model_copy(update={"strength": strength, "regions": None, "locked": ()})
     with errors_at(spec, age_months):
-        grown = quickly_aged(spec, age_months).model_copy(update={"actuation": actuation})
+        grown = at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
         model = compile_infant(grown)
     return TrialInfant.of(model, longest_delays_s(grown))
 

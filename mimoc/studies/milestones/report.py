@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from mimoc.compiler.availability import refuse_unavailable
+from mimoc.base.rounding import rounded
+from mimoc.compiler.availability import check_available
 from mimoc.compiler.child import child_of
-from mimoc.compiler.variants import errors_at, quickly_aged
+from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.render.plots.growth import AgeRow
-from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import Progress, SearchResult, age_grid, search
@@ -187,10 +187,10 @@ def validate_milestones(
         [False, True]
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    refuse_unavailable(infant)
+    check_available(infant)
     for age_months in ages or age_grid():  # Before minutes of trials.
         with errors_at(infant, age_months):
-            child_of(quickly_aged(infant, age_months))
+            child_of(at_age_unchecked(infant, age_months))
     usual = conditions or Conditions()
     results = search(infant, usual, names, ages or age_grid(), processes, progress)
     further = {trial.name for trial in FURTHER}

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from mimoc.kinds import TaskKind
+from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Amount, Body, Length, Lengths, Number, Steps
 from mimoc.tasks.base import BallEntry, TaskEntry, TaskSpec
 

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.binding import bind_actuation
+from mimoc.base.model_fields import ModelField
 from mimoc.bundle.io import Bundle
-from mimoc.model_fields import ModelField
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, pose_of, resting_state
@@ -11,7 +12,6 @@ from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.base import GazeEntry
 from mimoc.tasks.reach import ReachEntry, ReachSpec
 from mimoc.tasks.setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
-from mimoc.units import deg_to_rad
 
 STEPS = 1000
 """Of an episode (MIMo)."""

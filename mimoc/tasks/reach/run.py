@@ -10,12 +10,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.base.errors import BundleError
+from mimoc.base.model_fields import ModelField
+from mimoc.base.mujoco_layout import LOCK_ANGLE
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
-from mimoc.errors import BundleError
 from mimoc.geometry.rotations import direction
-from mimoc.model_fields import ModelField
-from mimoc.mujoco_layout import LOCK_ANGLE
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mimoc.kinds import TaskKind
+from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Body, Number
 from mimoc.tasks.base import TaskEntry, TaskSpec
 

@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.base.units import to_steps
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_contacts
@@ -14,7 +15,6 @@ from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.tasks.rollover import RolloverEntry
 from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
-from mimoc.units import to_steps
 
 
 @dataclass(frozen=True)

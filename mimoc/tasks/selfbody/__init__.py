@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mimoc.kinds import TaskKind
+from mimoc.base.kinds import TaskKind
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Body, Label, Number
 from mimoc.tasks.base import TaskEntry, TaskSpec

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from mimoc.kinds import TaskKind
+from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Body, Number
 from mimoc.tasks.base import TaskEntry, TaskSpec
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from mimoc.base.errors import UnsupportedTaskError
+from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
-from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.setup import Side
-from mimoc.units import deg_to_rad
 
 CLEAR_M = 0.001
 """Between a bar and the hand around it: the hold carries the infant, not the contact."""

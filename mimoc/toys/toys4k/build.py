@@ -3,7 +3,7 @@
 from functools import cache, partial
 from pathlib import Path
 
-from mimoc.errors import ToyError, UnknownToysError
+from mimoc.base.errors import ToyError, UnknownToysError
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Part, ToyModel
 from mimoc.toys.spec import ToysSpec

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.errors import OutputError
 from mimoc.bundle.files import remove_temporary_files, write_file
-from mimoc.errors import OutputError
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.toys4k.cleaning import has_simplifier
 from mimoc.toys.toys4k.convex import has_coacd

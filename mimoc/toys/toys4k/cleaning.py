@@ -9,7 +9,7 @@ from importlib.util import find_spec
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import ToyError
+from mimoc.base.errors import ToyError
 from mimoc.toys.model import FloatArray, IntArray, Mesh
 
 GRID = 2**20 - 1

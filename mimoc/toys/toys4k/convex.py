@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from mimoc.errors import ToyError
+from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
 from mimoc.toys.model import IntArray, Mesh, Solid
 from mimoc.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from mimoc.errors import ToyError, suggestion
+from mimoc.base.errors import ToyError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
 """Supported formats, in order of preference."""

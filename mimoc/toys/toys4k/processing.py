@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import ToyError
+from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 from mimoc.toys.model import Mesh, Solid, join
 from mimoc.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used

@@ -3,7 +3,7 @@ import sys
 import numpy as np
 import pytest
 
-from mimoc.errors import MissingExtraError
+from mimoc.base.errors import MissingExtraError
 from mimoc.quantities.outcome import LEARNING
 from mimoc.render.plots.file import draw, encode
 from mimoc.render.plots.learning import learning_sheet

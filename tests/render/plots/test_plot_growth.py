@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from mimoc.errors import MissingExtraError, OutputError
+from mimoc.base.errors import MissingExtraError, OutputError
 from mimoc.quantities.child import INDICATORS
 from mimoc.render.plots import file
 from mimoc.render.plots.file import draw, write_sheet

@@ -9,7 +9,7 @@ import pytest
 from support.growing import flail, same, spec
 
 import mimoc
-from mimoc.errors import BundleError, MimocError, UnknownNameError
+from mimoc.base.errors import BundleError, MimocError, UnknownNameError
 
 # Chance, states and copies.
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+from mimoc.base.random_streams import stream
 from mimoc.looks.wallpaper import FLOORS, PICTURES, WALLS, Wallpapers
 from mimoc.mjcf.furniture import WorldGeom
-from mimoc.random_streams import stream
 from mimoc.scenes.room.build import CLEARANCE_M, Room, draw_room, place_infant
 
 USUAL = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))

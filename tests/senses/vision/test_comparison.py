@@ -1,6 +1,6 @@
 import pytest
 
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
 from mimoc.schema import VisionSpec
 from mimoc.senses.vision.acuity_by_age import acuity_at

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.errors import RenderingError
+from mimoc.base.errors import RenderingError
 from mimoc.render import renderer
 from mimoc.render.opengl import open_context
 from mimoc.senses.vision import eyes as home

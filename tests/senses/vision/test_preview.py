@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import load_posed
 from mimoc.compiler import building, loading
-from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.foveation import blur, contrast_gain
 from mimoc.senses.vision.preview import BLANK_RANGE, is_blank, preview
 from mimoc.senses.vision.spec import VisionEntry

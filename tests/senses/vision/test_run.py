@@ -6,8 +6,8 @@ import pytest
 from support import store
 
 import mimoc
+from mimoc.base.errors import RenderingError
 from mimoc.bundle.model import load_model
-from mimoc.errors import RenderingError
 from mimoc.render import opengl, renderer
 from mimoc.render.body_camera import BodyCamera
 from mimoc.senses.vision.eyes import HIDDEN_GROUP

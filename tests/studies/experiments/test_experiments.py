@@ -10,8 +10,8 @@ from PIL import Image
 from support.full import full_but
 
 import mimoc
+from mimoc.base.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.bundle.model import load_model
-from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.studies.experiments import EXPERIMENTS, run_experiment
 from mimoc.studies.experiments.delays import reaching
 from mimoc.studies.experiments.effort import lying

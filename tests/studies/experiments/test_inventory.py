@@ -58,7 +58,7 @@ def test_its_size_and_place_are_those_of_the_model(room, started):
 
 
 def test_places_are_counted_from_where_the_infant_looks(room, bundle, started):
-    """The middle between the shoulders is where `Reach` says; ahead is where the hip's x axis points."""
+    """The middle between the shoulders is where `PositionTask` says; ahead is where the hip's x axis points."""
     _, data = started
     ahead = data.body("hip").xmat.reshape(3, 3)[:2, 0]
     ahead = ahead / math.hypot(*ahead)

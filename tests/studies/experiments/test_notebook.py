@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from mimoc.errors import OutputError
+from mimoc.base.errors import OutputError
 from mimoc.studies.experiments.notebook import markdown_table, open_notebook
 
 

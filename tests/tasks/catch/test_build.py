@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.model_check import compile_model
-from mimoc.errors import SpecError
 from mimoc.tasks.setup import RADIUS_M
 
 AGES = (0, 3, 9, 18, 24)

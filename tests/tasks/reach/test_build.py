@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 
 AGES = (0, 3, 9, 18, 24)
 

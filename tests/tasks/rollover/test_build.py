@@ -3,8 +3,8 @@
 import pytest
 
 import mimoc
+from mimoc.base.errors import SpecError
 from mimoc.compiler.building import Builder, builder
-from mimoc.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse
 

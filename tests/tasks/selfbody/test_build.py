@@ -5,7 +5,7 @@ import pytest
 from support import store
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 
 AGES = (0, 9, 18, 24)
 HANDS = ("mitten", "five_finger")

@@ -9,7 +9,7 @@ from support import store
 from support.full import full_rows
 
 import mimoc
-from mimoc.errors import SpecError
+from mimoc.base.errors import SpecError
 
 AGES = (3, 6, 9, 18, 24)
 INFANTS = [("maturing", age_months) for age_months in AGES] + [("published", age_months) for age_months in (0, 9, 24)]

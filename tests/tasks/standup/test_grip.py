@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from mimoc import body
+from mimoc.base.errors import UnsupportedTaskError
 from mimoc.body.kinematics import frames
-from mimoc.errors import UnsupportedTaskError
 from mimoc.mjcf.furniture import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
 from mimoc.tasks.standup.grip import CLEAR_M, arm_to_bar, curled, grip_point

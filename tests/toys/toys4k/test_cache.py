@@ -8,8 +8,8 @@ import pytest
 from support import mesh_kinds
 from support.mesh_kinds import USABLE, obj, put
 
+from mimoc.base.errors import ToyError
 from mimoc.bundle.files import writer_prefix
-from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, Solid, ToyModel
 from mimoc.toys.toys4k import build, cache, convex, subprocesses
 from mimoc.toys.toys4k.build import load_toy

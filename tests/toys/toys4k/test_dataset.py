@@ -5,7 +5,7 @@ import pytest
 from support import mesh_kinds
 from support.mesh_kinds import put
 
-from mimoc.errors import ToyError
+from mimoc.base.errors import ToyError
 from mimoc.toys.toys4k.dataset import FORMATS, choose, expand_root, find_toys, unknown
 
 MESH = b"v 0 0 0"

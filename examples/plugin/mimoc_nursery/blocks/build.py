@@ -5,7 +5,7 @@ from pathlib import Path
 
 import trimesh
 
-from mimoc.errors import UnknownToysError, suggestion
+from mimoc.base.errors import UnknownToysError, suggestion
 from mimoc.toys.assembling import assemble
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Mesh, Solid, ToyModel

@@ -6,9 +6,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.tasks.task import Task, Verdict
-from mimoc.units import ms_to_s
 from mimoc_nursery.kick.spec import KickEntry
 
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
+from mimoc.base.units import deg_to_rad
 from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, elevation_deg
 from mimoc.studies.milestones.trial import Attempt, Trial, steady
-from mimoc.units import deg_to_rad
 
 PRONE_S = 3.0
 PRONE_UP_DEG = 45.0

@@ -1,0 +1,1 @@
+"""What all other folders stand on: errors, units, kinds, rounding, random streams."""

@@ -1,0 +1,317 @@
+"""Records of the kinds of things an infant can have: all that mimoc must know of each, in one place.
+
+A record names the code of a kind by module, so that each command imports only what it needs: the spec language is known
+without the compiler, and a bundle is opened without it.
+"""
+
+import os
+import re
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoints, distributions, entry_points
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar
+
+from mimoc.base.errors import KindError, UnknownNameError
+
+if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
+    from mimoc.body.part import ReferencePart
+    from mimoc.schema.base import Model
+
+Code = str | Callable[..., Any]
+"""A function, or the full name of the module that defines it."""
+
+NAME = re.compile("[a-z][a-z0-9_]*")
+PLUGINS_VARIABLE = "MIMOC_PLUGINS"
+"""Environment variable that names the distributions whose plug-ins are used, with commas; `none` is none of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgeTable:
+    """Delays by age, interpolated linearly."""
+
+    ages_months: tuple[float, ...]
+    ms: tuple[float, ...]
+    """To or from all of the body but the legs."""
+    legs_ms: tuple[float, ...] | None = None
+    """To or from legs and feet, where that differs."""
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseOption:
+    """The noise that a sense can have."""
+
+    unit: str
+    """Its unit, with which its key in the spec's `noise` ends: `deg` of `proprioception_deg`."""
+    about: str
+    """What the number is, for help."""
+    most: float
+    """Largest number that makes sense."""
+    run: Code
+    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples; see `mimoc/noise/noise.py`."""
+
+
+@dataclass(frozen=True, slots=True)
+class SenseKind:
+    """A sense."""
+
+    name: str
+    """Key in the spec's `senses`, and with `_ms` in its `delays`."""
+    spec: "type[Model]"
+    """What a user can ask of it; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it."""
+    build: Code
+    """`build(spec, body) -> Placed`: what it adds to the MJCF, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Sense`: what reads it; imported when an environment is opened."""
+    organs: tuple[str, ...] = ()
+    """Parts of the body of which it requires at least one."""
+    paper_delay_ms: float = 50.0
+    """Delay with `preset: paper`; 50 ms is the middle one of the delays of the paper's reaching experiment."""
+    physiological_delay: AgeTable | None = None
+    """Delay with `preset: physiological`; None is no delay."""
+    noise: NoiseOption | None = None
+    """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
+    many: Code | None = None
+    """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
+    it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
+    device: Code | None = None
+    """`bind(setup) -> DeviceReader` (`mimoc/runtime/device/signals.py`): what reads it on a device if it is no term."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActuationKind:
+    """An actuation model."""
+
+    name: str
+    """Value of the spec's `actuation.model`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, body, timestep_s) -> ActuationSetup`: the actuators, and what they leave of springs and dampers."""
+    run: Code
+    """`bind(entry, model) -> Actuation`: from an action to controls."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `actuation` under its name."""
+    command_is_effort: bool = True
+    """Whether a command of 0 is no effort and a larger one is more, so that noise can be a share of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskKind:
+    """A task."""
+
+    name: str
+    """Value of the spec's `task.kind`."""
+    spec: "type[Model]"
+    """What a user can ask of it: a section with `kind: Literal[name]`; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it, with `kind: Literal[name] = name`."""
+    build: Code
+    """`build(spec, body) -> TaskSetup`: how the infant starts and what the task adds to the world, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Task`: what starts episodes and judges each control step."""
+    scenes: tuple[str, ...] | None = None
+    """Kinds of scenes it can be in; None is all."""
+    poses: tuple[str, ...] | None = ()
+    """Values of `scene.pose` it can start from: none where it has a start of its own; None is all."""
+    step_ms: float = 10.0
+    """Control step, unless the spec gives one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneKind:
+    """A kind of scene."""
+
+    name: str
+    """Value of the spec's `scene.kind`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, occupant, wallpapers) -> BuiltScene`: the world before toys are put there."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene` under its name."""
+    has_floor: bool = True
+    """Whether toys can lie there."""
+    needs_footprint: bool = True
+    """Whether building it takes the floor that the infant covers in its poses."""
+    varies: bool = True
+    """Whether the seed changes more of it than its toys."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToySource:
+    """A source of toys."""
+
+    name: str
+    """Value of the spec's `scene.toys.source`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, folder) -> Toybox`: the toys there are; paths are relative to *folder*."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene.toys` under its name."""
+    needs_root: bool = False
+    """Whether it requires `scene.toys.root`, a folder."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartKind:
+    """Parts of the body that belong together: a tail, a pair of wings, other hands."""
+
+    name: str
+    """Name in the spec's `body.extra`, or value of its `body.hands`."""
+    about: str
+    """One sentence for help."""
+    parts: "tuple[ReferencePart, ...]"
+    """Their joints, geoms and motors at 18 months, parents first; a name with `{side}` is on both sides."""
+    shape: Code
+    """`shape(proportions) -> Dimensions`: sizes and places of the geoms, and places of the parts, of the right side."""
+    replaces: Literal["hands"] | None = None
+    """What it is in place of; None is an addition. Hands begin with `{side}_hand`, which is on `{side}_lower_arm`."""
+    excluded: tuple[tuple[str, str], ...] = ()
+    """Pairs of bodies without contacts."""
+    masses_kg: Mapping[str, float] = field(default_factory=dict)
+    """Masses at 18 months that geoms of other parts have with these, where they are not the usual ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyKind:
+    """A policy that needs no training."""
+
+    name: str
+    """Value of `mimoc run --policy`."""
+    about: str
+    """One sentence for help."""
+    run: Code
+    """`bind(env) -> Policy`: from a random number generator and an observation to an action."""
+
+
+class Kind(Protocol):
+    """What all records have in common."""
+
+    @property
+    def name(self) -> str:
+        """Name, unique among its kind of thing."""
+        ...
+
+
+K = TypeVar("K", bound=Kind)
+
+
+@dataclass(frozen=True)
+class Kinds(Mapping[str, K]):
+    """The records of one kind of thing by name: mimoc's own, in their order, then those that were added."""
+
+    what: str
+    """What they are, in the singular, such as `sense`."""
+    own: Mapping[str, K | str]
+    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named."""
+    _added: dict[str, tuple[K, str]] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> K:
+        if name not in self.own:
+            return self._added[name][0]
+        record: Any = self.own[name]
+        return import_module(record).KIND if isinstance(record, str) else record
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.own
+        yield from sorted(self._added)
+
+    def __len__(self) -> int:
+        return len(self.own) + len(self._added)
+
+    def find(self, name: str) -> K:
+        """Return the record of a name.
+
+        Raises:
+            UnknownNameError: If there is none.
+        """
+        if name not in self:
+            raise UnknownNameError(self.what, name, list(self))
+        return self[name]
+
+    def distribution(self, name: str) -> str:
+        """Return the distribution that a kind comes from, such as `mimoc`; empty if a script registered it."""
+        return "mimoc" if name in self.own else self._added[name][1]
+
+    def add(self, record: K, distribution: str = "") -> None:
+        """Add somebody else's record; a script may replace what it registered before.
+
+        Raises:
+            KindError: If its name is no identifier in lower case, or is taken.
+        """
+        if not NAME.fullmatch(record.name):
+            raise KindError(f"'{record.name}' cannot name a {self.what}; use lower-case letters, digits and '_'")
+        if record.name in self and (distribution or self.distribution(record.name)):
+            taken = self.distribution(record.name) or "this script"
+            raise KindError(f"there is a {self.what} '{record.name}' already, from {taken}; choose another name")
+        self._added[record.name] = record, distribution
+
+    def remove(self, name: str) -> None:
+        """Take out a record that was added."""
+        del self._added[name]
+
+
+def check_custom_object(what: str, custom: object, method: str, example: str) -> None:
+    """Check that what a script passes instead of a record is an object with a method, and not its class.
+
+    Raises:
+        KindError: If it is not.
+    """
+    if isinstance(custom, type):
+        raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
+    if not callable(getattr(custom, method, None)):
+        raise KindError(f"{what} is {custom!r:.60}, which has no method '{method}'; pass {example}")
+
+
+def announced(group: str) -> list[str]:
+    """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
+    return sorted(each.name for each in installed_entry_points().select(group=group))
+
+
+@cache
+def installed_entry_points() -> EntryPoints:
+    """Return the entry points of all installed distributions, or of those that `MIMOC_PLUGINS` names, looked up once.
+
+    A name there that no distribution with entry points of mimoc has is a warning.
+    """
+    wanted = os.environ.get(PLUGINS_VARIABLE)
+    if wanted is None:
+        installed: Any = entry_points()  # Python 3.11's has another type, with the same `select`.
+        return installed
+    names = {_normalized(name) for name in wanted.split(",") if name.strip()} - {"none"}
+    points = [point for package in distributions() for point in package.entry_points] if names else []
+    ours = {point: _normalized(point.dist.name) for point in points if point.dist and point.group.startswith("mimoc.")}
+    for name in sorted(names - set(ours.values())):
+        warnings.warn(f"{PLUGINS_VARIABLE}: no installed package '{name}' has plug-ins for mimoc", stacklevel=2)
+    return EntryPoints(point for point, name in ours.items() if name in names)
+
+
+def function_of(code: Code, name: str) -> Callable[..., Any]:
+    """Return the function that a record means.
+
+    Args:
+        code: The function itself, or the module that defines it.
+        name: Its name in the module.
+
+    Raises:
+        KindError: If somebody else's module cannot be imported, or has no such function.
+    """
+    if not isinstance(code, str):
+        return code
+    if code.startswith("mimoc."):
+        return getattr(import_module(code), name)
+    try:
+        return getattr(import_module(code), name)
+    except (Exception, SystemExit) as error:  # Whatever a plug-in's module does when it is imported.
+        raise KindError(f"the plug-in module '{code}' has no usable function '{name}': {error!r}") from error
+
+
+def _normalized(distribution: str) -> str:
+    """Return the name of a distribution in the form in which equal names are equal (PEP 503)."""
+    return re.sub(r"[-_.]+", "-", distribution.strip()).lower()

@@ -1,0 +1,163 @@
+"""Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
+
+from collections.abc import Mapping
+
+from mimoc.actuation.setup import ActuationSetup
+from mimoc.base.kinds import function_of
+from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
+from mimoc.base.units import deg_to_rad, ms_to_s
+from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
+from mimoc.body.head_surface import head_radius, on_head
+from mimoc.body.poses import POSES, poses_of, resting_states, standing_height
+from mimoc.compiler.manifest import EYE, EYE_SIDES
+from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, add_materials, dress_skin
+from mimoc.looks.skin.deformation import skin_of
+from mimoc.mjcf import sensor_sites
+from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
+from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
+from mimoc.mjcf.world import World
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import bodies_of
+from mimoc.senses import SENSES
+
+
+def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
+    """Return every pose of this body as a state that rests on the ground, z = 0."""
+    return tuple(map(Keyframe, POSES, resting_states(tree, poses_of(tree))))
+
+
+LOOKS_GROUP = 1
+EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)
+
+
+def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
+    """Return the senses of a spec, built on a body, by name."""
+    asked = {name: getattr(spec.senses, name) for name in SENSES}
+    return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
+
+
+def assemble_infant(
+    spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
+) -> SceneTree:
+    """Return a scene with the infant of a spec, with its poses at the origin of an empty world.
+
+    Args:
+        spec: The spec.
+        tree: The body.
+        actuation: Its actuators.
+        senses: Its senses.
+        has_skin: Whether a skin is drawn over its solids.
+    """
+    parts = _parts(tree, actuation, senses, has_skin)
+    skin = skin_of(tree) if has_skin else None
+    round_head = tree.geoms["head"].type == "sphere"
+    expression = spec.body.expression
+    return SceneTree(
+        name=spec.name,
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
+        roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
+        appearance=dress_skin(expression, skin.names, round_head=round_head)
+        if skin
+        else add_materials(expression, round_head=round_head),
+        tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
+        excluded=tree.excluded,
+        actuator_defaults=actuation.defaults,
+        actuators=actuation.actuators,
+        sensors=(
+            *sensor_sites.VESTIBULAR_SENSORS,
+            *sensor_sites.torque_sensors(tree),
+            *(sensor for placed in senses.values() for sensor in placed.sensors),
+        ),
+        world=World(),
+        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
+        skin=skin,
+    )
+
+
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
+    """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
+    hip_m = (0.0, 0.0, standing_height(tree))
+    cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
+    sites_by_source += [*(placed.sites for placed in senses.values()), sensor_sites.keypoint_sites(tree)]
+    for placed in senses.values():
+        cameras |= placed.cameras
+    uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
+    nodes: dict[str, Node] = {}
+    for body in reversed(tree.bodies):
+        is_root = body.parent is None
+        group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
+        nodes[body.name] = Node(
+            name=body.name,
+            pos_m=hip_m if is_root else body.pos_m,
+            euler_rad=_radians(body.euler_deg),
+            free_joints=(FREE_JOINT,) if is_root else (),
+            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
+            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
+            sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
+            cameras=cameras.get(body.name, ()),
+            children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
+        )
+    return nodes
+
+
+def _joint(joint: Joint) -> PrintedJoint:
+    low, high = joint.range_deg
+    return PrintedJoint(
+        name=joint.name,
+        axis=joint.axis,
+        pos_m=joint.anchor_m,
+        range_rad=(deg_to_rad(low), deg_to_rad(high)),
+        stiffness_nm_per_rad=joint.stiffness_nm_per_rad,
+        damping_nms_per_rad=joint.damping_nms_per_rad,
+        frictionloss_nm=joint.frictionloss_nm,
+        armature_kgm2=joint.armature_kgm2,
+        springref_rad=deg_to_rad(joint.springref_deg),
+    )
+
+
+def _geom(geom: Geom, group: int) -> PrintedGeom:
+    return PrintedGeom(
+        name=geom.name,
+        type=geom.type,
+        size_m=geom.size_m,
+        pos_m=geom.pos_m,
+        euler_rad=_radians(geom.euler_deg),
+        mass_kg=geom.mass_kg,
+        material=geom.material,
+        friction=geom.friction,
+        contype=geom.contype,
+        conaffinity=geom.conaffinity,
+        condim=geom.condim,
+        group=group,
+    )
+
+
+def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
+    """Return the visual geoms of the head: nose, ears, lids."""
+    if body.name != "head":
+        return ()
+    head = next(geom for geom in body.geoms if geom.name == body.name)
+    return tuple(_feature(feature, head, SOLIDS_GROUP if has_skin else LOOKS_GROUP) for feature in HEAD_FEATURES)
+
+
+def _feature(feature: HeadFeature, head: Geom, group: int) -> PrintedGeom:
+    radius_m = head_radius(head)
+    return PrintedGeom(
+        name=feature.name,
+        type=feature.type,
+        size_m=tuple(radius_m * size for size in feature.size),
+        pos_m=on_head(head, feature.pos),
+        euler_rad=_radians(feature.euler_deg),
+        mass_kg=0.0,
+        material=feature.material,
+        friction=(1.0, 0.005, 0.0002),
+        contype=0,
+        conaffinity=0,
+        condim=3,
+        group=group,
+    )
+
+
+def _radians(euler_deg: tuple[float, float, float]) -> tuple[float, float, float]:
+    x, y, z = map(deg_to_rad, euler_deg)
+    return x, y, z

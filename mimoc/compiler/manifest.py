@@ -1,0 +1,191 @@
+"""The manifest of a scene, with the names of the parts that the runtime and controllers use."""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any, Literal
+
+from mimoc.actuation import ACTUATIONS
+from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
+from mimoc.base.kinds import Kinds
+from mimoc.body import FREE_JOINT, BodyTree
+from mimoc.body.kinematics import stature
+from mimoc.body.parts import PARTS
+from mimoc.bundle.manifest import (
+    AnatomyEntry,
+    ChildEntry,
+    ConstraintsEntry,
+    EyeEntry,
+    FaceEntry,
+    LimbEntry,
+    LockEntry,
+    Manifest,
+    ToyEntry,
+    WeldEntry,
+)
+from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
+from mimoc.compiler.placing import start_pose
+from mimoc.delays.presets import delays
+from mimoc.looks.appearance import EXPRESSIONS, face_material
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.mimo.lookups import lock_name
+from mimoc.mjcf.scene import Placed, SceneTree
+from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
+from mimoc.mjcf.world import FreeObject
+from mimoc.noise.presets import noise
+from mimoc.scenes import SCENES
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses import SENSES
+from mimoc.senses.spec import SensesEntry
+from mimoc.tasks import TASKS
+from mimoc.tasks.setup import NO_TASK, TaskSetup
+from mimoc.toys import TOY_SOURCES
+
+Side = Literal["left", "right"]
+Ends = tuple[str, str]
+"""Names of two things, with `{side}`."""
+
+HEAD = "head"
+ARM: Ends = ("{side}_upper_arm", "{side}_hand")
+"""First and last body; fingers are parts of the hand."""
+LEG: Ends = ("{side}_upper_leg", "{side}_foot")
+"""First and last body; toes are parts of the foot."""
+EYE: Ends = ("{side}_eye", "eye_{side}")
+"""Body and camera."""
+
+LIMB_SIDES: tuple[Side, Side] = ("right", "left")
+EYE_SIDES: tuple[Side, Side] = ("left", "right")
+"""Sides in MIMo's order."""
+
+
+def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
+    """Return the anatomy of a body for the manifest."""
+    bodies = {body.name for body in tree.bodies}
+    groups: dict[str, list[str]] = {}
+    for joint, group in tree.muscle_groups.items():
+        groups.setdefault(group, []).append(joint)
+    return AnatomyEntry(
+        head=HEAD if HEAD in bodies else None,
+        trunk=tuple(body.name for body in tree.bodies if body.region == "trunk"),
+        arms=tuple(_limbs(ARM, bodies)),
+        legs=tuple(_limbs(LEG, bodies)),
+        eyes=tuple(_eyes(bodies)),
+        groups={group: tuple(joints) for group, joints in sorted(groups.items())},
+    )
+
+
+def _limbs(ends: Ends, bodies: set[str]) -> Iterator[LimbEntry]:
+    for side in LIMB_SIDES:
+        root, end = (name.format(side=side) for name in ends)
+        if root in bodies:
+            yield LimbEntry(side=side, root=root, end=end if end in bodies else None)
+
+
+def _eyes(bodies: set[str]) -> Iterator[EyeEntry]:
+    for side in EYE_SIDES:
+        body, camera = (name.format(side=side) for name in EYE)
+        if body in bodies:
+            yield EyeEntry(side=side, body=body, camera=camera)
+
+
+def make_manifest(
+    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
+) -> Manifest:
+    """Return the manifest of a scene."""
+    child = _child(spec, tree)
+    locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
+    commanded = commanded_joints(spec, tree, setup)
+    return Manifest(
+        name=spec.name,
+        child=child,
+        root_body=scene.roots[0].name,
+        root_joint=FREE_JOINT,
+        timestep_ms=spec.control.timestep_ms,
+        step_ms=spec.control.step_ms,
+        pose=start_pose(spec, setup),
+        poses=tuple(keyframe.name for keyframe in scene.keyframes),
+        actuation=_actuation(spec.actuation.model, scene.actuators, commanded),
+        anatomy=describe_anatomy(tree),
+        senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
+        delays=delays(spec, tree),
+        noise=noise(spec),
+        constraints=ConstraintsEntry(
+            locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked),
+            welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),
+        ),
+        task=setup.entry,
+        face=FaceEntry(
+            geom="head",
+            materials={name: face_material(name) for name in EXPRESSIONS},
+            skin="head" if scene.skin else None,
+        ),
+        keypoints=tuple(PREFIX + name for name in KEYPOINTS),
+    )
+
+
+def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
+    """Return the entries of toys in the manifest."""
+    return tuple(
+        ToyEntry(
+            body=toy.name,
+            joint=toy.joint,
+            object=toy.object,
+            category=toy.category,
+            source=toy.source,
+            size_m=toy.size_m,
+            mass_kg=toy.mass_kg,
+        )
+        for toy in toys
+    )
+
+
+def used_plugins(spec: InfantSpec) -> dict[str, str]:
+    """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
+
+    The distribution is empty for a kind that a script registered.
+    """
+    return {
+        f"{group}.{name}": kinds.distribution(name)
+        for group, kinds, name in _used_kinds(spec)
+        if kinds.distribution(name) != "mimoc"
+    }
+
+
+def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
+    """Yield the group, the table and the name of each kind that a spec uses."""
+    for name in SENSES:
+        if getattr(spec.senses, name) is not None:
+            yield "senses", SENSES, name
+    yield "actuation", ACTUATIONS, spec.actuation.model
+    for name in (spec.body.hands, *(spec.body.extra or ())):
+        yield "parts", PARTS, name
+    if spec.task:
+        yield "tasks", TASKS, spec.task.kind
+    yield "scenes", SCENES, spec.scene.kind
+    if spec.scene.toys:
+        yield "toys", TOY_SOURCES, spec.scene.toys.source
+
+
+def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
+    measured = stature(tree)
+    return ChildEntry(
+        age_months=tree.age_months,
+        sex=spec.body.individual and spec.body.individual.sex,
+        length_cm=measured["length_cm"],
+        weight_kg=measured["weight_kg"],
+        head_circumference_cm=measured["head_circumference_cm"],
+        arm_circumference_cm=measured["arm_circumference_cm"],
+    )
+
+
+def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
+    entries = tuple(
+        ActuatorEntry(
+            name=actuator.name,
+            mimo_actuator=actuator.mimo_actuator,
+            joint=actuator.joint,
+            action_low=actuator.control_range[0],
+            action_high=actuator.control_range[1],
+            commanded=actuator.joint in commanded,
+        )
+        for actuator in actuators
+    )
+    return ActuationEntry(model=model, actuators=entries)

@@ -1,0 +1,241 @@
+"""Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from mimoc.actuation.setup import ActuationSetup
+from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError
+from mimoc.base.kinds import function_of
+from mimoc.base.random_streams import stream
+from mimoc.body import BodyTree
+from mimoc.body.kinematics import FloatArray
+from mimoc.body.origins import Entry
+from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
+from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
+from mimoc.looks.user_textures import read_textures
+from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
+from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.world import FreeObject, World, barrier_pairs
+from mimoc.scenes import SCENES
+from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
+from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
+from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.source import Source
+from mimoc.tasks.setup import NO_TASK, TaskSetup, build_task
+from mimoc.toys import TOY_SOURCES
+from mimoc.toys.builtin import BUILTIN_TOYS
+from mimoc.toys.choosing import Toybox, choose_toys
+from mimoc.toys.objects import make_object
+from mimoc.toys.placing import Floor, ReachableFloor, place_toys
+from mimoc.toys.spec import ToysSpec
+
+
+@dataclass(frozen=True, slots=True)
+class SceneAssets:
+    """The toys and wallpapers that scenes choose from."""
+
+    wallpapers: Wallpapers = OWN_WALLPAPERS
+    """Wallpapers for floors, ceilings and walls."""
+    toybox: Toybox = BUILTIN_TOYS
+    """The toys to choose from."""
+
+
+def load_scene_assets(spec: InfantSpec) -> SceneAssets:
+    """Return the toys and wallpapers for the scenes of a spec.
+
+    Args:
+        spec: The spec; paths are relative to the folder of its file, and problems are located in this.
+
+    Raises:
+        SpecError: If a toy or a texture is missing or cannot be read.
+    """
+    if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
+        return SceneAssets()
+    written = as_written(spec)
+    folder = written.folder
+    wallpapers = Wallpapers(
+        floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),
+        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written, folder)),
+        walls=(*WALLS.values(), *_own("wall", spec, written, folder)),
+    )
+    if spec.scene.toys is None:
+        return SceneAssets(wallpapers)
+    return SceneAssets(wallpapers, _toybox(spec.scene.toys, written))
+
+
+def _toybox(toys: ToysSpec, written: Source) -> Toybox:
+    try:
+        return function_of(TOY_SOURCES[toys.source].build, "build")(toys, written.folder)
+    except UnknownToysError as error:
+        places = {name: ("scene", "toys", "subset", toys.subset.index(name)) for name in error.messages}
+        raise SpecError(written.problem(places[name], text) for name, text in error.messages.items()) from None
+    except ToyError as error:
+        problems = str(error).splitlines()
+        raise SpecError(written.problem(("scene", "toys", "root"), problem) for problem in problems) from None
+
+
+def _own(kind: str, spec: InfantSpec, written: Source, folder: Path) -> tuple[Wallpaper, ...]:
+    path = getattr(spec.scene.textures, kind)
+    if path is None:
+        return ()
+    try:
+        return read_textures(folder / Path(path).expanduser())
+    except TextureError as error:
+        problems = str(error).splitlines()
+        raise SpecError(written.problem(("scene", "textures", kind), problem) for problem in problems) from None
+
+
+UP = (0.0, 0.0, 1.0)
+
+
+def place_pose(pose: Keyframe, start: Placement) -> Keyframe:
+    """Return a pose elsewhere on the floor, turned about the vertical."""
+    x, y, z, *turn = pose.qpos[:7]
+    ((x, y, z),) = place_discs(np.array([(x, y, z)]), start).tolist()
+    w, i, j, k = turn
+    turned = quaternion_product(quaternion_from_axis(UP, start.yaw_rad), (w, i, j, k))
+    return Keyframe(pose.name, (x, y, z, *turned, *pose.qpos[7:]), pose.settings)
+
+
+def place_object(thing: FreeObject, start: Placement) -> FreeObject:
+    """Return an object elsewhere on the floor; it is not turned, for it looks the same from all sides."""
+    (x, y, _), z = place_discs(np.array([thing.pos_m]), start)[0].tolist(), thing.pos_m[2]
+    return replace(thing, pos_m=(x, y, z))
+
+
+def place_discs(discs: FloatArray, start: Placement) -> FloatArray:
+    """Return discs elsewhere on the floor, turned about the vertical with what is at the origin."""
+    places = discs[:, :2] @ matrix_from_axis(UP, start.yaw_rad)[:2, :2].T + (start.x_m, start.y_m)
+    return np.column_stack([places, discs[:, 2]])
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedScene:
+    """An infant in the world of its spec."""
+
+    scene: SceneTree
+    """The infant and its world, ready to print."""
+    toys: tuple[FreeObject, ...]
+    """The toys."""
+    task_objects: tuple[FreeObject, ...]
+    """The movable objects of the task."""
+    origins: Mapping[str, Entry]
+    """Provenance of the numbers of the scene."""
+
+
+def set_up_task(
+    scene: SceneTree, spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup
+) -> tuple[SceneTree, TaskSetup]:
+    """Return the scene, with the starting pose of its task if there is one, and the setup of the task.
+
+    Poses in which held parts or locked joints would be elsewhere are removed: the constraints would pull the infant
+    out of them.
+
+    Raises:
+        UnsupportedTaskError: If the infant lacks a part that the task or the spec requires.
+    """
+    setup = build_task(spec.task, tree)
+    poses = scene.keyframes
+    if spec.task and setup.start is not None:
+        keyframe = Keyframe(spec.task.kind, setup.start)
+        poses = (*poses, actuation.at_rest(keyframe))
+    (start,) = (pose for pose in poses if pose.name == start_pose(spec, setup))
+    joints, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
+    kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))
+    return replace(scene, keyframes=kept), setup
+
+
+def start_pose(spec: InfantSpec, setup: TaskSetup) -> str:
+    """Return the name of the keyframe that a reset starts from."""
+    return spec.scene.pose if spec.task is None or setup.start is None else spec.task.kind
+
+
+def covered_floor(scene: SceneTree, spec: SceneSpec, tree: BodyTree) -> FloatArray:
+    """Return the floor area that an infant covers in all its poses, as discs, shape (n, 3); none if not needed."""
+    if spec.toys is None and not SCENES[spec.kind].needs_footprint:
+        return np.empty((0, 3))
+    return footprint(tree, [pose.qpos for pose in scene.keyframes])
+
+
+def place_in_scene(
+    scene: SceneTree,
+    spec: InfantSpec,
+    tree: BodyTree,
+    assets: SceneAssets,
+    setup: TaskSetup = NO_TASK,
+    discs: FloatArray | None = None,
+) -> PlacedScene:
+    """Return a scene with the world of its spec, and the infant's poses placed in it.
+
+    Args:
+        scene: The infant, with its poses resting on the floor at the origin.
+        spec: The spec.
+        tree: The infant's body.
+        assets: Toys and wallpapers of the scene.
+        setup: The setup of its task.
+        discs: The infant's `covered_floor`, if it is known already: it is the same for every seed.
+
+    Raises:
+        NoSpaceError: If there is not enough space for the toys.
+        ToyError: If the mesh of a toy cannot be used.
+        UnsupportedTaskError: If the spec holds a part that the infant does not have.
+    """
+    discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
+    build = function_of(SCENES[spec.scene.kind].build, "build")
+    built: BuiltScene = build(spec.scene, Occupant(tree, discs), assets.wallpapers)
+    starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
+    start = starts[start_pose(spec, setup)]
+    taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
+    toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
+    task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
+    world = replace(
+        _with_task(built.world, setup),
+        objects=(*toys, *task_objects),
+        locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
+        welds=weld(holds(spec, tree, setup), tree, start.qpos),
+    )
+    return PlacedScene(_in_world(scene, world, starts.values()), toys, task_objects, built.origins)
+
+
+def _in_world(scene: SceneTree, world: World, poses: Iterable[Keyframe]) -> SceneTree:
+    """Return an infant in a world: its poses and the objects at rest, and contacts with barriers."""
+    resting = tuple(number for item in world.objects for number in (*item.pos_m, *item.quat))
+    return replace(
+        scene,
+        world=replace(world, pairs=barrier_pairs(world, scene.roots)),
+        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in poses),
+    )
+
+
+def _with_task(world: World, setup: TaskSetup) -> World:
+    """Return a world with the furniture of a task, and without gravity if the task is weightless."""
+    return replace(
+        world,
+        furniture=world.furniture + setup.furniture,
+        gravity_m_s2=WEIGHTLESS if setup.weightless else world.gravity_m_s2,
+    )
+
+
+def _toys(
+    spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, taken: FloatArray, toybox: Toybox
+) -> tuple[FreeObject, ...]:
+    """Return the toys of a scene, around the infant's starting position and outside of occupied discs."""
+    if spec.toys is None:
+        return ()
+    toys = choose_toys(spec.toys, spec.seed, toybox)
+    qpos = start.qpos
+    reach = reachable_floor(tree, qpos) or ReachableFloor((qpos[0], qpos[1]), reach_of(taken - (*qpos[:2], 0.0)), 0.1)
+    places = place_toys(
+        [toy.radius_m for toy in toys], reach, Floor(built.half_size_m, taken), stream(spec.seed, "toys.place")
+    )
+    if places is None:
+        raise NoSpaceError(
+            f"there is not enough space for {len(toys)} toys; use fewer or smaller ones, or a larger room"
+        )
+    return tuple(
+        make_object(toy, number, place) for number, (toy, place) in enumerate(zip(toys, places, strict=True), 1)
+    )

@@ -1,0 +1,178 @@
+"""The skin of a child, carried from the sculpture by the child's solids."""
+
+import pickle
+from collections.abc import Mapping
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from mimoc.body.head_surface import head_radius
+from mimoc.body.kinematics import Posed, frames, pose
+from mimoc.body.tree import BodyTree
+from mimoc.geometry.primitives import extents
+from mimoc.geometry.rotations import FloatArray, matrix_from_euler
+from mimoc.looks.skin.face import deform_head
+from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
+from mimoc.looks.skin.template_mesh import HEAD, LAYERS, SculptedLayer, Sculpture, template_mesh
+from mimoc.mjcf.skin import Skin, SkinLayer
+
+ROUNDS = 2
+"""Steps of Newton's method towards the sculpted heights above the solids."""
+FARTHEST = 0.06
+"""Largest of these steps, in head radii."""
+GONE = 0.98
+"""Share of missing bodies in a vertex above which it is left out."""
+
+
+def skin_of(tree: BodyTree) -> Skin:
+    """Return the skin of a body: the same vertices, in the same order, at all ages and for all children.
+
+    Only those of removed limbs are left out. That of the last few bodies is kept: many scenes have the same infant.
+    """
+    return skins(pickle.dumps(tree))
+
+
+@lru_cache(maxsize=4)
+def skins(pickled: bytes) -> Skin:
+    """Return the skin of a body, which is pickled so that it can be told from others."""
+    tree: BodyTree = pickle.loads(pickled)
+    return Skin((*LAYERS, HEAD), lambda: layers_of(tree, template_mesh(tree.hands)))
+
+
+def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
+    """Return the layers of a body's skin, carried from a sculpture."""
+    carried = _Carrying(sculpted, tree)
+    return (*(carried.layer(name, layer) for name, layer in carried.sculpted.layers.items()), carried.head())
+
+
+class _Carrying:
+    """A sculpture and the body that it is carried to, in the same pose."""
+
+    def __init__(self, sculpted: Sculpture, tree: BodyTree):
+        self.sculpted, self.tree = sculpted, tree
+        self.placed = frames(tree, sculpted.angles_rad)
+
+    @cached_property
+    def posed(self) -> Posed:
+        return pose(self.tree, self.sculpted.angles_rad)
+
+    @cached_property
+    def homes(self) -> tuple[str, ...]:
+        """The body that moves what each body of the sculpture does: itself, or the nearest that is not missing."""
+        return tuple(self._home(part) for part in self.sculpted.parts)
+
+    @cached_property
+    def is_missing(self) -> np.ndarray:
+        return np.array([self.tree.home(part) not in self.placed for part in self.sculpted.parts])
+
+    @cached_property
+    def scale(self) -> float:
+        return head_radius(self.tree.geoms["head"]) / self.sculpted.head_radius_m
+
+    @cached_property
+    def boxes(self) -> Mapping[str, tuple[FloatArray, FloatArray]]:
+        return boxes(self.tree)
+
+    def _home(self, part: str) -> str:
+        home = self.tree.home(part)
+        return home if home in self.placed else self._home(self.sculpted.parents[part])
+
+    def layer(self, name: str, layer: SculptedLayer) -> SkinLayer:
+        verts_m, sizes = self._moved(layer)
+        lost = (layer.weights * self.is_missing[layer.bones]).sum(axis=1)
+        verts_m = self._on_solids(layer, verts_m, sizes, lost)
+        bones = sorted({*(self.homes[index] for index in np.unique(layer.bones[layer.weights > 0]))}, key=self._order)
+        column = np.array([bones.index(home) if home in bones else 0 for home in self.homes])
+        weights = np.zeros((len(verts_m), len(bones)))
+        np.add.at(weights, (np.arange(len(verts_m))[:, None], column[layer.bones]), layer.weights)
+        kept = layer.faces[~(lost[layer.faces] > GONE).all(axis=1)]
+        used = np.unique(kept)
+        number = np.zeros(len(verts_m), np.intp)
+        number[used] = np.arange(len(used))
+        moving = np.flatnonzero(weights[used].sum(axis=0))
+        names = tuple(bones[index] for index in moving)
+        return SkinLayer(
+            name,
+            verts_m[used],
+            number[kept],
+            layer.texcoords[used],
+            names,
+            np.array([self.placed[bone][0] for bone in names]).reshape(-1, 3),
+            np.array([self.placed[bone][1] for bone in names]).reshape(-1, 3, 3),
+            weights[used][:, moving],
+        )
+
+    def head(self) -> SkinLayer:
+        tree, sculpted = self.tree, self.sculpted.head
+        origin, turn = self.placed[HEAD]
+        verts_m = deform_head(sculpted, tree)
+        return SkinLayer(
+            HEAD,
+            origin + verts_m @ turn.T,
+            sculpted.faces,
+            sculpted.texcoords,
+            (HEAD,),
+            origin[None],
+            turn[None],
+            np.ones((len(verts_m), 1)),
+        )
+
+    def _order(self, bone: str) -> int:
+        return list(self.placed).index(bone)
+
+    def _moved(self, layer: SculptedLayer) -> tuple[FloatArray, FloatArray]:
+        """Return each vertex where its bodies take it as they are stretched, and how large these are."""
+        turns, shifts, sizes = self._stretches
+        turn = np.einsum("nk,nkij->nij", layer.weights, turns[layer.bones])
+        shift = np.einsum("nk,nki->ni", layer.weights, shifts[layer.bones])
+        return np.einsum("nij,nj->ni", turn, layer.verts_m) + shift, (layer.weights * sizes[layer.bones]).sum(axis=1)
+
+    @cached_property
+    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How each body of the sculpture is stretched: x goes to matrix @ x + shift, and how large that is.
+
+        Shapes (bodies, 3, 3), (bodies, 3) and (bodies,).
+        """
+        every = [self._stretched(index, part) for index, part in enumerate(self.sculpted.parts)]
+        matrices, shifts, sizes = zip(*every, strict=True)
+        return np.array(matrices), np.array(shifts), np.array(sizes)
+
+    def _stretched(self, index: int, part: str) -> tuple[FloatArray, FloatArray, float]:
+        """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size."""
+        sculpted, home = self.sculpted, self.tree.home(part)
+        if home not in self.placed:  # All of it goes to the joint above.
+            parent = sculpted.parents[part]
+            matrix, shift, size = self._stretched(sculpted.parts.index(parent), parent)
+            return np.zeros((3, 3)), matrix @ sculpted.origins_m[index] + shift, size
+        low, high = self.boxes[home]
+        stretch = (high - low) / (sculpted.high_m[index] - sculpted.low_m[index])
+        if home != part:
+            stretch = np.full(3, self.scale)
+            low = sculpted.low_m[index] * self.scale
+        origin, turn = self.placed[home]
+        matrix = turn * stretch @ sculpted.turns[index].T
+        shift = origin + turn @ (low - stretch * sculpted.low_m[index]) - matrix @ sculpted.origins_m[index]
+        return matrix, shift, float(np.cbrt(stretch.prod()))
+
+    def _on_solids(self, layer: SculptedLayer, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
+        """Return vertices at their sculpted heights above the child's solids."""
+        wanted, most = layer.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
+        solids, blend_m = self.sculpted.solids, layer.blend_m * sizes
+        for _ in range(ROUNDS):
+            height, slope = surface_distance(self.posed, solids, layer.solids, blend_m, verts_m)
+            steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
+            move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
+            verts_m = verts_m + move[:, None] * slope
+        return verts_m
+
+
+def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the opposite corners of the box around each body's solids, in the frame of the body, shape (3,)."""
+    corners = {}
+    for body in tree.bodies:
+        turns = np.array([matrix_from_euler(geom.euler_deg) for geom in body.geoms])
+        solids = extents((geom.type, geom.size_m) for geom in body.geoms)
+        along = solids.along(turns.transpose(1, 0, 2))  # Of each axis of the body, in the frames of its solids.
+        centres = np.array([geom.pos_m for geom in body.geoms])
+        corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
+    return corners

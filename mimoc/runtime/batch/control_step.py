@@ -1,0 +1,144 @@
+"""One control step of many infants: their segments side by side, so that all make their physics steps together."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.delays.schedule import Segment
+from mimoc.delays.timing import Samples
+from mimoc.runtime.batch.physics import ThreadedPhysics
+from mimoc.runtime.batch.senses import BatchSense, Read
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.worlds import worlds_of_many
+from mimoc.senses.sense import FloatArray
+
+GROUPS, LEAST = 2, 8
+"""Into how many groups infants are cut, at most, and how many are in each, at least: one group is sampled while others
+make their physics steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """A sense that is sampled of some infants at once."""
+
+    name: str
+    infants: tuple[int, ...]
+    read: Read
+    delayed: Sequence[tuple[Samples, ...]]
+    """The delays that the sample of each infant goes into."""
+    is_noisy: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BatchSegment:
+    """A part of a control step in which no infant's command arrives and no sense is sampled."""
+
+    begun: Sequence[tuple[int, Segment]]
+    """The segments that begin at its start, with their infants."""
+    physics_steps: int
+    groups: Sequence[Sequence[int]]
+    """All infants."""
+    samplings: Sequence[Sequence[Sampling]]
+    """What is sampled of each group at its end."""
+
+
+class ControlStep:
+    """Goes through control steps of some of n infants."""
+
+    def __init__(self, infants: Sequence[InfantEnv], physics: ThreadedPhysics, senses: Mapping[str, BatchSense]):
+        """Join the schedules of all infants, which have the same senses and the same control step."""
+        self._schedules = [infant.schedule for infant in infants]
+        self._actuations = [infant.actuation for infant in infants]
+        self._is_plain = all(actuation.command is None for actuation in self._actuations)
+        self._physics, self._senses = physics, senses
+        self._segments: dict[int, tuple[Segment, ...]] = {}
+        self._merged: list[BatchSegment] = []
+
+    def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
+        """Go through a control step of some infants.
+
+        Args:
+            actions: Of all n infants, shape (n, actuators).
+            infants: Those that make a step; who is alike should stand side by side.
+        """
+        schedules, datas = self._schedules, self._physics.datas
+        controls = self._controls(actions, infants)
+        segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
+        if segments != self._segments:  # Without jitter, they are the same objects in each control step.
+            self._segments, self._merged = segments, self._merge_segments(segments)
+        for merged in self._merged:
+            for infant, segment in merged.begun:
+                schedules[infant].command(segment, datas[infant])
+            with closing(self._physics.step(merged.groups, merged.physics_steps)) as stepped:
+                for samplings, _ in zip(merged.samplings, stepped, strict=True):
+                    self._sample(samplings)
+
+    def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:
+        """Return the controls of all infants, shape (n, actuators), of which those of some are needed."""
+        controls = actions.astype(np.float64)
+        if not self._is_plain:
+            for infant in infants:
+                controls[infant] = self._actuations[infant].controls(actions[infant], self._physics.datas[infant])
+        return controls
+
+    def _sample(self, samplings: Sequence[Sampling]) -> None:
+        """Sample senses; infants that are read by several share what is read of their worlds."""
+        datas, array, worlds = self._physics.datas, self._physics.array, {}
+        for sampling in samplings:
+            infants = sampling.infants
+            if infants not in worlds:
+                worlds[infants] = worlds_of_many([datas[infant] for infant in infants], partial(array, infants=infants))
+            samples = sampling.read(worlds[infants])
+            if sampling.is_noisy:
+                samples = [
+                    self._schedules[infant].disturb(sampling.name, sample.copy(), datas[infant])
+                    for infant, sample in zip(infants, samples, strict=True)
+                ]
+            for delayed, sample in zip(sampling.delayed, samples, strict=True):
+                for line in delayed:
+                    line.send(sample)
+
+    def _merge_segments(self, segments: Mapping[int, Sequence[Segment]]) -> list[BatchSegment]:
+        """Return the segments of some infants, cut wherever one of any infant ends."""
+        begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
+        due: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
+        for infant, parts in segments.items():
+            time = 0
+            for segment in parts:
+                begun[time].append((infant, segment))
+                time += segment.physics_steps
+                due[time].append((infant, segment))
+        merged = []
+        for start, end in pairwise(sorted({*begun, *due})):
+            are_sampled = any(segment.samples for _, segment in due[end])
+            count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
+            groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
+            samplings = [
+                self._samplings([item for item in due[end] if item[0] in members]) for members in map(set, groups)
+            ]
+            merged.append(BatchSegment(begun[start], end - start, groups, samplings))
+        return merged
+
+    def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
+        """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""
+        parts: defaultdict[tuple[str, int], dict[int, tuple[Samples, ...]]] = defaultdict(dict)
+        for infant, segment in due:
+            for name, delayed in segment.samples:
+                parts[name, self._senses[name].kinds[infant]][infant] = delayed
+        return [
+            Sampling(
+                name,
+                tuple(delayed),
+                self._senses[name].reader(list(delayed)),
+                list(delayed.values()),
+                any(self._schedules[infant].is_noisy(name) for infant in delayed),
+            )
+            for (name, _), delayed in parts.items()
+        ]

@@ -1,0 +1,201 @@
+"""What Gymnasium's vector environments take and give, for infants that sense and command the same."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Box, Dict
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_differing_spaces, batch_space
+
+from mimoc.base.errors import MimocError
+from mimoc.base.random_streams import checked_seed
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import options_given
+
+RESET_MASK = "reset_mask"
+"""Gymnasium's option that says which environments are reset."""
+Infos = dict[int, dict[str, Any]]
+"""Of each infant that has one."""
+FINAL = "final_obs"
+"""What an infant saw last, which is not put into arrays."""
+
+
+def seeds_of(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:
+    """Return the seed of each infant: infant i gets `seed + i`, or the i-th of a list.
+
+    Raises:
+        ValueError: If a list has another length, or a seed is not a non-negative integer.
+    """
+    if seed is None:
+        return [None] * count
+    if not isinstance(seed, (list, tuple, np.ndarray)):
+        first = checked_seed(seed)
+        return [first + index for index in range(count)]
+    if len(seed) != count:
+        raise ValueError(f"expected {count} seeds, one for each infant, got {len(seed)}")
+    return [None if item is None else checked_seed(item) for item in seed]
+
+
+def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, Any]]:
+    """Return the options of each infant.
+
+    A value is that of all infants, unless it is a list, tuple or array: then infant i gets the i-th, and none for None.
+
+    Raises:
+        TypeError: If the options are no dictionary.
+        ValueError: If a list has another length.
+    """
+    options_by_infant: list[dict[str, Any]] = [{} for _ in range(count)]
+    for name, value in options_given(options).items():
+        if name == RESET_MASK:
+            continue
+        values = value if isinstance(value, (list, tuple, np.ndarray)) else [value] * count
+        if len(values) != count:
+            raise ValueError(f"option '{name}': expected one value for all, or {count}, got {len(values)}")
+        for of_infant, item in zip(options_by_infant, values, strict=True):
+            if item is not None:
+                of_infant[name] = item.item() if isinstance(item, np.generic) else item
+    return options_by_infant
+
+
+def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
+    """Return the infants that are reset: all, or those of the option `reset_mask`, a boolean array of shape (n,).
+
+    Raises:
+        TypeError: If the options are no dictionary.
+        ValueError: If it is anything else, or nothing in it is True.
+    """
+    mask = options_given(options).get(RESET_MASK)
+    if mask is None:
+        return list(range(count))
+    mask = np.asarray(mask)
+    if mask.shape != (count,) or mask.dtype != np.bool_ or not mask.any():
+        raise ValueError(
+            f"option '{RESET_MASK}': expected a boolean array of shape ({count},) with a True, got {mask.dtype} of "
+            f"shape {mask.shape}"
+        )
+    return np.flatnonzero(mask).tolist()
+
+
+class InfantVectorEnv(VectorEnv[Any, Any, Any]):
+    """What vector environments of infants on the CPU and on a device have in common."""
+
+    def _describe(self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode) -> None:
+        """Say what is commanded and observed.
+
+        Args:
+            infants: The different ones; the first stands for all in what must be the same.
+            spaces: What each of all infants observes; bounds may depend on strength, and so on age.
+            mode: When an infant whose episode has ended is reset.
+        """
+        self.autoreset_mode, self.num_envs = mode, len(spaces)
+        self.metadata = {**infants[0].metadata, "autoreset_mode": mode}
+        self.single_action_space = infants[0].action_space
+        self.action_space = batch_space(self.single_action_space, len(spaces))
+        self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
+        if any(space != spaces[0] for space in spaces):
+            unions = {name: _union([space[name] for space in spaces]) for name in spaces[0]}
+            self.single_observation_space = Dict(unions)
+            self.observation_space = batch_differing_spaces(list(spaces))
+
+
+def _union(spaces: Sequence[Any]) -> Space:
+    """Return the space that holds what any of some spaces holds."""
+    if not isinstance(spaces[0], Box):
+        return spaces[0]
+    low, high = np.min([box.low for box in spaces], axis=0), np.max([box.high for box in spaces], axis=0)
+    return Box(low, high, dtype=spaces[0].dtype.type)
+
+
+def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
+    """Return an array of each value, beside a mask of the infants that have it, for a number of infants.
+
+    It is what `VectorEnv._add_info` makes of them one by one.
+    """
+    joined: dict[str, Any] = {}
+    for name in dict.fromkeys(name for info in infos.values() for name in info):
+        values = {infant: info[name] for infant, info in infos.items() if name in info}
+        having, first = list(values), next(iter(values.values()))
+        if isinstance(first, dict) and name != FINAL:
+            joined[name] = joined_infos(values, count)
+        elif isinstance(first, (bool, int, float, np.number, np.ndarray)):
+            joined[name] = np.zeros((count, *np.shape(first)), np.asarray(first).dtype)
+            joined[name][having] = list(values.values())
+        else:
+            joined[name] = np.full(count, None, object)
+            for infant, value in values.items():
+                joined[name][infant] = value
+        mask = np.zeros(count, bool)
+        mask[having] = True
+        joined[f"_{name}"] = mask
+    return joined
+
+
+SHOWN = 4
+"""Names that an error gives of those that only one of two infants has."""
+
+
+class BatchMismatchError(MimocError):
+    """Some infants cannot share a batch."""
+
+
+def mixture_error(infants: str, differences: str) -> BatchMismatchError:
+    """Return the error that names two infants, by their numbers, and what they differ in."""
+    return BatchMismatchError(
+        f"infants {infants} cannot share a batch, because they differ in {differences}; "
+        "make a vector environment of each kind"
+    )
+
+
+def check_mixture(infants: Sequence[InfantEnv]) -> None:
+    """Check that all infants can share a batch with the first one.
+
+    Raises:
+        MixtureError: If one cannot; it names what differs.
+    """
+    first = _parts(infants[0])
+    for number, infant in enumerate(infants):
+        parts = _parts(infant)
+        differences = [
+            f"{part} ({_difference(first.get(part), parts.get(part))})"
+            for part in dict.fromkeys([*first, *parts])
+            if first.get(part) != parts.get(part)
+        ]
+        if differences:
+            who = f"0 ('{infants[0].manifest.name}') and {number} ('{infant.manifest.name}')"
+            raise mixture_error(who, "; ".join(differences))
+
+
+def _parts(infant: InfantEnv) -> dict[str, Any]:
+    """Return what must be the same of all infants, by what it is called."""
+    manifest = infant.manifest
+    arrays: Any = infant.observation_space
+    return {
+        "control step": f"{manifest.step_ms:g} ms",
+        "physics step": f"{manifest.timestep_ms:g} ms",
+        "actuation model": manifest.actuation.model,
+        "commands": tuple(actuator.name for actuator in manifest.actuation.actuators if actuator.commanded),
+        "task": manifest.task.kind,
+        "senses": tuple(infant.senses),
+        "observations": tuple(f"{name} {space.shape}" for name, space in arrays.spaces.items()),
+        **{f"numbers of '{name}'": sense.layout for name, sense in infant.senses.items() if name != "touch"},
+    }
+
+
+def _difference(ours: Any, theirs: Any) -> str:
+    """Return in a few words how two parts differ."""
+    if not (isinstance(ours, tuple) and isinstance(theirs, tuple)):
+        return f"{ours or 'none'}, {theirs or 'none'}"
+    only = [
+        f"only {whose} has {_some(sorted(set(mine) - set(others)))}"
+        for whose, mine, others in (("the first", ours, theirs), ("the other", theirs, ours))
+        if set(mine) - set(others)
+    ]
+    return ", ".join(only) or "in another order"
+
+
+def _some(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:SHOWN])
+    return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"

@@ -1,0 +1,158 @@
+"""The bodies of many worlds: one model of MuJoCo Warp, with arrays of its own for each world where infants differ."""
+
+import dataclasses
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import mujoco
+import mujoco_warp as mjw
+import numpy as np
+import numpy.typing as npt
+import warp as wp
+
+from mimoc.base.errors import MimocError
+
+TOLERANCE = 1e-8
+"""Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad
+in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is no better in 32-bit numbers)."""
+
+NOT_READ = ("dof_length", "nkey")
+"""Fields that may differ though worlds share them: only sleeping uses the first, and it is off; nothing the second."""
+SHOWN = 4
+"""Fields that an error names."""
+KEYFRAMES = "key_"
+"""How the fields of keyframes begin; a table of starts has them instead."""
+IDENTIFIED = {"opt", "callback", "block_dim"}
+"""Fields that are no numbers of a body: `opt` is compared by itself."""
+
+
+class WorldsError(MimocError):
+    """Some infants cannot live in worlds of one model."""
+
+
+def batched_model(
+    models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], changed: Collection[str] = ()
+) -> mjw.Model:
+    """Return the model of many worlds, on Warp's present device.
+
+    What differs is found by comparing what MuJoCo Warp makes of each model, not from a list of fields.
+
+    Args:
+        models: The different bodies; at least one.
+        body_of_world: Which of them lives in each world, shape (worlds,).
+        changed: Fields that episodes change, so that each world needs its own even if all bodies agree; those that
+            MuJoCo Warp does not have are left out.
+
+    Raises:
+        WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
+    """
+    put = [_put(model) for model in models] if len(models) > 1 else []
+    differing = own_fields(put) if put else set()
+    of_world = differing | {name for name in changed if name in batched_fields()}
+    batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
+    for name in differing:
+        values = np.concatenate([getattr(model, name).numpy() for model in put])
+        getattr(batched, name).assign(values[body_of_world])
+    batched.opt.tolerance.fill_(TOLERANCE)
+    batched.opt.warn_overflow = 0  # What overflows is reported by `capacity.report` instead of a printed line.
+    return batched
+
+
+def batched_data(
+    models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], contacts: int, constraints: int
+) -> mjw.Data:
+    """Return the states of many worlds.
+
+    MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
+
+    Args:
+        models: The different bodies.
+        body_of_world: Which of them lives in each world, shape (worlds,).
+        contacts: Room for contacts in a world.
+        constraints: Room for rows of constraints in a world.
+    """
+    batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
+    states = [mujoco.MjData(model) for model in models]
+    for model, state in zip(models, states, strict=True):
+        mujoco.mj_kinematics(model, state)
+    batched.geom_xpos.assign(np.stack([state.geom_xpos for state in states])[body_of_world])
+    batched.geom_xmat.assign(np.stack([state.geom_xmat.reshape(-1, 3, 3) for state in states])[body_of_world])
+    return batched
+
+
+def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
+    """Return the same states with other room; contacts and constraints are those of the next physics step.
+
+    Args:
+        data: The states of many worlds.
+        model: One of their bodies.
+        contacts: Room for contacts in a world.
+        constraints: Room for rows of constraints in a world.
+
+    Raises:
+        RuntimeError: If the device does not have the memory.
+    """
+    larger = mjw.make_data(model, nworld=data.nworld, nconmax=contacts, njmax=constraints)
+    for name in _names(mjw.Data):
+        former, latter = getattr(data, name), getattr(larger, name)
+        if isinstance(former, wp.array) and former.shape == latter.shape:
+            wp.copy(latter, former)
+    return larger
+
+
+def own_fields(models: Sequence[mjw.Model]) -> set[str]:
+    """Return the fields in which models differ.
+
+    Raises:
+        WorldsError: If one of them must be the same in all worlds.
+    """
+    names = {name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)}
+    differing = _differing(models, names) - {*NOT_READ}
+    uneven = {
+        name for name in differing & batched_fields() if len({getattr(model, name).shape for model in models}) > 1
+    }
+    options = _differing([model.opt for model in models], _names(mjw.Option))
+    shared = [*sorted(differing - batched_fields()), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
+    if shared:
+        shown = ", ".join(shared[:SHOWN]) + (f" and {len(shared) - SHOWN} more" if len(shared) > SHOWN else "")
+        raise WorldsError(
+            f"these infants cannot live side by side on this device: their models differ in {shown}, which all worlds "
+            "share; make an environment of each kind"
+        )
+    return differing
+
+
+def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Model:
+    try:
+        return mjw.put_model(model, sizes)
+    except (NotImplementedError, ValueError) as error:
+        raise WorldsError(f"MuJoCo Warp cannot simulate this infant's world: {error}") from None
+
+
+def _names(kind: Any) -> list[str]:
+    return [field.name for field in dataclasses.fields(kind)]
+
+
+def batched_fields() -> set[str]:
+    """Return the fields that can be another in each world."""
+    shapes = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
+    return {name for name, shape in shapes.items() if isinstance(shape, tuple) and shape and shape[0] == "*"}
+
+
+def _differing(records: Sequence[Any], names: Collection[str]) -> set[str]:
+    """Return the fields in which records differ."""
+    first, *rest = records
+    return {name for name in names if not all(_same(getattr(first, name), getattr(other, name)) for other in rest)}
+
+
+def _same(ours: Any, theirs: Any) -> bool:
+    """Return whether two fields are equal: arrays, tuples of arrays, records or plain values."""
+    if isinstance(ours, wp.array):
+        return ours.shape == theirs.shape and np.array_equal(ours.numpy(), theirs.numpy())
+    if isinstance(ours, (tuple, list)):
+        return len(ours) == len(theirs) and all(map(_same, ours, theirs))
+    if isinstance(ours, np.ndarray):
+        return np.array_equal(ours, theirs)
+    if dataclasses.is_dataclass(ours):
+        return not _differing([ours, theirs], _names(ours))
+    return bool(ours == theirs)

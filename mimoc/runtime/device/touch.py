@@ -1,0 +1,186 @@
+"""Touch on a device: one thread for each contact of any infant, which adds its force to the skin that it presses on."""
+
+from typing import Any
+
+import mujoco_warp as mjw
+import numpy as np
+import torch
+import warp as wp
+from gymnasium.spaces import Box
+
+from mimoc.base.errors import UnknownNameError
+from mimoc.runtime.device.arrays import to_device
+from mimoc.runtime.device.signals import DeviceSetup
+from mimoc.senses.sense import FloatArray
+from mimoc.senses.touch.contacts import skin_body_of_geoms
+
+IN_BODY, IN_WORLD, NORMAL = range(3)
+QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal": NORMAL}
+"""What is felt of a contact."""
+
+
+KINDS = ("bodies", "points")
+"""How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
+
+
+@wp.struct
+class Contacts:
+    """The contacts of all worlds, c of them at most."""
+
+    count: wp.array[int]
+    """How many there are, shape (1,)."""
+    world: wp.array[int]
+    """Shape (c,), as are all that follow."""
+    geoms: wp.array[wp.vec2i]
+    dist: wp.array[float]
+    pos: wp.array[wp.vec3]
+    frame: wp.array[wp.mat33]
+    dim: wp.array[int]
+    rows: wp.array2d[int]
+    """Rows of constraints, -1 for near misses, shape (c, rows)."""
+    force: wp.array2d[float]
+    """Forces of the constraints, shape (worlds, constraints)."""
+
+
+def contacts_of(data: mjw.Data) -> Any:
+    """Return the contacts of all worlds for kernels."""
+    contact, contacts = data.contact, Contacts()
+    contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
+    contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
+    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    return contacts
+
+
+@wp.func
+def presses(contacts: Contacts, index: int) -> bool:
+    """Return whether a contact has a force; the others are near misses, or beyond the end of the list."""
+    return index < contacts.count[0] and contacts.rows[index, 0] >= 0
+
+
+@wp.func
+def force_of(contacts: Contacts, index: int) -> wp.vec3:
+    """Return the force of a contact, along its normal and two tangents."""
+    world = contacts.world[index]
+    force = wp.vec3(0.0, 0.0, 0.0)
+    for axis in range(3):
+        if axis < contacts.dim[index]:
+            force[axis] = contacts.force[world, contacts.rows[index, axis]]
+    return force
+
+
+class TouchReader:
+    """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
+
+    def __init__(self, setup: DeviceSetup):
+        """Find the places on each infant: all points, or one on each body, which has all that presses on the body.
+
+        Raises:
+            UnknownNameError: If there is no such way to tell of touch.
+        """
+        if setup.touch not in KINDS:
+            raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
+        touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
+        model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
+        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body
+        points_m = np.stack([touch.receptors.points_m for touch in touches])
+        places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
+        if setup.touch == "bodies":
+            places, self._place_of_point = np.unique(skin, return_inverse=True)
+            points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
+        self.bodies = np.repeat(places, self.width)
+        """The body in which each number is felt, shape (n,), of which `width` make a force."""
+        self._sample = wp.zeros((setup.body.shape[0], len(self.bodies)), dtype=float)
+        box = touches[0].spaces["touch"]
+        self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
+        self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
+        first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
+        self._geoms = to_device(skin_body_of_geoms(skin, model), wp.int32)
+        self._range, self._points = to_device(np.stack([first, last], 1), wp.vec2i), to_device(points_m, wp.vec3)
+        self._scales = to_device([touch.receptors.scale_per_m[:, 0] for touch in touches])
+
+    def __call__(self, data: mjw.Data) -> torch.Tensor:
+        """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
+        self._sample.zero_()
+        skin = [self._body, self._geoms, self._range, self._points, self._scales]
+        inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
+        wp.launch(_share, (data.naconmax, 2), inputs, [self._sample])
+        return wp.to_torch(self._sample)
+
+    def start(self, sample: FloatArray) -> FloatArray:
+        """Return what it tells of a sample of all points of one infant."""
+        sums = np.zeros((len(self.bodies) // self.width, self.width))
+        np.add.at(sums, self._place_of_point, sample.reshape(-1, self.width))
+        return sums.ravel()
+
+
+bind = TouchReader
+
+
+@wp.func
+def _inward(contacts: Contacts, index: int, side: int) -> wp.mat33:
+    """Return the axes of a contact as rows, the first into the geom of a side."""
+    if side == 0:
+        return -1.0 * contacts.frame[index]
+    return contacts.frame[index]
+
+
+@wp.func
+def _place(contacts: Contacts, index: int, side: int) -> wp.vec3:
+    """Return where a contact is on the surface of one side: it lies midway between the two surfaces."""
+    normal = wp.transpose(_inward(contacts, index, side)) @ wp.vec3(1.0, 0.0, 0.0)
+    return contacts.pos[index] + 0.5 * contacts.dist[index] * normal
+
+
+@wp.func
+def _load(contacts: Contacts, index: int, side: int, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
+    """Return what is felt of a contact on one side."""
+    force = force_of(contacts, index)
+    if quantity == wp.static(NORMAL):
+        return wp.vec3(force[0], 0.0, 0.0)
+    in_world = wp.transpose(_inward(contacts, index, side)) @ force
+    if quantity == wp.static(IN_WORLD):
+        return in_world
+    return wp.transpose(world_from_body) @ in_world
+
+
+@wp.kernel(enable_backward=False)
+def _share(
+    contacts: Contacts,
+    body_of_world: wp.array[int],
+    body_of_geom: wp.array[int],
+    points_of_body: wp.array[wp.vec2i],
+    points: wp.array2d[wp.vec3],
+    scales: wp.array2d[float],
+    quantity: int,
+    width_and_nearest: wp.vec2i,
+    xpos: wp.array2d[wp.vec3],
+    xmat: wp.array2d[wp.mat33],
+    sample: wp.array2d[float],
+):
+    index, side = wp.tid()
+    width = width_and_nearest[0]
+    if presses(contacts, index):
+        body = body_of_geom[contacts.geoms[index][side]]
+        if body > 0:
+            world = contacts.world[index]
+            mine = body_of_world[world]
+            place = wp.transpose(xmat[world, body]) @ (_place(contacts, index, side) - xpos[world, body])
+            load = _load(contacts, index, side, quantity, xmat[world, body])
+            span, total = points_of_body[body], float(0.0)
+            nearest = int(span[0])
+            least = float(1.0e30)
+            for point in range(span[0], span[1]):
+                away = wp.length(points[mine, point] - place) * scales[mine, body]
+                total += wp.max(1.0 - away, 0.0)
+                if away < least:
+                    least = away
+                    nearest = point
+            if width_and_nearest[1] == 1 or total == 0.0:
+                for number in range(width):
+                    wp.atomic_add(sample, world, nearest * width + number, load[number])
+            else:
+                for point in range(span[0], span[1]):
+                    away = wp.length(points[mine, point] - place) * scales[mine, body]
+                    if away < 1.0:
+                        for number in range(width):
+                            wp.atomic_add(sample, world, point * width + number, load[number] * (1.0 - away) / total)

@@ -1,0 +1,261 @@
+"""The Gymnasium vector environment of many infants on a device."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NoReturn
+
+import gymnasium
+import numpy as np
+import warp as wp
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+
+from mimoc.base.errors import UnknownNameError
+from mimoc.bundle.model import pose_of
+from mimoc.runtime.batch.gymnasium_forms import RESET_MASK, InfantVectorEnv, check_mixture, reset_indices, seeds_of
+from mimoc.runtime.closing import closable
+from mimoc.runtime.device.arrays import from_library, present, to_device, to_library
+from mimoc.runtime.device.capacity import Capacity
+from mimoc.runtime.device.initial_states import InitialStates
+from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
+from mimoc.runtime.device.simulation import DeviceSimulation
+from mimoc.runtime.device.vision.reader import VISION, NoVision
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import options_given
+from mimoc.senses.sense import Sense
+
+STARTS = 256
+"""InitialStates that are drawn of each infant whose episodes begin with chance."""
+
+
+class StartingInfant(InfantEnv):
+    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
+
+    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
+        """Bind everything but vision."""
+        super()._bind({VISION: NoVision(), **former})
+
+
+@closable()
+class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
+    """Infants that live side by side on a device, in worlds of MuJoCo Warp.
+
+    They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
+    small differences grow, as in all simulations with contacts. Episodes begin with one of some starts of each infant,
+    which are drawn beforehand as a single environment with the seeds 0, 1, 2... draws them; the infant that is reset
+    with seed s begins with start s modulo their number, later ones are chosen by chance.
+
+    Observations, rewards and ends are copies for NumPy, or, for `torch` and `warp`, the environment's own memory, which
+    the next step writes to: copy what is to be kept.
+
+    An infant whose contacts or constraints do not fit into the room for them has lost some: its episode is truncated
+    and it is reported in the info `overflowed`. Before the next step, the room grows; all infants go on as they were.
+    """
+
+    def __init__(
+        self,
+        infants: Sequence[InfantEnv],
+        num_envs: int | None = None,
+        device: str = "cuda:0",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
+        arrays: str = "numpy",
+        touch: str = "bodies",
+        starts: int = STARTS,
+        contacts: int | None = None,
+        constraints: int | None = None,
+    ):
+        """Put infants on a device.
+
+        Args:
+            infants: The different infants, as single environments, which draw the starts; they are closed with this
+                one, and repeated in turn.
+            num_envs: Number of worlds; by default, as many as infants.
+            device: Warp's name of it: `cuda:0`, `cuda` for the present GPU, or `cpu`, which is slow and serves tests.
+            autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
+            max_episode_steps: Control steps after which any episode is truncated.
+            arrays: What observations and rewards are: `numpy`, `torch` or `warp`.
+            touch: `bodies` for the sum of the forces on each body, `points` for those at all points of the skin.
+            starts: Number of starts of each infant, if there is chance in them.
+            contacts: Room for contacts in a world at first; by default, 1.5 times what the infant needs that needs most
+                when some of them move at random. All worlds share it, and it grows to 8 times that need.
+            constraints: Likewise for rows of constraints in each world; by default, twice the need.
+
+        Raises:
+            DeviceError: If there is no such device, or an infant needs what is not there on one.
+            MixtureError: If the infants do not sense and command the same.
+            WorldsError: If their bodies cannot live in worlds of one model.
+            UnknownNameError: If there is no such kind of arrays or touch.
+        """
+        self.device = find_device(device)
+        check_mixture(infants)
+        for infant in infants:
+            check_infant(infant)
+        self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
+        self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
+        which = np.arange(self.num_envs) % len(infants)
+        with present(self.device):
+            room = contacts, constraints
+            self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
+        self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
+        self._is_settled = True
+        """Whether what the device reports of the last step has been dealt with."""
+        self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
+        self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode of each infant, or of those in the option `reset_mask`.
+
+        Args:
+            seed: Infant i is reset with `seed + i`, or with the i-th of a list.
+            options: `pose`, one for all, and `reset_mask`.
+
+        Raises:
+            TypeError: If the options are no dictionary.
+            ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
+            UnknownNameError: If there is no such pose or option.
+            ClosedEnvironmentError: If the environment is closed.
+            DeviceError: If something went wrong in the step before.
+        """
+        self._settle()
+        options = options_given(options)
+        for name in options.keys() - {"pose", RESET_MASK}:
+            raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
+        seeds = seeds_of(seed, self.num_envs)
+        if isinstance(seed, (int, np.integer)):
+            self._np_random, self._np_random_seed = seeding.np_random(int(seed))
+        which = reset_indices(options, self.num_envs)
+        with present(self.device):
+            starts = self._starts_in(options.get("pose"))
+            self.worlds.begin(starts, to_device(self._choices(starts, seeds, which), wp.int32))
+            ended = self.worlds.ended.ended.numpy()
+            ended[which] = 0
+            self.worlds.ended.ended.assign(ended)
+            self.worlds.observe()
+            return self._observed(), {}
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Apply an action of each infant for one control step; those whose episode has ended are reset as agreed.
+
+        Args:
+            actions: Shape (n, actuators), of NumPy, or on the device of any library that knows DLPack; values outside
+                the action space are clipped.
+
+        Raises:
+            ValueError: If the actions have the wrong shape, or NumPy's are not finite.
+            ClosedEnvironmentError: If the environment is closed.
+            DeviceError: If contacts or constraints of more than 1 % of the infants did not fit in the step before and
+                the room for them cannot grow, or if actions were not finite.
+            ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
+        """
+        self._settle()
+        if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
+            infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
+            raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
+        entering = self.worlds.actions
+        with present(self.device):
+            wp.copy(entering, from_library(actions, entering.shape))
+            self.worlds.step()
+            self._is_settled = False
+            ended = self.worlds.ended
+            given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
+            return self._observed(), *given, self._info()
+
+    @property
+    def room(self) -> Capacity:
+        """The room for contacts and constraints that there is now, in each world."""
+        return self.worlds.room.present
+
+    @property
+    def overflows(self) -> dict[str, int]:
+        """In how many control steps, of all infants together, MuJoCo Warp has set each of its flags (`OverflowType`).
+
+        `epa_horizon`, `iterations` and `ls_iterations` lose nothing: the depth of a contact, or a solution, was less
+        exact. The step that was made last is counted when the next one begins.
+        """
+        return dict(self.worlds.overflows)
+
+    def grow(self, to: Any) -> NoReturn:
+        """Infants do not grow on a device; each keeps the age that it was given.
+
+        Raises:
+            DeviceError: Always.
+        """
+        raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
+
+    def get_state(self, *states: Any) -> NoReturn:
+        """States cannot be saved or restored on a device.
+
+        Raises:
+            DeviceError: Always.
+        """
+        raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
+
+    set_state = get_state
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the infants that drew the starts."""
+        for infant in self.infants:
+            infant.close()
+
+    def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
+        """Return the start of each infant that is reset, -1 for others."""
+        body = np.arange(self.num_envs) % len(self.infants)
+        first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
+        choices, given = np.full(self.num_envs, -1), {}
+        for world in which:
+            seed = seeds[world]
+            if seed is not None:
+                given[world] = seed
+            number = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
+            choices[world] = first[world] + number
+        self.worlds.seed(given)
+        return choices
+
+    def _starts_in(self, pose: str | None) -> InitialStates:
+        """Return the starts in a pose, which are drawn when they are first asked for."""
+        if pose not in self._starts:
+            for infant in self.infants:
+                pose_of(infant.manifest, pose)
+            self._starts[pose] = self.worlds.starts(pose)
+        return self._starts[pose]
+
+    def _observed(self) -> dict[str, Any]:
+        return {name: self._give(array) for name, array in self.worlds.observation.items()}
+
+    def _flag(self, array: wp.array) -> Any:
+        given = self._give(array)
+        return given if isinstance(given, wp.array) else given != 0
+
+    def _info(self) -> dict[str, Any]:
+        """Return success, stability and the terms of the reward; with resets in the same step, also the last views.
+
+        As in all of Gymnasium's vector environments, a mask beside each value says which infants have it.
+        """
+        ended = self.worlds.ended
+        terms = self._give(ended.terms)
+        info = {
+            "is_success": self._flag(ended.success),
+            "unstable": self._flag(ended.unstable),
+            "overflowed": self._flag(ended.overflowed),
+            "reward_terms": {name: terms[:, index] for index, name in enumerate(self.worlds.task.terms)},
+        }
+        info |= {f"_{name}": self._everyone for name in info}
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
+            info["_final_obs"] = self._flag(ended.finished)
+        return info
+
+    def _settle(self) -> None:
+        """Deal with what the device reports of the step before, once.
+
+        Raises:
+            DeviceError: If something went wrong.
+        """
+        if self._is_settled:
+            return
+        self._is_settled = True
+        with present(self.device):
+            self.worlds.settle()

@@ -1,0 +1,154 @@
+"""The sense of vision of all infants on a device: what the eyes draw, with the acuity and foveation of each."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import mujoco_warp as mjw
+import numpy as np
+import torch
+import warp as wp
+from gymnasium.spaces import Box
+
+from mimoc.render.renderer import average_down
+from mimoc.runtime.batch.gymnasium_forms import mixture_error
+from mimoc.runtime.device.arrays import put_on
+from mimoc.runtime.device.signals import DeviceSetup
+from mimoc.runtime.device.vision.eyes import Eyes
+from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
+from mimoc.senses.vision.foveation import contrast_gain, source_weights
+from mimoc.senses.vision.spec import VisionEntry
+
+
+class Filters:
+    """From what eyes draw to what infants see, each with its own acuity and foveation."""
+
+    def __init__(self, entries: Sequence[VisionEntry], fovy_deg: Sequence[float], body_of_world: IntArray):
+        """Work out all that depends on sizes and ages, on Warp's present device.
+
+        Args:
+            entries: Of the different bodies; sizes and cameras are the same for all.
+            fovy_deg: Vertical field of view of each.
+            body_of_world: Which body lives in each world, shape (worlds,).
+        """
+        first, put, self._gain = entries[0], put_on(wp.get_device()), None
+        self._times, self._eyes = first.supersample, len(first.cameras)
+        self._size = first.height_px * first.supersample, first.width_px * first.supersample
+        if any(entry.acuity_cpd is not None for entry in entries):
+            gains = np.stack([_gain(*self._size, *of_eyes) for of_eyes in zip(entries, fovy_deg, strict=True)])
+            self._gain = put(gains[body_of_world][:, None, :, :, None])
+            self._cosines = [put(cosines(size_px)) for size_px in self._size]
+        kinds = [(entry.foveation, entry.foveation_radius) for entry in entries]
+        self._warps = [
+            (put(np.flatnonzero([kinds[body] == kind for body in body_of_world])), _weights(first, *kind))
+            for kind in dict.fromkeys(kinds)
+            if kind[0]
+        ]
+
+    def __call__(self, drawn: wp.array) -> torch.Tensor:
+        """Return rounded colours of one eye after the other, by row, column and colour, shape (worlds, n), 8 bits.
+
+        Args:
+            drawn: What `Eyes` returns.
+        """
+        packed = wp.to_torch(drawn.view(wp.int32))
+        colours = torch.stack([(packed >> shift) & 255 for shift in (16, 8, 0)], dim=-1)
+        pictures = colours.float().reshape(-1, self._eyes, *self._size, len("rgb"))
+        if self._gain is not None:  # The cosine transform of `blur`, as products, for torch has none.
+            spectrum = torch.einsum("rh,cw,kehwx->kercx", *self._cosines, pictures) * self._gain
+            pictures = torch.einsum("rh,cw,kercx->kehwx", *self._cosines, spectrum)
+        pictures = average_down(pictures, self._times)
+        for worlds, weights in self._warps:
+            planes = pictures[worlds].permute(2, 3, 0, 1, 4)
+            warped = torch.sparse.mm(weights, planes.reshape(weights.shape[1], -1)).reshape(planes.shape)
+            pictures[worlds] = warped.permute(2, 3, 0, 1, 4)
+        return pictures.clamp(0, 255).round().to(torch.uint8).reshape(len(pictures), -1)
+
+
+def cosines(size: int) -> FloatArray:
+    """Return the matrix of the cosine transform, shape (frequencies, points), whose transpose is its inverse."""
+    frequencies, points = np.arange(size)[:, None], np.arange(size) + 0.5
+    rows = np.cos(np.pi * frequencies * points / size) * np.sqrt(2 / size)
+    rows[0] /= np.sqrt(2)
+    return rows
+
+
+def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float) -> FloatArray:
+    """Return how much contrast is left of each cosine, all of it where acuity is not limited."""
+    if entry.acuity_cpd is None:
+        return np.ones((height_px, width_px))
+    return contrast_gain(width_px, height_px, fovy_deg, entry.acuity_cpd).astype(float)
+
+
+def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:
+    """Return what each pixel that is seen averages of the picture as it was drawn, shape (pixels, pixels), sparse."""
+    weights = source_weights(entry.width_px, entry.height_px, strength, radius).tocoo()
+    places, device = np.stack([weights.row, weights.col]).astype(np.int64), wp.device_to_torch(wp.get_device())
+    with torch.sparse.check_sparse_tensor_invariants():  # Torch warns of whoever does not say whether to check.
+        matrix = torch.sparse_coo_tensor(torch.as_tensor(places), torch.as_tensor(weights.data), weights.shape)
+        return matrix.coalesce().to(device)
+
+
+VISION = "vision"
+SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
+"""What must be the same of all infants' vision."""
+
+
+class VisionReader:
+    """What all infants see."""
+
+    def __init__(self, setup: DeviceSetup):
+        """Open the eyes.
+
+        Raises:
+            MixtureError: If their eyes have pictures of different sizes.
+        """
+        entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]
+        _check(entries)
+        first: VisionEntry = entries[0]
+        models = [infant.model for infant in setup.infants]
+        fovy_deg = [float(model.cam_fovy[model.camera(first.cameras[0]).id]) for model in models]
+        self._eyes = Eyes(models, first, setup.body.numpy(), setup.model)
+        self._filters = Filters(entries, fovy_deg, setup.body.numpy())
+
+    def __call__(self, data: mjw.Data) -> torch.Tensor:
+        """Return what is seen now, without delay, shape (worlds, n), in 8 bits."""
+        return self._filters(self._eyes(data))
+
+
+bind = VisionReader
+
+
+class NoVision(Sense):
+    """The vision of a single environment which only draws starts: it needs no OpenGL and sees nothing."""
+
+    @property
+    def layout(self) -> tuple[str, ...]:
+        """What the axes of each picture are."""
+        return tuple(f"{name} row, column, red green blue [0-255]" for name in self.spaces)
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return black pictures."""
+        return np.zeros([len(self.spaces), *next(iter(self.spaces.values())).shape], np.uint8)
+
+    def observe(self, sample: Sample) -> Observation:
+        """Return the pictures by the names of their cameras."""
+        return {name: picture.copy() for name, picture in zip(self.spaces, sample, strict=True)}
+
+    def rebind(self, entry: VisionEntry | None, model: mujoco.MjModel) -> bool:
+        """Take the place of an infant's vision, if it has any."""
+        if entry is None:
+            return False
+        shape = entry.height_px, entry.width_px, 3
+        self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
+        ids = [model.camera(name).id for name in entry.cameras]
+        self.bodies = model.cam_bodyid[ids].astype(np.intp)
+        return True
+
+
+def _check(entries: Sequence[VisionEntry]) -> None:
+    for number, entry in enumerate(entries):
+        for name in SHARED:
+            ours, theirs = getattr(entries[0], name), getattr(entry, name)
+            if ours != theirs:
+                raise mixture_error(f"0 and {number}", f"vision.{name} ({ours}, {theirs})")

@@ -1,0 +1,80 @@
+"""What pages are made of: numbers as text and compressed arrays, and the files beside this module."""
+
+import base64
+import gzip
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.errors import MimocError
+from mimoc.base.rounding import rounded
+
+Array = npt.NDArray[Any]
+KINDS = {"f": "<f4", "i": "<i2", "u": "<u4", "b": "|u1"}
+"""How arrays are kept by kind of number: single precision, 16 bits with a sign, 32 without; bytes and booleans."""
+FINE_M = 2e-5
+"""Resolution of places of which there are thousands."""
+ALIGNMENT = 4
+"""Of each array in the block, in bytes."""
+
+
+@dataclass(slots=True)
+class EncodedArrays:
+    """What a page knows: plain data, in which arrays are named by `{"array": number}`."""
+
+    arrays: list[Array] = field(default_factory=list)
+    """The arrays, in the order of their numbers."""
+
+    def put(self, array: npt.ArrayLike) -> dict[str, Any]:
+        """Keep an array: floats in single precision, bytes as they are, other integers in 16 bits or, unsigned, in 32.
+
+        Raises:
+            OverflowError: If an integer does not fit.
+        """
+        given = np.asarray(array)
+        kind = "b" if given.dtype in (np.uint8, np.bool_) else given.dtype.kind
+        kept = given.astype(KINDS[kind])
+        if kind in "iu" and not np.array_equal(kept, given):
+            raise OverflowError(f"integers up to {given.max()} do not fit into {kept.dtype}")
+        self.arrays.append(kept)
+        return {"array": len(self.arrays) - 1}
+
+    def put_places(self, places_m: Array) -> dict[str, Any]:
+        """Keep places in [m] as multiples of `FINE_M`."""
+        return {**self.put(np.rint(places_m / FINE_M).astype(np.int64)), "unit": FINE_M}
+
+    def encode(self, data: Mapping[str, Any]) -> dict[str, str]:
+        """Return data, as JSON, and the arrays that it names, as a compressed block in base64."""
+        block, places = bytearray(), []
+        for array in self.arrays:
+            block += bytes(-len(block) % ALIGNMENT)
+            places.append({"at": len(block), "kind": array.dtype.str[1:], "shape": list(array.shape)})
+            block += array.tobytes()
+        packed = gzip.compress(bytes(block), mtime=0)
+        text = json.dumps(rounded({**data, "arrays": places}), separators=(",", ":"))
+        return {"data": text.replace("<", "\\u003c"), "block": base64.b64encode(packed).decode()}
+
+
+FOLDER = resources.files("mimoc.viewer")
+
+
+def source(name: str) -> str:
+    """Return a text that goes into pages as it is."""
+    return (FOLDER / "source" / name).read_text(encoding="utf-8")
+
+
+def built(name: str) -> bytes:
+    """Return a file that `make viewer` builds.
+
+    Raises:
+        MimocError: If it is missing.
+    """
+    try:
+        return (FOLDER / "built" / name).read_bytes()
+    except FileNotFoundError:
+        raise MimocError(f"mimoc/viewer/built/{name} is missing; in a checkout, `make viewer` builds it") from None

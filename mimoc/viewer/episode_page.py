@@ -1,0 +1,187 @@
+"""One episode of a recording for a page: how the infant and what is around it moved, what it felt, saw and did."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.video import SMALL, Mp4
+from mimoc.recordings import chosen_episodes, replay_recording
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.expression import expression_of
+from mimoc.senses.sense import Observation
+from mimoc.viewer.appearance import bodies_around, describe_surroundings
+from mimoc.viewer.encoding import EncodedArrays
+from mimoc.viewer.growth import Own, own_parts
+from mimoc.viewer.page import Progress, describe, fill
+
+FRAMES = 3000
+"""Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""
+MOST = 1e300
+"""Of what is shown: the difference of two numbers must be one, too."""
+LEVELS = 65535
+"""Steps between the least and the largest value of a curve."""
+
+Array = npt.NDArray[Any]
+
+
+def page_of_recording(
+    recording: ReadRecording,
+    infant: int | None = None,
+    number: int | None = None,
+    physics: bool = False,
+    progress: Progress = lambda *_: None,
+) -> tuple[str, str | None]:
+    """Return the page of an episode, which is simulated again for it, and the first number that did not come out again.
+
+    Args:
+        recording: The recording.
+        infant: Which of several infants; the first one if it is not said.
+        number: Which of its episodes; the first one if it is not said.
+        physics: Whether the page contains MuJoCo, so that the recorded actions can be tried again.
+        progress: Called with the number of control steps done and their total.
+
+    Raises:
+        RecordingError: If there is no such episode, or it cannot be simulated again.
+        RenderingError: If the infant sees, and there is no OpenGL here.
+        MimocError: See `mimoc.viewer.page.page_of`.
+    """
+    episode = chosen_episodes(recording, infant, number)[0]
+    packed = EncodedArrays()
+    data = describe(packed, recording.bundle(episode.infant), physics)
+    replayed, difference = describe_episode(packed, recording, episode, progress)
+    return fill(packed, {**data, **replayed}), difference
+
+
+def describe_episode(
+    packed: EncodedArrays, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+) -> tuple[dict[str, Any], str | None]:
+    """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
+    film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
+    (replayed,) = replay_recording(
+        recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
+    )
+    kept = film.rows[: episode.steps + 1]
+    data = {
+        "surroundings": film.surroundings,
+        "recording": {
+            "episode": episode.number,
+            "infant": episode.infant if recording.infants > 1 else None,
+            "seconds": packed.put(episode.time_s[kept] - episode.time_s[0]),
+            **film.describe(),
+            "curves": list(_curves(packed, episode, kept)),
+            "pictures": dict(_videos(packed, episode)),
+            "picture_s": episode.step_ms / 1000,
+            "stride": film.stride,
+        },
+    }
+    return data, str(replayed) if replayed.difference else None
+
+
+@dataclass(slots=True)
+class _Film:
+    """Keeps the motion of an infant while it is simulated again."""
+
+    packed: EncodedArrays
+    stride: int
+    """Of how many control steps each frame is the first."""
+    surroundings: dict[str, Any] = field(default_factory=dict)
+    rows: list[int] = field(default_factory=list)
+    """Rows of the episode that are frames."""
+    qpos: list[Array] = field(default_factory=list)
+    ages_months: list[float] = field(default_factory=list)
+    expressions: list[str | None] = field(default_factory=list)
+    around: list[Array] = field(default_factory=list)
+    felt: list[tuple[Array, Array]] = field(default_factory=list)
+    """Skin points with any force, and its size, [N], as observed."""
+    _own: Own | None = None
+    _row: int = 0
+
+    def __call__(self, env: InfantEnv, observation: Observation) -> None:
+        """Keep a frame, if it is due."""
+        if self._own is None:
+            self._own = own_parts(env.model, env.manifest)
+            self.surroundings = describe_surroundings(self.packed, env.model, env.data, self._own)
+        if self._row % self.stride == 0:
+            self._keep(env, observation, self._own)
+        self._row += 1
+
+    def _keep(self, env: InfantEnv, observation: Observation, parts: Own) -> None:
+        self.rows.append(self._row)
+        self.qpos.append(env.data.qpos[parts.qpos])
+        self.ages_months.append(env.manifest.child.age_months)
+        self.expressions.append(expression_of(env.manifest, env.model))
+        bodies = bodies_around(env.model, parts)
+        self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
+        if "touch" in observation:
+            forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
+            touched = np.flatnonzero(forces_n)
+            self.felt.append((touched, forces_n[touched]))
+
+    def describe(self) -> dict[str, Any]:
+        """Return what was kept; what is around the infant only if it moves."""
+        around = np.stack(self.around) if len({places.shape for places in self.around}) == 1 else np.zeros((1, 0, 7))
+        expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
+        ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
+        return {
+            "qpos": self.packed.put(np.stack(self.qpos)),
+            "frame_ages_months": self.packed.put(np.array(self.ages_months)),
+            "expressions": {
+                "names": expressions,
+                "shown": self.packed.put(np.array([expressions.index(name) for name in self.expressions if name])),
+            }
+            if expressions
+            else None,
+            "around": self.packed.put(around) if np.ptp(around, axis=0).any() else None,
+            "felt": {
+                "ends": self.packed.put(ends.astype(np.uint32)),
+                "points": self.packed.put(np.concatenate([points for points, _ in self.felt]).astype(np.uint32)),
+                "forces_n": self.packed.put(np.concatenate([forces for _, forces in self.felt])),
+            }
+            if self.felt
+            else None,
+        }
+
+
+def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
+    """Yield all that was recorded as numbers but touch, of which a page has the sum."""
+    yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
+    yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
+    for reading in episode.described.readings:
+        if reading.name == "touch":
+            sums_n = [[float(np.abs(forces).sum())] for forces in episode.observation(reading.name)[rows]]
+            yield _curve(packed, "touch", ("sum of forces [N]",), np.array(sums_n))
+        elif reading.kind == "dense":
+            values = episode.observation(reading.name)[rows]
+            yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
+
+
+def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
+    """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
+    known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
+    low, high = known.min(axis=0), known.max(axis=0)
+    levels = np.rint((known - low) / np.where(high > low, high - low, 1) * LEVELS) - LEVELS // 2 - 1
+    return {
+        "name": name,
+        "layout": list(layout) or [str(index) for index in range(values.shape[1])],
+        "low": packed.put(low),
+        "high": packed.put(high),
+        "levels": packed.put(levels.T.astype(np.int64)),
+    }
+
+
+def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]]:
+    """Yield what the eyes saw as small videos."""
+    for reading in episode.described.readings:
+        if reading.kind == "picture":
+            with TemporaryDirectory() as folder:
+                video = Mp4(Path(folder, "seen.mp4"), episode.described.rate_hz, SMALL)
+                for picture in episode.observation(reading.name):
+                    video.add(picture)
+                content = video.save().read_bytes()
+            yield reading.name, packed.put(np.frombuffer(content, np.uint8))

@@ -1,0 +1,186 @@
+"""A task from outside that is a term runs on one infant, on many and on a device, from one definition."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+import pytest
+from support.devices import DEVICE
+
+import mimoc
+from mimoc.base.kinds import TaskKind
+from mimoc.base.model_fields import ModelField
+from mimoc.runtime.device.signals import DeviceError
+from mimoc.runtime.term import Term
+from mimoc.tasks.base import TaskEntry, TaskSpec
+from mimoc.tasks.setup import TaskSetup
+from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task, squared_commands
+
+STEPS = 6
+SENSES: dict[str, Any] = {
+    "proprioception": {"include": ["velocity", "torque", "limits", "actuation"]},
+    "vestibular": {},
+}
+
+
+class HoldSpec(TaskSpec):
+    """Hold the head at a height, which is drawn for each episode and observed."""
+
+    kind: Literal["hold"]
+
+
+class HoldEntry(TaskEntry):
+    """Hold the head at a height."""
+
+    kind: Literal["hold"] = "hold"
+    steps: int | None = None
+
+
+@dataclass(frozen=True)
+class Hold(Term):
+    """The error of the height costs; the head gets lighter as long as it is too low."""
+
+    head: int
+    length_m: float
+    weight: float
+    cost: SquaredCommands
+
+    def __call__(self, worlds: Any, action: Any, memory: Any) -> Judgement:
+        error = worlds.xpos[:, self.head, 2] / self.length_m - memory["height"][:, 0]
+        terms = {"error": -worlds.xp.abs(error), "effort": -self.weight * self.cost(worlds, action)}
+        steps = memory["steps"] + 1
+        lighter = Change(error < 0.0, lambda: worlds.xp.abs(error)[:, None])
+        remembered = {"steps": steps, "was_low": error < 0.0}
+        return Judgement(terms, error > 0.0, steps >= STEPS - 1, remembered, {"body_gravcomp": lighter})
+
+
+class HoldTask(Task):
+    """A height to hold the head at."""
+
+    spaces = {"height": gymnasium.spaces.Box(0.0, 1.0, (1,), np.float32)}  # noqa: RUF012
+
+    def bind(self, model: Any, bundle: Any) -> None:
+        self._model, self.head = model, model.body(bundle.manifest.anatomy.head).id
+        cost = squared_commands(bundle.manifest.actuation)
+        self.term = Hold(self.head, bundle.manifest.child.length_cm / 100, 0.01, cost)
+
+    @property
+    def model_fields(self) -> Any:
+        return (ModelField("body_gravcomp", np.array([self.head])),)
+
+    def start(self, data: Any, generator: Any) -> None:
+        self._model.body_gravcomp[self.head] = 0.1
+        self.remember(height=np.float32([generator.uniform(0.3, 0.6)]), steps=0, was_low=False)
+
+
+def bind(entry: HoldEntry, model: Any, bundle: Any) -> HoldTask:
+    task = HoldTask(entry.steps)
+    task.bind(model, bundle)
+    return task
+
+
+HOLD = TaskKind(
+    name="hold",
+    spec=HoldSpec,
+    entry=HoldEntry,
+    build=lambda spec, tree: TaskSetup(HoldEntry(steps=spec.steps)),
+    run=bind,
+    poses=None,
+)
+
+
+def build(age_months: float, **keys: Any) -> mimoc.Bundle:
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys}
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+def actions(env: Any, generator: np.random.Generator) -> np.ndarray:
+    space = env.action_space
+    return generator.uniform(space.low, space.high).astype(np.float32)
+
+
+@pytest.mark.parametrize("is_plugin", [True, False], ids=["a plug-in's record", "a script's object"])
+def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(registered, is_plugin):
+    """To the bit on one and on many, within the rounding of 32 bits on a device; also what it changes in the model."""
+    with registered(HOLD):
+        options = {} if is_plugin else {"task": HoldTask(STEPS)}
+        task = {"task": {"kind": "hold", "steps": STEPS}} if is_plugin else {}
+        bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}, **task) for age in (9, 12)]
+        many: Any = mimoc.make_vec(bundles, threads=1, **options)
+        device: Any = mimoc.make_vec(bundles, device=DEVICE, starts=2, **options)
+        alone = [mimoc.InfantEnv(bundle, **({} if is_plugin else {"task": HoldTask(STEPS)})) for bundle in bundles]
+        begun = [env.reset(seed=seed)[0]["height"] for seed, env in enumerate(alone)]
+        assert np.array_equal(many.reset(seed=0)[0]["height"], begun)
+        assert device.reset(seed=0)[0]["height"] == pytest.approx(np.array(begun))
+        generator = np.random.default_rng(0)
+        for _ in range(STEPS - 1):
+            command = 0.5 * actions(many, generator)
+            each = [env.step(action) for env, action in zip(alone, command, strict=True)]
+            _, rewards, terminated, truncated, info = many.step(command)
+            on_device = device.step(command)
+            assert rewards.tolist() == [step[1] for step in each]
+            assert rewards == pytest.approx(on_device[1], abs=1e-4)
+            assert terminated.tolist() == on_device[2].tolist()
+            assert truncated.tolist() == on_device[3].tolist() == [False, False]
+            assert info["is_success"].tolist() == on_device[4]["is_success"].tolist()
+            for name, values in on_device[4]["reward_terms"].items():
+                assert values == pytest.approx(info["reward_terms"][name], abs=1e-4)
+            head = alone[0].task.model_fields[0].rows[0]
+            lightness = [env.model.body_gravcomp[head] for env in alone]
+            assert device.worlds.model.body_gravcomp.numpy()[:, head] == pytest.approx(lightness, abs=1e-4)
+        assert terminated.all()
+        assert lightness != [0.1, 0.1]
+        device.step(command)
+        assert device.worlds.model.body_gravcomp.numpy()[:, head] == pytest.approx(0.1)
+        for env in (many, device, *alone):
+            env.close()
+
+
+def test_a_single_world_takes_over_what_a_start_sets_in_the_model():
+    env: Any = mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 1, device=DEVICE, task=HoldTask())
+    env.reset(seed=0)
+    lightness = env.worlds.model.body_gravcomp
+    lightness.fill_(0.7)
+    env.reset(seed=0)
+    head = env.infants[0].task.model_fields[0].rows
+    assert lightness.numpy()[0, head] == pytest.approx(0.1)
+    assert (np.delete(lightness.numpy()[0], head) == np.float32(0.7)).all()
+    env.close()
+
+
+@dataclass(frozen=True)
+class Months(Term):
+    """A reward that is an address, which it should not be."""
+
+    months: int
+
+    def __call__(self, worlds: Any, action: Any, memory: Any) -> Judgement:
+        return Judgement({"months": worlds.qpos[:, 0] + self.months})
+
+
+class MonthsTask(Task):
+    """The same reward at each step."""
+
+    def bind(self, model: Any, bundle: Any) -> None:
+        self.term = Months(round(bundle.manifest.child.age_months))
+
+
+def test_infants_whose_tasks_differ_in_what_worlds_share_are_refused():
+    bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}) for age in (9, 12)]
+    with pytest.raises(DeviceError, match="the tasks of these infants differ in 'months'"):
+        mimoc.make_vec(bundles, device=DEVICE, task=MonthsTask())
+
+
+class Blinking(MonthsTask):
+    """A task whose observation is made elsewhere."""
+
+    spaces = {"light": gymnasium.spaces.Box(0.0, 1.0, (1,), np.float32)}  # noqa: RUF012
+
+    def observe(self) -> Any:
+        return {"light": np.ones(1, np.float32)}
+
+
+def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out():
+    with pytest.raises(DeviceError, match="the task observes 'light' without remembering it"):
+        mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 2, device=DEVICE, task=Blinking())

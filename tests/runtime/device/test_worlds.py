@@ -1,0 +1,330 @@
+"""Infants on MuJoCo Warp, by default on its CPU device, sense and earn what they do on the CPU.
+
+Warp compiles its kernels once for each kind of model, so these tests share few of them.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import gymnasium
+import numpy as np
+import pytest
+import torch
+from gymnasium.error import ClosedEnvironmentError
+from support.devices import DEVICE, WARP_DEVICE
+
+import mimoc
+from mimoc.actuation.torque.run import bind
+from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.kinds import ActuationKind
+from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
+from mimoc.runtime.device.bodies import WorldsError
+from mimoc.runtime.device.vector_env import DeviceEnv, DeviceError
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.term import Term
+
+AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
+ALL = {"include": ["velocity", "torque", "limits", "actuation"]}
+SENSES = {"proprioception": ALL, "vestibular": {}, "touch": {"density": 0.5}}
+CLOSE = 1e-4
+
+
+@cache
+def bundle(age_months: float, **keys: object) -> mimoc.Bundle:
+    return build(age_months=age_months, senses=SENSES, scene={"kind": "flat", "pose": "sitting"})
+
+
+def build(**keys: object) -> mimoc.Bundle:
+    spec = {"mimoc": 1, "name": "infant", "senses": {"proprioception": ALL, "vestibular": {}}, **keys}
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.fixture
+def pair():
+    """Return what makes the same infants on MuJoCo Warp and on the CPU."""
+    made = []
+
+    def make(bundles, count=None, **options):
+        both = (
+            mimoc.make_vec(bundles, count, device=DEVICE, **options),
+            mimoc.make_vec(bundles, count, threads=1, **{name: options[name] for name in options.keys() & {"senses"}}),
+        )
+        made.extend(both)
+        return both
+
+    yield make
+    for env in made:
+        env.close()
+
+
+def actions(env, generator: np.random.Generator) -> np.ndarray:
+    space = env.single_action_space
+    return generator.uniform(space.low, space.high, env.action_space.shape).astype(np.float32)
+
+
+def assert_close(ours, theirs, infant, limit=CLOSE):
+    """Compare observations: angles in [rad]; other quantities relatively, if they are large."""
+    for name, values in theirs.items():
+        errors = np.abs(ours[name] - values) / np.maximum(1.0, np.abs(values))
+        layout = infant.layout(name) if name == "proprioception" else ()
+        angles = [index for index, number in enumerate(layout) if number.endswith("[rad]")]
+        assert errors[:, angles].max(initial=0.0) < limit, name
+        assert errors.max() < 30 * limit, name
+
+
+@pytest.mark.slow
+def test_infants_of_seven_ages_at_once_feel_what_they_do_on_the_cpu(pair):
+    """After 20 physics steps, with all senses and every point of the skin."""
+    ours, theirs = pair([bundle(age) for age in AGES_MONTHS], touch="points")
+    (seen, _), (expected, _) = ours.reset(seed=3), theirs.reset(seed=3)
+    generator = np.random.default_rng(0)
+    for _ in range(10):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+        assert seen.keys() == expected.keys()
+        assert_close(seen, expected, theirs.infants[0])
+    assert np.abs(ours.worlds.data.qpos.numpy() - [each.data.qpos for each in theirs.infants]).max() < CLOSE
+    assert (np.abs(expected["touch"]).sum(axis=1) > 0).all()
+    assert ours.observation_space.contains(seen)
+
+
+def delayed(age_months: float) -> mimoc.Bundle:
+    scene = {"kind": "flat", "pose": "sitting"}
+    return build(age_months=age_months, senses=SENSES, scene=scene, delays={"preset": "physiological"})
+
+
+def test_delays_of_each_age_are_those_of_the_cpu(pair):
+    ours, theirs = pair([delayed(1), delayed(20)], touch="points")
+    ours.reset(seed=0), theirs.reset(seed=0)
+    generator = np.random.default_rng(1)
+    for _ in range(12):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+        assert_close(seen, expected, theirs.infants[0])
+    assert not np.allclose(expected["touch"], 0)
+
+
+def test_bodies_feel_the_sum_of_their_points(pair):
+    ours, theirs = pair([bundle(6), bundle(12)])
+    seen, expected = ours.reset(seed=0)[0], theirs.reset(seed=0)[0]
+    for _ in range(3):
+        command = np.zeros(theirs.action_space.shape, np.float32)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+    bodies = theirs.infants[0].senses["touch"].bodies[::3]
+    sums = [expected["touch"].reshape(2, -1, 3)[:, bodies == body].sum(axis=1) for body in np.unique(bodies)]
+    assert seen["touch"].reshape(2, -1, 3) == pytest.approx(np.stack(sums, axis=1), abs=0.02)
+    assert np.abs(seen["touch"]).max() > 1
+
+
+@pytest.mark.parametrize("model", ["muscle", "position"])
+def test_every_actuation_model_moves_as_on_the_cpu(pair, model):
+    ours, theirs = pair([build(age_months=age, actuation={"model": model}) for age in (6, 12)])
+    ours.reset(seed=0), theirs.reset(seed=0)
+    generator = np.random.default_rng(2)
+    for _ in range(5):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+    assert_close(seen, expected, theirs.infants[0])
+
+
+@pytest.mark.parametrize("kind", ["reach", "standup", "rollover", "selfbody", "catch"])
+def test_every_task_earns_what_it_does_on_the_cpu(pair, kind):
+    ours, theirs = pair([build(age_months=age, task={"kind": kind}) for age in (12, 18)], 3, starts=3)
+    seen, expected = ours.reset(seed=0)[0], theirs.reset(seed=0)[0]
+    assert_close(seen, expected, theirs.infants[0])
+    generator = np.random.default_rng(3)
+    earned = []
+    for _ in range(8):
+        command = 0.5 * actions(theirs, generator)
+        seen, rewards, terminated, _, info = ours.step(command)
+        expected, wanted, ends, _, told = theirs.step(command)
+        assert rewards == pytest.approx(wanted, rel=1e-3, abs=1e-3)
+        assert terminated.tolist() == ends.tolist()
+        assert info["is_success"].tolist() == told["is_success"].tolist()
+        for name, values in info["reward_terms"].items():
+            assert values == pytest.approx(told["reward_terms"][name], abs=1e-3)
+        earned.append(wanted)
+    assert_close(seen, expected, theirs.infants[0], limit=10 * CLOSE)
+    assert np.any(earned)
+
+
+def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
+    """In the next step, in the same one with its last view told, or when it is reset by the caller."""
+    infants = [build(age_months=age, task={"kind": "reach"}) for age in (12, 18)]
+    views = {}
+    for mode in ("NextStep", "SameStep", "Disabled"):
+        env = mimoc.make_vec(infants, device=DEVICE, autoreset_mode=mode, max_episode_steps=2, starts=2)
+        first = env.reset(seed=0)[0]["proprioception"]
+        command = np.ones(env.action_space.shape, np.float32)
+        assert not env.step(command)[3].any()
+        seen, _, _, truncated, info = env.step(command)
+        assert truncated.all()
+        starts = [env.worlds.default_starts.samples["proprioception"].numpy()[index : index + 2] for index in (0, 2)]
+        if mode == "NextStep":
+            views["last"] = seen["proprioception"]
+            seen, rewards, _, truncated, _ = env.step(command)
+            assert not truncated.any()
+            assert not rewards.any()
+        elif mode == "SameStep":
+            assert info["final_obs"]["proprioception"] == pytest.approx(views["last"], abs=1e-3)
+            assert info["_final_obs"].all()
+        else:
+            with pytest.raises(Exception, match=r"infants \[0, 1\] have ended"):
+                env.step(command)
+            seen, _ = env.reset(options={"reset_mask": np.array([True, True])})
+        for own, begun in zip(starts, seen["proprioception"], strict=True):
+            assert any(np.allclose(start, begun, atol=1e-5) for start in own)
+        assert first.shape == seen["proprioception"].shape
+        env.close()
+
+
+def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
+    env.reset(seed=0)
+    speeds = env.worlds.data.qvel.numpy()
+    speeds[0] = 1e12
+    env.worlds.data.qvel.assign(speeds)
+    command = np.zeros(env.action_space.shape, np.float32)
+    seen, _, terminated, _, info = env.step(command)
+    assert info["unstable"].tolist() == terminated.tolist() == [True, False]
+    assert env.observation_space.contains(seen)
+    for _ in range(2):
+        seen, _, terminated, _, info = env.step(command)
+        assert not info["unstable"].any()
+        assert not terminated.any()
+    assert env.observation_space.contains(seen)
+    env.close()
+    env.close()
+    for use in (env.reset, lambda: env.step(command), lambda: env.grow(to=9)):
+        with pytest.raises(ClosedEnvironmentError):
+            use()
+
+
+def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="torch")
+    first, _ = env.reset(seed=0)
+    assert isinstance(first["vestibular"], torch.Tensor)
+    before = first["vestibular"].clone()
+    seen, rewards, terminated, _, _ = env.step(torch.ones(env.action_space.shape))
+    assert seen["vestibular"].data_ptr() == first["vestibular"].data_ptr()
+    assert not torch.equal(before, first["vestibular"])
+    assert rewards.shape == terminated.shape == (2,)
+    arrays = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="warp")
+    begun, _ = arrays.reset(seed=0)
+    assert torch.from_dlpack(begun["vestibular"]).data_ptr() == begun["vestibular"].ptr
+    env.close(), arrays.close()
+
+
+def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
+    env.reset(seed=0)
+    for absent in (lambda: env.grow(to=10), env.get_state, lambda: env.set_state([])):
+        with pytest.raises(DeviceError, match=rf"on device '{WARP_DEVICE}' .* leave out device"):
+            absent()
+    command = np.zeros(env.action_space.shape, np.float32)
+    command[1, 3] = np.nan
+    with pytest.raises(ValueError, match=r"expected finite actions, got .* for infant 1"):
+        env.step(command)
+    with pytest.raises(ValueError, match=r"of shape \(2, 44\), got shape \(2, 3\)"):
+        env.step(command[:, :3])
+    env.step(torch.from_numpy(command))
+    with pytest.raises(DeviceError, match="last actions of infant 1 were not finite"):
+        env.step(0 * command)
+    env.close()
+
+
+def test_a_task_that_is_no_term_stays_on_the_cpu():
+    infant = InfantEnv(bundle(9), task=mimoc.Task())
+    with pytest.raises(DeviceError, match=r"task 'mimoc\.tasks\.task:Task' is not a term, so it runs on the CPU only"):
+        DeviceEnv([infant], device=WARP_DEVICE)
+    infant.close()
+
+
+def test_what_cannot_live_on_a_device_is_told():
+    jitter = {"noise": {"delay_jitter_ms": 5}, "delays": {"sensory_ms": 10}}
+    for error, text, sources, options in (
+        (DeviceError, "device 'cuda:99' is not there; MuJoCo Warp finds .*", bundle(9), {"device": "cuda:99"}),
+        (DeviceError, "device 'gpu' is not there", bundle(9), {"device": "gpu"}),
+        (BatchMismatchError, "commands", [bundle(9), build(age_months=9, body={"hands": "five_finger"})], {}),
+        (WorldsError, "models differ in", [build(age_months=9, scene={"kind": "crib"}), build(age_months=9)], {}),
+        (DeviceError, "'infant' has delays with jitter", build(age_months=9, **jitter), {}),
+        (UnknownNameError, "'numbers' is not a kind of arrays", bundle(9), {"arrays": "numbers"}),
+        (UnknownNameError, "'skin' is not a way to tell of touch", bundle(9), {"touch": "skin"}),
+        (UnknownNameError, f"option of infants on device '{DEVICE}'", bundle(9), {"width": 3}),
+        (MimocError, "cannot be rendered", bundle(9), {"render_mode": "rgb_array"}),
+    ):
+        with pytest.raises(error, match=text) as raised:
+            mimoc.make_vec(sources, 2, **{"device": DEVICE, **options})
+        assert "\n" not in str(raised.value)
+
+
+@dataclass(frozen=True)
+class Half(Term):
+    """Half of what is commanded."""
+
+    def __call__(self, worlds, actions):
+        return 0.5 * actions
+
+
+def bind_halved(entry, model):
+    return replace(bind(entry, model), command=Half())
+
+
+HALVED = ActuationKind("halved", "Half of what is commanded.", build="mimoc.actuation.torque.build", run=bind_halved)
+
+
+def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
+    with registered(HALVED):
+        infant = build(age_months=9, development="published", actuation={"model": "halved"})
+        alone, many = mimoc.make(infant), mimoc.make_vec(infant, 2, threads=1)
+        device = mimoc.make_vec(infant, 2, device=DEVICE)
+        action = np.full(alone.action_space.shape, 0.4, np.float32)
+        for env in (alone, many, device):
+            env.reset(seed=0)
+            env.step(np.broadcast_to(action, env.action_space.shape))
+        datas = [alone.unwrapped.data, *(infant.data for infant in many.infants)]
+        for controls in (*(data.ctrl for data in datas), *device.worlds.data.ctrl.numpy()):
+            assert controls == pytest.approx(np.full(len(controls), 0.2))
+        alone.close(), many.close(), device.close()
+
+
+class Height:
+    """A sense that is no term."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (1,), np.float32)
+
+    def __call__(self, data):
+        return data.qpos[2:3]
+
+
+@dataclass(frozen=True)
+class Heights(Term):
+    bodies: np.ndarray
+
+    def __call__(self, worlds, *args):
+        return worlds.xp.take(worlds.xpos, self.bodies, axis=1)[..., 2:]
+
+
+class Tall:
+    """A sense that is a term, of a shape and with a delay of its own."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (2, 1), np.float32)
+    delay_ms = 15
+
+    def bind(self, model, bundle):
+        self.term = Heights(np.array([model.body(name).id for name in ("head", "chest")]))
+
+
+def test_a_sense_that_is_no_term_is_told_and_one_that_is_senses_as_on_the_cpu(pair):
+    with pytest.raises(DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"):
+        mimoc.make_vec(build(age_months=9), 2, device=DEVICE, senses={"tall": Height()})
+    ours, theirs = pair([build(age_months=age) for age in (6, 12)], senses={"tall": Tall()})
+    ours.reset(seed=0), theirs.reset(seed=0)
+    generator, views = np.random.default_rng(4), []
+    for _ in range(4):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+        assert seen["tall"].shape == (2, 2, 1)
+        assert seen["tall"] == pytest.approx(expected["tall"], abs=1e-5)
+        views.append(seen["tall"])
+    assert (views[-1] != views[0]).all()
