@@ -51,21 +51,14 @@ KIND_FOLDERS = {
 """Folders of kinds, and the layer of a file there whose prefix does not say it."""
 PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
 """Layer of the files in the kinds' folders that begin so: `build.py`, `build_points.py`. A record is a `spec`."""
-WITHOUT_PREFIX = {
-    "build": "senses.touch.skin_points "
-    "senses.vision.acuity_by_age senses.vision.comparison tasks.setup tasks.standup.grip "
-    "actuation.setup delays.presets noise.presets",
-    "spec": "tasks.base delays.__init__",
-}
-"""Files that still lack the prefix of their layer. It must go: whoever renames one takes it off."""
 
 LAYERS = {
     "version": layer("version base"),
-    "signals": layer("interruption"),
-    "errors": layer("errors"),
-    "units": layer("units mujoco_layout"),
-    "streams": layer("random_streams"),
-    "geometry": layer("geometry rounding", "errors units", "scipy"),
+    "signals": layer("base.interruption"),
+    "errors": layer("base.errors base.lazy"),
+    "units": layer("base.units base.mujoco_layout"),
+    "streams": layer("base.random_streams"),
+    "geometry": layer("geometry base.rounding", "errors units", "scipy"),
     "files": layer("bundle.files bundle.json_text", "errors version geometry"),
     "grammar": layer("schema.base", "errors", "pydantic"),
     "part": layer("body.part", "geometry"),
@@ -78,7 +71,7 @@ LAYERS = {
         "errors units grammar part parts",
         "pydantic yaml",
     ),
-    "kinds": layer("kinds", "errors grammar part"),
+    "kinds": layer("base.kinds", "errors grammar part"),
     "quantities": layer("quantities", "kinds"),
     "composition": layer("schema.composition", "errors grammar language kinds", "pydantic"),
     "spec": layer("", "errors units grammar language kinds composition", "pydantic"),
@@ -97,7 +90,7 @@ LAYERS = {
         "errors",
         "mujoco torch array_api_compat array_api_strict",
     ),
-    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
+    "run": layer("base.model_fields base.state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
     "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.device",
@@ -200,7 +193,7 @@ def violations(found: list[Import]) -> list[str]:
 
 def layer_of(module: str) -> str | None:
     """Return the layer that a module of mimoc belongs to; in `base/` it is the one of its own name."""
-    name = module.partition(".")[2].removeprefix("base.") or "__init__"
+    name = module.partition(".")[2] or "__init__"
     if name.partition(".")[0] in KIND_FOLDERS:
         return _layer_of_kind(module, name)
     while name not in LAYER_OF and name:
@@ -212,9 +205,6 @@ def _layer_of_kind(module: str, name: str) -> str:
     """Return the layer of a module in a kind's folder: it declares, it builds, it runs, or it is for a device."""
     if module in MODULES and MODULES[module].name == "__init__.py":
         return "spec"
-    for layer_name, names in WITHOUT_PREFIX.items():
-        if name in names.split():
-            return layer_name
     prefix = name.rpartition(".")[2].partition("_")[0]
     return PREFIXES.get(prefix, KIND_FOLDERS[name.partition(".")[0]])
 

@@ -26,22 +26,29 @@ def folder(bundle_at, tmp_path_factory):
     return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
 
 
-def test_every_public_name_is_there_and_has_one_home():
-    for name in mimoc.__all__:
-        assert getattr(mimoc, name) is not None
-        if name != "__version__":
-            assert getattr(import_module(mimoc._HOMES[name]), name) is getattr(mimoc, name)
-    assert dir(mimoc) == sorted(mimoc.__all__)
-    assert set(mimoc.__all__) == {*mimoc._HOMES, "__version__"}
+def test_every_public_name_is_there():
+    assert all(getattr(mimoc, name) is not None for name in mimoc.__all__)
+    assert dir(mimoc) == mimoc.__all__ == sorted(mimoc.__all__)
 
 
-def test_type_checkers_are_told_of_the_same_homes():
-    branches = [node for node in ast.walk(ast.parse(Path(mimoc.__file__).read_text())) if isinstance(node, ast.If)]
-    (imports,) = (branch for branch in branches if ast.unparse(branch.test) == "TYPE_CHECKING")
+@pytest.mark.parametrize("package", ["mimoc", "mimoc.body", "mimoc.plugin", "mimoc.schema"])
+def test_type_checkers_are_told_of_the_same_homes(package):
+    tree = ast.parse(Path(import_module(package).__file__).read_text())
+    (branch,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
     told = {
-        name.name: node.module for node in ast.walk(imports) if isinstance(node, ast.ImportFrom) for name in node.names
+        (node.module, name.name, name.asname)
+        for node in branch.body
+        if isinstance(node, ast.ImportFrom)
+        for name in node.names
     }
-    assert told == mimoc._HOMES
+    (homes,) = (ast.literal_eval(node) for node in ast.walk(tree) if isinstance(node, ast.Dict))
+    entries = [
+        (home, *entry.split("="))
+        for home, names in homes.items()
+        for entry in names.replace(" as ", "=").split()
+        if entry != "__version__"
+    ]
+    assert told == {(home, name, (alias or [name])[0]) for home, name, *alias in entries}
 
 
 def test_a_name_that_mimoc_does_not_have_is_an_attribute_error():

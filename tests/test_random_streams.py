@@ -3,8 +3,7 @@ import subprocess
 import sys
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.base.random_streams import between, pick, shuffled, stream, whole_between
 

@@ -1,8 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.base.rounding import rounded
 from mimoc.base.units import cm_to_m, deg_to_rad, m_to_cm, months_to_days, ms_to_s, to_steps

@@ -36,9 +36,9 @@ from mimoc.schema.entries import (
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks import TASKS
-from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.spec import task_entry_field
+from mimoc.tasks.spec_base import TaskEntry
 
 MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""

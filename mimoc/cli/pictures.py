@@ -133,7 +133,7 @@ def see(
     from mimoc.render import picture_files
     from mimoc.render.picture_files import tile_pictures
     from mimoc.schema import VisionSpec
-    from mimoc.senses.vision import comparison
+    from mimoc.senses.vision import build_comparison as comparison
     from mimoc.senses.vision.preview import is_blank, preview
 
     picture_files.check_picture_name(file)

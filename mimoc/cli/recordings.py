@@ -35,8 +35,7 @@ def replay(
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
-    from mimoc import recording as videos
-    from mimoc import recordings
+    from mimoc import recording as videos, recordings
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
 

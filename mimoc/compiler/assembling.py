@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mimoc.actuation.setup import ActuationSetup
+from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body
-from mimoc.actuation.setup import ActuationSetup, build_actuation
+from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import rounded, rounded_array
 from mimoc.base.units import ms_to_s
@@ -20,8 +20,7 @@ from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json
-from mimoc.bundle.manifest import Manifest, ToyEntry
-from mimoc.bundle.manifest import to_data as manifest_data
+from mimoc.bundle.manifest import Manifest, ToyEntry, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.availability import check_available
@@ -47,15 +46,15 @@ from mimoc.compiler.provenance import (
     trace_world,
     who_percentiles,
 )
-from mimoc.delays.presets import trace_delays
+from mimoc.delays.build_presets import trace_delays
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.mimo.model import CompatibilityTarget, find_target
 from mimoc.mjcf.scene import Placed, SceneTree
-from mimoc.noise.presets import trace_noise
+from mimoc.noise.build_presets import trace_noise
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_document import dump
-from mimoc.tasks.setup import TaskSetup
+from mimoc.tasks.build_setup import TaskSetup
 from mimoc.version import __version__
 
 

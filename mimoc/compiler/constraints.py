@@ -12,7 +12,7 @@ from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.world import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
-from mimoc.tasks.setup import Hold, TaskSetup
+from mimoc.tasks.build_setup import Hold, TaskSetup
 
 SAME = 1e-6
 """Tolerance, in [m] or [rad], within which two poses count as satisfying the same constraint."""

@@ -23,20 +23,20 @@ from mimoc.bundle.manifest import (
 )
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.placing import start_pose
-from mimoc.delays.presets import delays
+from mimoc.delays.build_presets import delays
 from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.mjcf.world import FreeObject
-from mimoc.noise.presets import noise
+from mimoc.noise.build_presets import noise
 from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks import TASKS
-from mimoc.tasks.setup import NO_TASK, TaskSetup
+from mimoc.tasks.build_setup import NO_TASK, TaskSetup
 from mimoc.toys import TOY_SOURCES
 
 Side = Literal["left", "right"]

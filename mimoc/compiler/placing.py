@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.actuation.setup import ActuationSetup
+from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
@@ -25,7 +25,7 @@ from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.source import Source
-from mimoc.tasks.setup import NO_TASK, TaskSetup, build_task
+from mimoc.tasks.build_setup import NO_TASK, TaskSetup, build_task
 from mimoc.toys import TOY_SOURCES
 from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.choosing import Toybox, choose_toys

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mimoc import fits
-from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.body import BodyTree
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
@@ -14,7 +14,7 @@ from mimoc.fits.who import percentile
 from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec, to_data
 from mimoc.schema.source import Source
-from mimoc.tasks.base import TaskEntry
+from mimoc.tasks.spec_base import TaskEntry
 from mimoc.toys.objects import mass_entry, trace_toys
 
 SPEC_FILE = "spec.yaml"

@@ -20,8 +20,8 @@ from mimoc.schema.sizes import check_sizes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
 from mimoc.tasks import TASKS
-from mimoc.tasks.base import TaskSpec
 from mimoc.tasks.spec import task_field
+from mimoc.tasks.spec_base import TaskSpec
 
 REMOVED = ("body", "remove")
 

@@ -3,8 +3,7 @@
 import math
 
 from toys.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
-from toys.shaping import ball as globe
-from toys.shaping import box, lathe, loft, ring, rod, small_ball
+from toys.shaping import ball as globe, box, lathe, loft, ring, rod, small_ball
 from toys.solids import block, capsule, cylinder, hoop, sphere
 from toys.transforms import move, pair, turn
 

@@ -8,7 +8,7 @@ from gymnasium.utils.env_checker import check_env
 
 import mimoc
 from mimoc.actuation.binding import Actuation, command_range, effort_of, find_actuators, limits_of_motors
-from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.base.kinds import ActuationKind
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain

@@ -1,8 +1,7 @@
 """What is particular to newborns is all there at birth, fades, and is gone at 18 months."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.body.decay import Decay
 

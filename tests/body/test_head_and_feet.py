@@ -5,8 +5,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from mimoc.body import Body, BodyTree, assemble, grow_tree
 from mimoc.body.kinematics import stature

@@ -6,8 +6,7 @@ from statistics import NormalDist
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from support.full import full_but
 from support.start_poses import DEPTH_M
 

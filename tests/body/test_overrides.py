@@ -6,8 +6,7 @@ import random
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from support.full import full_but
 
 import mimoc

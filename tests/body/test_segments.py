@@ -6,8 +6,7 @@ from itertools import product
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.base.errors import GeometryError
 from mimoc.body import assemble, grow_tree

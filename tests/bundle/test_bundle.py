@@ -5,8 +5,7 @@ import os
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from support.bundles import ONE, TWO, contents
 
 from mimoc.base.errors import BundleError

@@ -2,8 +2,7 @@
 
 import json
 
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.provenance import packed, unpacked

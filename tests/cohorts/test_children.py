@@ -4,8 +4,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.body.measurements import targets
 from mimoc.cohorts.infants import CORRELATIONS, PERCENTILES, draw_children

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.actuation.setup import build_actuation
+from mimoc.actuation.build_setup import build_actuation
 from mimoc.body import assemble, grow_tree
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.building import builder

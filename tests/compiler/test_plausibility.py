@@ -1,8 +1,7 @@
 """A single measurement is one that a child of that age can have."""
 
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError

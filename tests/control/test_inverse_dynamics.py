@@ -4,8 +4,7 @@ import gymnasium
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from support.full import full_but, full_rows
 
 import mimoc

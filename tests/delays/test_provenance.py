@@ -2,8 +2,8 @@
 
 import mimoc
 from mimoc.compiler.explain import entries_of
-from mimoc.delays import presets
-from mimoc.delays.presets import RULES
+from mimoc.delays import build_presets as presets
+from mimoc.delays.build_presets import RULES
 
 
 def provenance(**keys) -> dict:

@@ -1,7 +1,6 @@
 """Signals with a delay come out in their order, as many items later as the delay has control steps."""
 
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.delays.signals import DelayedSamples
 

@@ -2,8 +2,7 @@
 
 import mujoco
 import numpy as np
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from support.slider import MODEL, MOTORS
 
 from mimoc.delays.schedule import Schedule

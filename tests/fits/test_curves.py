@@ -2,8 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.fits import LogCurve, fit_count_curve, fit_growth, fit_log_curve, load_tables
 from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS, LAST_MONTH

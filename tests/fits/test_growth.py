@@ -2,8 +2,7 @@ import dataclasses
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.base.errors import DataError
 from mimoc.base.units import cm_to_m

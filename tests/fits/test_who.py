@@ -2,8 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.fits import GrowthStandard, load_tables

@@ -15,7 +15,7 @@ from support.pages import few_ages
 
 import mimoc
 from mimoc.compiler.explain import explain
-from mimoc.registration import bundle_html
+from mimoc.notebook import bundle_html
 from mimoc.viewer.page import page_of
 
 STEPS = 3

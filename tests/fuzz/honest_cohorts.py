@@ -18,8 +18,7 @@ from fuzz.mutations import pick
 import mimoc
 from mimoc import cli
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cohorts import Cohort, Job, engines
-from mimoc.cohorts import plan as plans
+from mimoc.cohorts import Cohort, Job, engines, plan as plans
 from mimoc.cohorts.infants import children_of
 from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Result, Store

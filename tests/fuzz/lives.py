@@ -24,8 +24,7 @@ from unittest import mock
 
 import numpy as np
 from gymnasium.error import ClosedEnvironmentError
-from hypothesis import HealthCheck, Phase, seed, settings
-from hypothesis import strategies as some
+from hypothesis import HealthCheck, Phase, seed, settings, strategies as some
 from hypothesis.stateful import (
     RuleBasedStateMachine,
     initialize,

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.special import ellipe, elliprg
 
 from mimoc.geometry.ellipsoids import ellipse_perimeter, ellipsoid_area, nearest_points

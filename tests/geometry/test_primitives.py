@@ -1,8 +1,7 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.geometry.primitives import area, depths, extents, outward, volume
 

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import matrix_from_euler

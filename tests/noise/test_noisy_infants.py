@@ -7,8 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.noise.noise import Draw, LowPass, MotorNoise, Noise, Smooth

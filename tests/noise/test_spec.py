@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.explain import entries_of
 from mimoc.delays.spec import DelaysSpec, is_delayed
-from mimoc.noise.presets import motor_share, noise
+from mimoc.noise.build_presets import motor_share, noise
 from mimoc.noise.spec import NoiseEntry, NoiseSpec, noise_keys
 from mimoc.schema.source import parse
 

@@ -3,8 +3,7 @@
 from functools import cache
 
 import numpy as np
-from hypothesis import assume
-from hypothesis import strategies as st
+from hypothesis import assume, strategies as st
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
@@ -13,7 +12,7 @@ from mimoc.body import Body, BodyTree, Geom, assemble, grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, trunk_bodies
-from mimoc.senses.touch.skin_points import SkinPoints
+from mimoc.senses.touch.build_skin_points import SkinPoints
 
 HANDS = ("mitten", "five_finger")
 SIDES = ("left", "right")

@@ -16,8 +16,8 @@ from mimoc.compiler.explain import explain
 from mimoc.runtime.term import Term
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
-from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.setup import TaskSetup
+from mimoc.tasks.build_setup import TaskSetup
+from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.setup import ActuationSetup, Origin, activation, activation_origin
+from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree, Joint, Motor

@@ -22,8 +22,8 @@ from functools import partial
 
 import numpy as np
 
+from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
-from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree, Geom, Joint, Motor

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
+from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
-from mimoc.actuation.setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.body import BodyTree
 from mimoc.body.origins import REFERENCE
 from mimoc.mjcf.infant import Actuator

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.setup import build_actuation
+from mimoc.actuation.build_setup import build_actuation
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import m_to_cm, ms_to_s
 from mimoc.body.kinematics import Stature, stature

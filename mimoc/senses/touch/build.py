@@ -4,7 +4,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.mjcf.scene import Placed
-from mimoc.senses.touch.skin_points import skin_points
+from mimoc.senses.touch.build_skin_points import skin_points
 from mimoc.senses.touch.spec import SkinEntry, TouchEntry, TouchSpec
 
 SPACING_RULE = "two-point discrimination there at 18 months (MIMo) / sqrt(density), grown with the body's skin"

@@ -3,7 +3,7 @@
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
-from mimoc.senses.vision.acuity_by_age import resolve_acuity
+from mimoc.senses.vision.build_acuity import resolve_acuity
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 PROFILES = {

@@ -14,8 +14,8 @@ from mimoc.quantities.child import AGE
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
-from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
+from mimoc.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
 from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.run import filters, perceive

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.compiler import pipeline
-from mimoc.noise.presets import motor_share
+from mimoc.noise.build_presets import motor_share
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Line, Plot

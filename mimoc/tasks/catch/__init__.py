@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Amount, Body, Length, Lengths, Number, Steps
-from mimoc.tasks.base import BallEntry, TaskEntry, TaskSpec
+from mimoc.tasks.spec_base import BallEntry, TaskEntry, TaskSpec
 
 
 class CatchSpec(TaskSpec):

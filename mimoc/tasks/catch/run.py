@@ -13,8 +13,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.tasks.base import BallEntry
 from mimoc.tasks.catch import CatchEntry
+from mimoc.tasks.spec_base import BallEntry
 from mimoc.tasks.task import Judgement, Task
 
 SOLID_SPHERE = 2 / 5

@@ -1,8 +1,8 @@
 """No goal."""
 
 from mimoc.body import BodyTree
+from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.free import FreeEntry, FreeSpec
-from mimoc.tasks.setup import TaskSetup
 
 
 def build(spec: FreeSpec, tree: BodyTree) -> TaskSetup:

@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers
-from mimoc.tasks.base import BallEntry, GazeEntry, TaskEntry, TaskSpec
+from mimoc.tasks.spec_base import BallEntry, GazeEntry, TaskEntry, TaskSpec
 
 
 class ReachSpec(TaskSpec):

@@ -9,9 +9,9 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, pose_of, resting_state
 from mimoc.geometry.rotations import Vec3, direction
-from mimoc.tasks.base import GazeEntry
+from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec
-from mimoc.tasks.setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
+from mimoc.tasks.spec_base import GazeEntry
 
 STEPS = 1000
 """Of an episode (MIMo)."""

@@ -19,8 +19,8 @@ from mimoc.geometry.rotations import direction
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.tasks.base import GazeEntry
 from mimoc.tasks.reach import ReachEntry
+from mimoc.tasks.spec_base import GazeEntry
 from mimoc.tasks.task import Change, Judgement, Task
 
 

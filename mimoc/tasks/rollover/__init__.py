@@ -6,7 +6,7 @@ from pydantic import Field
 
 from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Body, Number
-from mimoc.tasks.base import TaskEntry, TaskSpec
+from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 
 
 class RolloverSpec(TaskSpec):

@@ -1,8 +1,8 @@
 """The setup of turning over: an infant lies as its scene says."""
 
 from mimoc.body import BodyTree
+from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.rollover import RolloverEntry, RolloverSpec
-from mimoc.tasks.setup import TaskSetup
 
 STEPS = 500
 """Of an episode (MIMo)."""

@@ -7,7 +7,7 @@ from pydantic import Field
 from mimoc.base.kinds import TaskKind
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Body, Label, Number
-from mimoc.tasks.base import TaskEntry, TaskSpec
+from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 
 
 class SelfbodySpec(TaskSpec):

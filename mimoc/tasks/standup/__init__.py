@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.base.kinds import TaskKind
 from mimoc.schema.entries import Body, Number
-from mimoc.tasks.base import TaskEntry, TaskSpec
+from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 
 
 class StandupSpec(TaskSpec):

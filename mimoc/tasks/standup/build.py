@@ -18,9 +18,9 @@ from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
-from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
+from mimoc.tasks.build_setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup import StandupEntry, StandupSpec
-from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
+from mimoc.tasks.standup.build_grip import KNUCKLES, arm_to_bar, curled, grip_point
 
 HALF_SPAN_IN_CHILDREN = 0.45
 """From the middle of the rail to a post, for one length of the child: as far as an arm reaches to the side."""

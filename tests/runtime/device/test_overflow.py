@@ -8,8 +8,7 @@ import pytest
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.runtime.device import capacity
-from mimoc.runtime.device import simulation as worlds
+from mimoc.runtime.device import capacity, simulation as worlds
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS, Capacity, Room
 from mimoc.runtime.device.vector_env import DeviceEnv, DeviceError
 

@@ -13,8 +13,8 @@ from mimoc.base.kinds import TaskKind
 from mimoc.base.model_fields import ModelField
 from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.term import Term
-from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.setup import TaskSetup
+from mimoc.tasks.build_setup import TaskSetup
+from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task, squared_commands
 
 STEPS = 6

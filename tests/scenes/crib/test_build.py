@@ -4,8 +4,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.mjcf.furniture import WorldGeom
 from mimoc.scenes.crib.build import Crib, crib

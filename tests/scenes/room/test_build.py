@@ -6,8 +6,7 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from PIL import Image
 
 from mimoc.base.random_streams import stream

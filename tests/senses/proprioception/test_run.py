@@ -4,8 +4,7 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.senses.proprioception.run import COMPONENTS, LIMIT_MARGIN_RAD, bind

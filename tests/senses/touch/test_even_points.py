@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from mimoc.body import assemble, grow_average
-from mimoc.senses.touch.skin_points import depth, even_points, place
+from mimoc.senses.touch.build_skin_points import depth, even_points, place
 
 HEAD = grow_average(18, assemble("mitten", False)).geoms["head"]
 SPACING_M = 0.013

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.special import sici
 
 from mimoc.senses.vision.foveation import blur, contrast_gain, pixels_per_degree

@@ -4,7 +4,7 @@ import pytest
 
 import mimoc
 from mimoc.compiler.explain import entries_of
-from mimoc.senses.vision import acuity_by_age
+from mimoc.senses.vision import build_acuity as acuity_by_age
 from mimoc.senses.vision.build import PROFILES
 
 

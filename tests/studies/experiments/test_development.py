@@ -6,8 +6,7 @@ import pytest
 
 from mimoc.studies.experiments.effort import GROUPS, strengths
 from mimoc.studies.experiments.resting import rest
-from mimoc.studies.milestones import Conditions, Outcome
-from mimoc.studies.milestones import search as milestone_searches
+from mimoc.studies.milestones import Conditions, Outcome, search as milestone_searches
 from mimoc.studies.milestones.search import Case, forget_searches, run_searches, walk
 
 GRID = (0.0, 2.0, 4.0, 6.0, 8.0)

@@ -10,7 +10,7 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.model_check import compile_model
-from mimoc.tasks.setup import RADIUS_M
+from mimoc.tasks.build_setup import RADIUS_M
 
 AGES = (0, 3, 9, 18, 24)
 PALMAR = {"right": -1, "left": 1}

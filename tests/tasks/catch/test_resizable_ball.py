@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.tasks.base import BallEntry
 from mimoc.tasks.catch.run import ResizableBall
+from mimoc.tasks.spec_base import BallEntry
 
 BALL = BallEntry(body="ball", joint="ball:free", geom="ball")
 

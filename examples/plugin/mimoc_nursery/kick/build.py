@@ -5,7 +5,7 @@ import math
 from mimoc.body import BodyTree
 from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom
-from mimoc.tasks.setup import TaskSetup, require
+from mimoc.tasks.build_setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 
 STEPS = 3000

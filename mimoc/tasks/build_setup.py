@@ -12,8 +12,8 @@ from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import BARE, SOLID, Furniture, WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks import TASKS
-from mimoc.tasks.base import BallEntry, TaskEntry, TaskSpec
 from mimoc.tasks.free import FreeEntry
+from mimoc.tasks.spec_base import BallEntry, TaskEntry, TaskSpec
 
 Side = Literal["right", "left"]
 

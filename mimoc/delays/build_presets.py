@@ -78,7 +78,8 @@ def _whole(time_ms: float, timestep_ms: float) -> float:
 RULES = {
     "none": "no preset",
     "paper": "the paper: 50 ms for senses, one physics step for motors",
-    "physiological": "conduction times by age, interpolated (see mimoc/delays/presets.py), to the nearest physics step",
+    "physiological": "conduction times by age, interpolated (see mimoc/delays/build_presets.py), "
+    "to the nearest physics step",
 }
 """The rule of each preset."""
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from mimoc.body import assemble, grow_tree
 from mimoc.body.tree import remove_parts
-from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
+from mimoc.delays.build_presets import MOTOR_DELAY, PRESETS, delays
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.spatial import KDTree
 from support.skin_bodies import (
     HANDS,
@@ -24,7 +23,7 @@ from support.skin_bodies import (
 from mimoc.body import assemble, grow_average
 from mimoc.mjcf.sensor_sites import cameras
 from mimoc.schema.names import trunk_bodies
-from mimoc.senses.touch.skin_points import skin_points
+from mimoc.senses.touch.build_skin_points import skin_points
 
 # Where the points are.
 

@@ -6,7 +6,7 @@ import pytest
 
 import mimoc
 from mimoc.schema import VisionSpec
-from mimoc.senses.vision.acuity_by_age import (
+from mimoc.senses.vision.build_acuity import (
     MAYER_1995_CPD,
     MIMO_V2_CPD,
     NEWBORN_CPD,

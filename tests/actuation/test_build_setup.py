@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.setup import build_actuation
+from mimoc.actuation.build_setup import build_actuation
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure

@@ -11,7 +11,7 @@ from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
 from mimoc.geometry.rotations import Vec3
-from mimoc.tasks.setup import Side
+from mimoc.tasks.build_setup import Side
 
 CLEAR_M = 0.001
 """Between a bar and the hand around it: the hold carries the infant, not the contact."""

@@ -3,8 +3,8 @@ import pytest
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
 from mimoc.schema import VisionSpec
-from mimoc.senses.vision.acuity_by_age import acuity_at
-from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages, read_ages
+from mimoc.senses.vision.build_acuity import acuity_at
+from mimoc.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages, read_ages
 
 
 def test_each_age_is_shown_as_seen_and_foveated_beside_what_is_drawn():

@@ -8,7 +8,7 @@ from mimoc.base.errors import UnsupportedTaskError
 from mimoc.body.kinematics import frames
 from mimoc.mjcf.furniture import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
-from mimoc.tasks.standup.grip import CLEAR_M, arm_to_bar, curled, grip_point
+from mimoc.tasks.standup.build_grip import CLEAR_M, arm_to_bar, curled, grip_point
 
 SIDES = ("right", "left")
 BODIES = [(age_months, hands) for age_months in (0, 9, 24) for hands in ("mitten", "five_finger")]
