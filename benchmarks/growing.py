@@ -68,7 +68,7 @@ def _spec(hands: str, senses: dict[str, Any]) -> mimoc.InfantSpec:
 def infant_of(spec: mimoc.InfantSpec) -> mimoc.InfantEnv:
     """Return the environment of a spec, without Gymnasium's wrappers."""
     variants = SpecVariants(spec)
-    return mimoc.InfantEnv(variants.own, variants=variants)
+    return mimoc.InfantEnv(variants.original, variants=variants)
 
 
 def compare(name: str, spec: mimoc.InfantSpec, rounds: int) -> None:

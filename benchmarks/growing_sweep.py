@@ -95,7 +95,7 @@ def swept(name: str, spec: mimoc.InfantSpec, seeds: int, months: float) -> Tally
     grown, total = 0, seeds * sum(len(ages) - 1 for ages in courses.values())
     with progress(name) as show:
         for (course, ages_months), seed in itertools.product(courses.items(), range(seeds)):
-            lives = [Life(variants, pose, seed, ages_months[0]) for pose in variants.own.manifest.poses]
+            lives = [Life(variants, pose, seed, ages_months[0]) for pose in variants.original.manifest.poses]
             for age_months in ages_months[1:]:  # All poses at each age, whose variant is then built once.
                 for life in lives:
                     life.grow(age_months, f"{name}, {course}, {life.pose}, seed {seed}", tally)

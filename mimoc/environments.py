@@ -160,16 +160,16 @@ def prepared_task(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
     load_plugins()
-    own = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
-    task, child = {"kind": kind, **own}, _given(age_months=age_months, hands=hands, actuation=actuation)
+    given = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
+    task, child = {"kind": kind, **given}, _given(age_months=age_months, hands=hands, actuation=actuation)
     if bundle is None:
         return _compiled(_child(task, **child), alone=alone), options
     if child:
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
-    found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    if found.manifest.task.kind == kind and not own:
-        return _opened(found), options
-    return _compiled(_for_task(found, task), alone=alone), options
+    opened = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    if opened.manifest.task.kind == kind and not given:
+        return _opened(opened), options
+    return _compiled(_for_task(opened, task), alone=alone), options
 
 
 def _given(**choices: Any) -> dict[str, Any]:
@@ -189,8 +189,8 @@ def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True
     from mimoc.compiler.variants import SpecVariants
 
     variants = SpecVariants(spec, skin=alone or sees_skin(spec))
-    own = variants.own_like(like) if isinstance(like, SpecVariants) else variants.own
-    return {"bundle": own, "variants": variants}
+    variant = variants.own_like(like) if isinstance(like, SpecVariants) else variants.original
+    return {"bundle": variant, "variants": variants}
 
 
 class LaterVariants:

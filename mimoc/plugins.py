@@ -94,9 +94,9 @@ def load_plugins() -> None:
 
 
 def _entry_points() -> Iterator[EntryPoint]:
-    found = installed_entry_points()
+    installed = installed_entry_points()
     for group in KINDS:
-        yield from sorted(found.select(group=group), key=lambda each: each.name)
+        yield from sorted(installed.select(group=group), key=lambda point: point.name)
 
 
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:

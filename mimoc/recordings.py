@@ -49,19 +49,19 @@ def replay_recording(
         >>> [replayed.difference for replayed in mimoc.replay_recording("recordings/reach")]
         [None]
     """
-    found = recording if isinstance(recording, ReadRecording) else read_recording(recording)
-    episodes = chosen_episodes(found, infant, episode)
+    opened = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    episodes = chosen_episodes(opened, infant, episode)
     given = {f"senses.{name}" for name in senses} | ({"task"} if task is not None else set())
-    for each in episodes:
-        for what, name in each.objects.items():
+    for one in episodes:
+        for what, name in one.objects.items():
             if what not in given:
-                raise RecordingError(f"{found.path}: recorded with {what} of a script's own ({name}); pass it as well")
+                raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
     def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
         """Open an environment, with copies of a script's objects of its own."""
         return open_bundle(bundle, other_scenes, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
-    return replay(found, open_env, episodes=episodes, watch=watch, progress=progress)
+    return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
 
 
 def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int | None) -> Sequence[Episode]:
@@ -70,12 +70,8 @@ def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int |
     Raises:
         RecordingError: If there are none.
     """
-    found = [
-        each
-        for each in recording
-        if (infant is None or each.infant == infant) and (episode is None or each.number == episode)
-    ]
-    if not found:
+    chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
+    if not chosen:
         which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]
         raise RecordingError(f"{recording.path}: there is nothing recorded{' of ' if which else ''}{', '.join(which)}")
-    return found
+    return chosen

@@ -95,7 +95,7 @@ def make_vec(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
         )
     prepared = [environments.prepared(sources[0], alone=False)]
-    prepared += [environments.prepared(each, prepared[0]["variants"], False) for each in sources[1:]]
+    prepared += [environments.prepared(source, prepared[0]["variants"], False) for source in sources[1:]]
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
@@ -161,8 +161,8 @@ def make_vec_task(
     lists = {name: _listed(options[name]) for name in ("bundle", "age_months") if name in options}
     prepared, rest = [], options
     for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
-        own = {name: values[index % len(values)] for name, values in lists.items()}
-        parts, rest = environments.prepared_task(kind, **{**options, **own}, alone=False)
+        options_of_infant = {name: values[index % len(values)] for name, values in lists.items()}
+        parts, rest = environments.prepared_task(kind, **{**options, **options_of_infant}, alone=False)
         prepared.append(parts)
     return _joined(prepared, num_envs, threads, device, render_mode, autoreset_mode, rest)
 
@@ -198,8 +198,8 @@ def _joined(
         """Open one, with copies of a script's objects of its own."""
         return InfantEnv(**parts, render_mode=render_mode, **deepcopy(options))
 
-    each = _repeated(prepared, count)
-    return BatchEnv([partial(open_infant, parts) for parts in each], threads, autoreset_mode, limit)
+    infants = _repeated(prepared, count)
+    return BatchEnv([partial(open_infant, parts) for parts in infants], threads, autoreset_mode, limit)
 
 
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
@@ -208,7 +208,7 @@ def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, 
     infants = [(parts, parts["bundle"]) for parts in again]
     return [
         *prepared,
-        *({**parts, "bundle": own.again() if isinstance(own, Variant) else own} for parts, own in infants),
+        *({**parts, "bundle": bundle.again() if isinstance(bundle, Variant) else bundle} for parts, bundle in infants),
     ]
 
 

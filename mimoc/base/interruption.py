@@ -28,25 +28,25 @@ def ending_orderly() -> Iterator[None]:
 
     The process exits with code 130 or 143 then, as shells have it.
     """
-    told: list[int] = []
+    received: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        if os.getpid() != own:  # A process that was forked from this one.
+        if os.getpid() != process:  # A process that was forked from this one.
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
-        told.append(number)
+        received.append(number)
         raise KeyboardInterrupt
 
-    own = os.getpid()
-    before = {each: signal.getsignal(each) or signal.SIG_DFL for each in HEEDED}
+    process = os.getpid()
+    before = {number: signal.getsignal(number) or signal.SIG_DFL for number in HEEDED}
     for number, handler in before.items():
         if handler is not signal.SIG_IGN:
             signal.signal(number, interrupt)
     try:
         yield
     except BaseException as error:  # Libraries make other errors of an interruption.
-        if told and getattr(error, "code", None) != 0:
-            sys.exit(128 + told[0])
+        if received and getattr(error, "code", None) != 0:
+            sys.exit(128 + received[0])
         raise
     finally:
         for number, handler in before.items():

@@ -208,22 +208,22 @@ class Kinds(Mapping[str, K]):
 
     what: str
     """What they are, in the singular, such as `sense`."""
-    own: Mapping[str, K | str]
+    builtin: Mapping[str, K | str]
     """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named."""
     _added: dict[str, tuple[K, str]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> K:
-        if name not in self.own:
+        if name not in self.builtin:
             return self._added[name][0]
-        record: Any = self.own[name]
+        record: Any = self.builtin[name]
         return import_module(record).KIND if isinstance(record, str) else record
 
     def __iter__(self) -> Iterator[str]:
-        yield from self.own
+        yield from self.builtin
         yield from sorted(self._added)
 
     def __len__(self) -> int:
-        return len(self.own) + len(self._added)
+        return len(self.builtin) + len(self._added)
 
     def find(self, name: str) -> K:
         """Return the record of a name.
@@ -237,7 +237,7 @@ class Kinds(Mapping[str, K]):
 
     def distribution(self, name: str) -> str:
         """Return the distribution that a kind comes from, such as `mimoc`; empty if a script registered it."""
-        return "mimoc" if name in self.own else self._added[name][1]
+        return "mimoc" if name in self.builtin else self._added[name][1]
 
     def add(self, record: K, distribution: str = "") -> None:
         """Add somebody else's record; a script may replace what it registered before.
@@ -271,7 +271,7 @@ def check_custom_object(what: str, custom: object, method: str, example: str) ->
 
 def announced(group: str) -> list[str]:
     """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
-    return sorted(each.name for each in installed_entry_points().select(group=group))
+    return sorted(point.name for point in installed_entry_points().select(group=group))
 
 
 @cache

@@ -52,11 +52,11 @@ def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     if array.dtype.kind != "f":
         return array
     numbers = array.ravel()
-    found, known = _quickly_rounded(numbers)
+    result, known = _quickly_rounded(numbers)
     rest = numbers[~known].astype(float)
     rest[np.abs(rest) < LEAST_NORMAL] = 0.0
-    found[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest.tolist())).split()
-    return found.reshape(array.shape)
+    result[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest.tolist())).split()
+    return result.reshape(array.shape)
 
 
 def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
@@ -70,6 +70,6 @@ def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.N
     tens = TENS[SIGNIFICANT_DIGITS - 1 - np.floor(np.log10(sizes)).astype(int)]
     scaled = sizes * tens
     digits = np.rint(scaled)
-    found = np.copysign(digits / tens, numbers).astype(numbers.dtype)
+    result = np.copysign(digits / tens, numbers).astype(numbers.dtype)
     are_all = (digits >= TENS[SIGNIFICANT_DIGITS - 1]) & (digits < TENS[SIGNIFICANT_DIGITS])
-    return found, usual & are_all & (np.abs(np.abs(scaled - digits) - 0.5) > NEAR_HALF)
+    return result, usual & are_all & (np.abs(np.abs(scaled - digits) - 0.5) > NEAR_HALF)

@@ -8,30 +8,30 @@ import numpy as np
 import numpy.typing as npt
 
 
-def check_form(given: Any, own: Any, where: str = "") -> None:
+def check_form(given: Any, expected: Any, where: str = "") -> None:
     """Check that a state, or something in it, has the form of another: the same names and arrays, and finite numbers.
 
     Args:
         given: What comes from anywhere.
-        own: What is there in a state of this environment; names that it leaves out are not looked at.
+        expected: What is there in a state of this environment; names that it leaves out are not looked at.
         where: Names that lead to it, for the message.
 
     Raises:
         ValueError: If it has another form.
     """
-    if isinstance(own, dict):
+    if isinstance(expected, dict):
         demand(isinstance(given, dict), where, given)
-        for name in own:
+        for name in expected:
             inner = f"{where}.{name}".lstrip(".")
             demand(name in given, inner, "nothing")
-            check_form(given[name], own[name], inner)
-    elif isinstance(own, (list, tuple)):
-        for each, like in zip(checked_list(given, where, len(own)), own, strict=True):
-            check_form(each, like, where)
-    elif isinstance(own, np.ndarray):
-        _check_array(given, own, where)
+            check_form(given[name], expected[name], inner)
+    elif isinstance(expected, (list, tuple)):
+        for item, like in zip(checked_list(given, where, len(expected)), expected, strict=True):
+            check_form(item, like, where)
+    elif isinstance(expected, np.ndarray):
+        _check_array(given, expected, where)
     else:
-        demand(_is_like(given, own), where, given)
+        demand(_is_like(given, expected), where, given)
 
 
 def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[Any]:
@@ -53,18 +53,19 @@ def demand(is_so: bool, where: str, given: Any) -> None:
         )
 
 
-def _is_like(given: Any, own: Any) -> bool:
-    if own is None or isinstance(own, (bool, str)):
-        return type(given) is type(own)
-    if isinstance(own, (int, np.integer)):
+def _is_like(given: Any, expected: Any) -> bool:
+    if expected is None or isinstance(expected, (bool, str)):
+        return type(given) is type(expected)
+    if isinstance(expected, (int, np.integer)):
         return isinstance(given, (int, np.integer)) and not isinstance(given, bool)
     return isinstance(given, (int, float, np.floating)) and bool(given < math.inf)  # -inf: a time that never was.
 
 
-def _check_array(given: Any, own: np.ndarray, where: str) -> None:
-    if not isinstance(given, np.ndarray) or (given.shape, given.dtype) != (own.shape, own.dtype):
+def _check_array(given: Any, expected: np.ndarray, where: str) -> None:
+    if not isinstance(given, np.ndarray) or (given.shape, given.dtype) != (expected.shape, expected.dtype):
         raise ValueError(
-            f"state does not fit this infant, it may be of another: {where} is {_told(given)}, expected {_told(own)}"
+            f"state does not fit this infant, it may be of another: {where} is {_told(given)}, "
+            f"expected {_told(expected)}"
         )
     check_finite(given, where)
 

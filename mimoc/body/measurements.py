@@ -110,26 +110,26 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
 
     alone = replace(measurements, paper=None)
 
-    def thick(girth: float, told: bool = True) -> Measurements:
-        """Return the measurements with this factor on girths, whose origins say so if it is *told*."""
-        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, told)
-        return replace(_scaled(alone, wanted, girth, keys, told), paper=paper)
+    def thick(girth: float, report: bool = True) -> Measurements:
+        """Return the measurements with this factor on girths, whose origins say so if it is *report*."""
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, report)
+        return replace(_scaled(alone, wanted, girth, keys, report), paper=paper)
 
     if wanted.weight_kg is None:
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
         return thick(length or head or 1.0)
     bounds = SIZES if length is None else _times(BUILDS, length)
-    return thick(_solve(lambda girth: weigh(thick(girth, told=False)), wanted.weight_kg, bounds, of_size))
+    return thick(_solve(lambda girth: weigh(thick(girth, report=False)), wanted.weight_kg, bounds, of_size))
 
 
 def _scaled(
-    average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...], told: bool = True
+    average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...], report: bool = True
 ) -> Measurements:
     """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
     length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
     head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
     factors = _factors(average, length, girth, head)
-    return average.scaled(factors, WHY, keys) if told else average.times(factors)
+    return average.scaled(factors, WHY, keys) if report else average.times(factors)
 
 
 def _factors(measurements: Measurements, length: float, girth: float, head: float) -> dict[str, float]:

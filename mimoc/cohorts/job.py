@@ -103,7 +103,7 @@ def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None
 
 def _added_measures(step: str) -> tuple[str, ...]:
     """Return what plug-ins measure in a step, so that jobs that were done without them are done again."""
-    added = [item.name for item in measured_in(step) if item.name not in QUANTITIES.own]
+    added = [item.name for item in measured_in(step) if item.name not in QUANTITIES.builtin]
     return tuple(f"{QUANTITIES.distribution(name)}:{name}" for name in added)
 
 

@@ -33,7 +33,11 @@ EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)
 def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
     """Return the senses of a spec, built on a body, by name."""
     asked = {name: getattr(spec.senses, name) for name in SENSES}
-    return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
+    return {
+        name: function_of(SENSES[name].build, "build")(section, tree)
+        for name, section in asked.items()
+        if section is not None
+    }
 
 
 def assemble_infant(

@@ -176,18 +176,18 @@ class Builder:
         """
         spec = _with_seed(self.spec, seed)
         try:
-            found = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
+            furnished = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
         except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        return replace(found, scene=find_target(self.target).world(found.scene))
+        return replace(furnished, scene=find_target(self.target).world(furnished.scene))
 
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
         """Return the manifest of a seed."""
         spec = _with_seed(self.spec, seed)
         toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished.toys))
-        told = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
-        return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": told})
+        remarks = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
+        return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": remarks})
 
     def _files(
         self, spec: InfantSpec, furnished: PlacedScene, manifest: Manifest, world_origins: Mapping[str, Entry]

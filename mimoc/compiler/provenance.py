@@ -23,21 +23,21 @@ SPEC_FILE = "spec.yaml"
 
 def trace_spec(spec: InfantSpec, written: Source) -> dict[str, Entry]:
     """Return where each value of the spec was written, by key; `spec.age_months`."""
-    found = {}
+    entries = {}
     for path, value in _leaves(to_data(spec)):
         line, column = written.locate(path)
         rule = f"{SPEC_FILE}:{line}:{column}" if path in written.value_places else "default"
-        found[".".join(("spec", *path))] = {"value": value, "rule": rule}
-    return found
+        entries[".".join(("spec", *path))] = {"value": value, "rule": rule}
+    return entries
 
 
 def _leaves(data: Mapping[str, Any], above: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:
     """Return the path and value of everything in nested data that is not a section."""
-    found = []
+    leaves = []
     for key, value in data.items():
         path = (*above, key)
-        found += _leaves(value, path) if isinstance(value, Mapping) else [(path, value)]
-    return found
+        leaves += _leaves(value, path) if isinstance(value, Mapping) else [(path, value)]
+    return leaves
 
 
 TASK_KEYS = ["spec.task.kind", "spec.age_months"]
@@ -56,7 +56,7 @@ def trace_task(entry: TaskEntry) -> dict[str, Entry]:
 def _is_number(value: Any) -> bool:
     """Return whether a value is a number or some numbers."""
     values = value if isinstance(value, tuple) else (value,)
-    return bool(values) and all(isinstance(each, int | float) for each in values)
+    return bool(values) and all(isinstance(number, int | float) for number in values)
 
 
 PLUGIN_KEYS = {

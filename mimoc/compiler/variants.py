@@ -106,7 +106,7 @@ class SpecVariants:
         return SpecVariants, (self._spec, self._own.has_skin)
 
     @cached_property
-    def own(self) -> Bundle:
+    def original(self) -> Bundle:
         """The infant of the spec itself."""
         return self._own.to_bundle(self._spec.scene.seed, self._own_scene)
 
@@ -119,9 +119,9 @@ class SpecVariants:
         mould, seed = other._usable_mould(), self._spec.scene.seed
         casting = _instantiate(mould, self._own_scene.scene)
         if casting is None:
-            return Variant(self.own, load_model(self.own))
+            return Variant(self.original, load_model(self.original))
         self._mould = mould
-        files = LazyFiles(self._own.arrays, lambda: self.own.files)
+        files = LazyFiles(self._own.arrays, lambda: self.original.files)
         return Variant(
             Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model(), casting.dress
         )
@@ -161,7 +161,7 @@ class SpecVariants:
     def _usable_mould(self) -> ModelTemplate:
         """Return the mould of this infant, or of another one that it was cast from."""
         if self._mould is None or self._mould.broken:
-            self._mould = ModelTemplate(self.own.files, self._own_scene.scene)
+            self._mould = ModelTemplate(self.original.files, self._own_scene.scene)
         return self._mould
 
 

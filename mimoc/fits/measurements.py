@@ -85,12 +85,12 @@ class Measurements(Mapping[str, float]):
             return {name: self.table[name].value_m for name in self.base}
         sides = (side,) if side else ("left", "right")
 
-        def own(name: str) -> float:
+        def closest_side(name: str) -> float:
             both_m = self[name]
             values_m = (self.table.get(f"{side}_{name}", self.table[name]).value_m for side in sides)
             return min(values_m, key=lambda value_m: abs(value_m - both_m))
 
-        return {name: own(name) for name in self.base}
+        return {name: closest_side(name) for name in self.base}
 
     def scaled(self, factors: Mapping[str, float], why: str, given_by: tuple[str, ...]) -> "Measurements":
         """Return the measurements of a child whose named ones differ by a factor, by either growth law.

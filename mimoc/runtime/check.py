@@ -120,17 +120,17 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
 
 
 def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.random.Generator) -> PoseCheck:
-    manifest, found, step_s = bundle.manifest, [], ms_to_s(bundle.manifest.step_ms)
+    manifest, problems, step_s = bundle.manifest, [], ms_to_s(bundle.manifest.step_ms)
     for commands in COMMANDS.values():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
         mujoco.mj_kinematics(model, data)
         Constraints(manifest.constraints, model).keep(data)
-        found.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
-    furthest = max(found, key=lambda flailing: flailing.beyond_deg)
+        problems.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
+    furthest = max(problems, key=lambda flailing: flailing.beyond_deg)
     return PoseCheck(
-        warnings=tuple(sorted({warning for flailing in found for warning in flailing.warnings})),
-        energy_j_per_kg=max(flailing.energy_j_per_kg for flailing in found),
+        warnings=tuple(sorted({warning for flailing in problems for warning in flailing.warnings})),
+        energy_j_per_kg=max(flailing.energy_j_per_kg for flailing in problems),
         beyond_deg=furthest.beyond_deg,
         joint=furthest.joint,
         pose=pose,

@@ -271,9 +271,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
-        own = {"steps": self._steps, "random": self.np_random.bit_generator.state}
+        counters = {"steps": self._steps, "random": self.np_random.bit_generator.state}
         infant = {growing.SEED: self.manifest.seed, growing.AGE: self.age_months}
-        return copy.deepcopy({**self._living.state, **own, **infant})
+        return copy.deepcopy({**self._living.state, **counters, **infant})
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Restore a state of this environment, or of another one of the same bundle; return the observation.
@@ -288,11 +288,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
-        with self._undone_on_failure() as own:
+        with self._undone_on_failure() as before:
             if variant:
                 self._become(variant)
                 self._start(self.manifest.pose)
-            with self._living.checked(state, self.get_state() if variant else own):
+            with self._living.checked(state, self.get_state() if variant else before):
                 self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
@@ -319,8 +319,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
-        own = {"_infant": self._infant.again(self._model_fields.model_as_built()), "state": self.get_state()}
-        return {name: value for name, value in self.__dict__.items() if name not in BOUND} | own
+        rebuilt = {"_infant": self._infant.again(self._model_fields.model_as_built()), "state": self.get_state()}
+        return {name: value for name, value in self.__dict__.items() if name not in BOUND} | rebuilt
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""

@@ -31,7 +31,11 @@ def expression_of(manifest: Manifest, model: mujoco.MjModel) -> str | None:
         return None
     head = model.geom(face.geom) if face.skin is None else model.skin(face.skin)
     shown = model.mat_texid[int(head.matid.item())]  # A head without a skin begins with a material of its own.
-    alike = (name for name, each in face.materials.items() if (model.mat_texid[model.material(each).id] == shown).all())
+    alike = (
+        name
+        for name, material in face.materials.items()
+        if (model.mat_texid[model.material(material).id] == shown).all()
+    )
     return next(alike, None)
 
 

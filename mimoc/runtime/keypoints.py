@@ -16,7 +16,7 @@ class Keypoints:
 
     def __call__(self, data: mujoco.MjData) -> npt.NDArray[np.float64]:
         """Return their places in the world frame, shape (n, 3), [m]; those of missing limbs are NaN."""
-        found = np.full((len(self._sites), 3), np.nan)
+        places = np.full((len(self._sites), 3), np.nan)
         present = self._sites >= 0
-        found[present] = data.site_xpos[self._sites[present]]
-        return found
+        places[present] = data.site_xpos[self._sites[present]]
+        return places

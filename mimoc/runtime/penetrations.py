@@ -50,12 +50,12 @@ def resolve_penetrations(
     yielding[fixed] = 0.0
     for _ in range(ROUNDS):
         mujoco.mj_fwdPosition(model, data)
-        own, depths_m = infants[data.contact.geom], -data.contact.dist
+        ours, depths_m = infants[data.contact.geom], -data.contact.dist
         pairs = model.geom_bodyid[data.contact.geom].tolist()
-        usual_m = np.where(own.any(axis=1), 0.0, [before.get((first, second), 0.0) for first, second in pairs])
+        usual_m = np.where(ours.any(axis=1), 0.0, [before.get((first, second), 0.0) for first, second in pairs])
         if not (depths_m > np.maximum(usual_m, CLOSE_M)).any():
             return
-        lift_m = _lift_m(data, own, depths_m)
+        lift_m = _lift_m(data, ours, depths_m)
         if lift_m:
             data.qpos[height] += lift_m
         else:
@@ -65,11 +65,11 @@ def resolve_penetrations(
 
 def depths_of(model: mujoco.MjModel, data: mujoco.MjData) -> Depths:
     """Return how deep each pair of bodies penetrate each other in a state whose contacts have been computed."""
-    found: dict[tuple[int, int], float] = {}
+    depths: dict[tuple[int, int], float] = {}
     pairs = model.geom_bodyid[data.contact.geom].tolist()
     for (first, second), distance in zip(pairs, data.contact.dist.tolist(), strict=True):
-        found[first, second] = max(found.get((first, second), 0.0), -distance)
-    return found
+        depths[first, second] = max(depths.get((first, second), 0.0), -distance)
+    return depths
 
 
 def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -79,10 +79,10 @@ def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     data.qpos[addresses] = np.clip(data.qpos[addresses], *model.jnt_range[hinges].T)
 
 
-def _lift_m(data: mujoco.MjData, own: Mask, depths_m: FloatArray) -> float:
+def _lift_m(data: mujoco.MjData, is_infants: Mask, depths_m: FloatArray) -> float:
     """Return how far the infant must be lifted to be out of what it is on."""
-    alone = own[:, 0] != own[:, 1]
-    upwards = data.contact.frame[:, 2] * np.where(own[:, 1], 1.0, -1.0)
+    alone = is_infants[:, 0] != is_infants[:, 1]
+    upwards = data.contact.frame[:, 2] * np.where(is_infants[:, 1], 1.0, -1.0)
     sunk = alone & (upwards > UPWARDS) & (depths_m > CLOSE_M)
     return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
 

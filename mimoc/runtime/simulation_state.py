@@ -42,14 +42,14 @@ class SimulationState:
         }
 
     @contextmanager
-    def checked(self, state: Any, own: Mapping[str, Any]) -> Iterator[None]:
-        """Restore a state within that can be that of this infant; *own* is one that is.
+    def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
+        """Restore a state within that can be that of this infant; *valid* is one that is.
 
         Raises:
             ValueError: If it cannot be, or cannot be restored; the message says where.
         """
         try:
-            check_form(state, _lasting(own))
+            check_form(state, _lasting(valid))
             self.schedule.check(state["signals"], time_of(state["physics"]))
             yield
         except (AttributeError, IndexError, KeyError, OverflowError, TypeError) as error:

@@ -22,12 +22,12 @@ def observation_space(senses: Mapping[str, Sense], task: Task) -> Dict:
     return Dict({name: space for part in (*senses.values(), task) for name, space in part.spaces.items()})
 
 
-def check_same_space(wanted: Any, found: Dict) -> None:
+def check_same_space(wanted: Any, given: Dict) -> None:
     """Check that observations have kept their space.
 
     Raises:
         MimocError: If they have not; the error names one that changed.
     """
-    for name in sorted(wanted.keys() | found.keys()):
-        if wanted.get(name) != found.get(name):
+    for name in sorted(wanted.keys() | given.keys()):
+        if wanted.get(name) != given.get(name):
             raise MimocError(f"the space of the observation '{name}' changes with age or scene; it must not")

@@ -1,14 +1,7 @@
-"""Words that name nothing: which files of mimoc use them as names, and how often.
-
-`python tests/support/words.py` renews `tests/words.txt`, the files that still do. It is only to become shorter.
-"""
+"""Words that name nothing: which names of a module are among them."""
 
 import ast
-from collections import Counter
-from pathlib import Path
 
-CHECKOUT = Path(__file__).resolve().parents[2]
-LIST = CHECKOUT / "tests" / "words.txt"
 REFUSED = frozenset({"told", "found", "each", "own", "here", "there"})
 
 
@@ -32,21 +25,3 @@ def _given(node: ast.AST) -> tuple[str | None, ...]:
         case ast.MatchMapping(rest=name):
             return (name,)
     return ()
-
-
-def now() -> Counter[str]:
-    """Return how many such names each file of mimoc gives."""
-    files = sorted((CHECKOUT / "mimoc").rglob("*.py"))
-    counts = {path: len(refused_names(path.read_text(encoding="utf-8"))) for path in files}
-    return Counter({path.relative_to(CHECKOUT).as_posix(): count for path, count in counts.items() if count})
-
-
-def listed() -> Counter[str]:
-    """Return how many such names the list allows each file."""
-    lines = map(str.split, LIST.read_text(encoding="utf-8").splitlines())
-    return Counter({path: int(count) for count, path in lines})
-
-
-if __name__ == "__main__":
-    LIST.write_text("".join(f"{count} {path}\n" for path, count in sorted(now().items())), encoding="utf-8")
-    print(f"{now().total()} names in {len(now())} files")

@@ -36,7 +36,7 @@ def variants() -> SpecVariants:
 @pytest.fixture(scope="module")
 def described(variants) -> tuple[EncodedArrays, dict]:
     packed = EncodedArrays()
-    return packed, describe(packed, variants.own)
+    return packed, describe(packed, variants.original)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def test_curves_are_whos_and_the_dot_is_the_child(known, variants):
         scores = [standard.z_score(float(curve[row]), float(median["x"][row]), "mean") for row in (0, 18, 48)]
         assert [percentile(z) for z in scores] == pytest.approx([share] * 3, abs=0.01)
     at_nine = known["ages_months"].index(9)
-    child = variants.own.manifest.child
+    child = variants.original.manifest.child
     assert (plot["y"], own["look"]) == ({"label": "Length", "unit": "cm"}, "own")
     assert own["y"][at_nine] == pytest.approx(child.length_cm)
     assert chart["percentile"][at_nine] == pytest.approx(
@@ -97,7 +97,7 @@ def test_a_page_asks_nothing_of_the_network(page):
 
 def test_the_same_infant_gives_the_same_page(variants):
     with few_ages():
-        assert page_of(variants.own) == page_of(variants.own)
+        assert page_of(variants.original) == page_of(variants.original)
 
 
 def test_a_page_without_physics_is_smaller_than_four_megabytes(page):
@@ -137,4 +137,4 @@ def test_limbs_and_surroundings_are_those_of_the_spec(config):
 def test_a_program_that_was_not_built_is_one_clear_error(variants, monkeypatch, tmp_path):
     monkeypatch.setattr(packing, "FOLDER", tmp_path)
     with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `make viewer` builds it"):
-        page_of(variants.own)
+        page_of(variants.original)

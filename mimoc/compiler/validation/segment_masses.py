@@ -87,11 +87,11 @@ def shares_table() -> str:
     lines = ["| months | segment | maturing | published | Q dummy (S) | Jensen 1989 (S, extrapolated) |"]
     lines.append("|" + "---|" * 6)
     for age_months, dummy in DUMMIES.items():
-        child, own, published, mass_kg = _average(age_months)
+        child, grown, published, mass_kg = _average(age_months)
         for segment, share in dummy.items():
             other = f"{jensen.mass_kg(child, mass_kg) / mass_kg:.3f}" if segment == jensen.segment else ""
-            shares = (own[segment] / mass_kg, published[segment] / mass_kg, share)
-            cells = (f"{age_months:g}", segment, *(f"{each:.3f}" for each in shares), other)
+            shares = (grown[segment] / mass_kg, published[segment] / mass_kg, share)
+            cells = (f"{age_months:g}", segment, *(f"{part:.3f}" for part in shares), other)
             lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
@@ -101,16 +101,20 @@ def legs_table(ages_months: Sequence[float] = (0, 3, 6, 12, 18, 24)) -> str:
     lines = ["| months | segment | maturing | published | Sun & Jensen 1994 (M) | Schneider & Zernicke 1992 (M) |"]
     lines.append("|" + "---|" * 6)
     for age_months in ages_months:
-        child, own, published, mass_kg = _average(age_months)
+        child, grown, published, mass_kg = _average(age_months)
         for segment in (THIGH, SHANK, FOOT):
-            others = [f"{each.mass_kg(child, mass_kg):.3f}" for each in REGRESSIONS if each.segment == segment]
-            cells = (f"{age_months:g}", segment, f"{own[segment]:.3f}", f"{published[segment]:.3f}", *others)
+            others = [
+                f"{regression.mass_kg(child, mass_kg):.3f}"
+                for regression in REGRESSIONS
+                if regression.segment == segment
+            ]
+            cells = (f"{age_months:g}", segment, f"{grown[segment]:.3f}", f"{published[segment]:.3f}", *others)
             lines.append(f"| {' | '.join((*cells, *[''] * (2 - len(others))))} |")
     return "\n".join(lines)
 
 
 def _average(age_months: float) -> tuple[Measurements, dict[str, float], dict[str, float], float]:
     """Return measurements, masses of the segments by both laws, and the mass of the average child of an age."""
-    own = grow_average(age_months, assemble("mitten", False))
+    grown = grow_average(age_months, assemble("mitten", False))
     published = grow_average(age_months, assemble("mitten", False, "published"))
-    return measure(age_months), segment_masses(own), segment_masses(published), own.mass_kg
+    return measure(age_months), segment_masses(grown), segment_masses(published), grown.mass_kg

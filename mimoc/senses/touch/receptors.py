@@ -92,8 +92,8 @@ def bind_receptors(skin: Sequence[SkinEntry], points_m: FloatArray, model: mujoc
     """
     ends = np.cumsum([part.points for part in skin])
     by_body = zip(skin, np.split(points_m, ends[:-1]), strict=True)
-    found = [(model.body(part.body).id, part, points) for part, points in by_body if part.points]
-    parts = sorted(found, key=lambda part: part[0])
+    by_id = [(model.body(part.body).id, part, points) for part, points in by_body if part.points]
+    parts = sorted(by_id, key=lambda part: part[0])
     described = tuple((body, part.body, part.points, part.spacing_m) for body, part, _ in parts)
     return _receptors(described, np.concatenate([points for *_, points in parts]).tobytes(), model.nbody)
 
@@ -133,8 +133,8 @@ def _neighbours(scaled: FloatArray) -> tuple[FloatArray, IntArray]:
     gaps = np.stack([scaled - (corners - 1.0) - 1.0, np.zeros_like(scaled), corners + 1.0 - scaled], axis=2)
     near = _of_three(gaps * gaps).reshape(count, -1) < 1.0
     steps = _of_three((AROUND * CELL_STRIDES[:, None])[None]).astype(np.int64).ravel()
-    own = (_cells(scaled).astype(np.int64) << bits) + np.arange(count)
-    pairs = np.sort((own[:, None] + (steps << bits))[near])
+    keys_of_points = (_cells(scaled).astype(np.int64) << bits) + np.arange(count)
+    pairs = np.sort((keys_of_points[:, None] + (steps << bits))[near])
     cells, receptors = pairs >> bits, pairs & ((1 << bits) - 1)
     firsts = np.flatnonzero(np.append(True, cells[1:] != cells[:-1]))
     counts = np.diff(firsts, append=len(cells))

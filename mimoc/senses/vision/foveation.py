@@ -119,8 +119,8 @@ def _corners(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
 def _outlines(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
     """Return points around pixels, shape (n, 4 `SIDE_PARTS`, 2)."""
     along = np.arange(SIDE_PARTS) / SIDE_PARTS
-    there, back = np.ones(SIDE_PARTS), 1 - along
-    x, y = np.concatenate([along, there, back, 0 * there]), np.concatenate([0 * there, along, there, back])
+    ahead, back = np.ones(SIDE_PARTS), 1 - along
+    x, y = np.concatenate([along, ahead, back, 0 * ahead]), np.concatenate([0 * ahead, along, ahead, back])
     return _corners(cells, size_px)[:, None] + np.stack([x, y], axis=-1)
 
 

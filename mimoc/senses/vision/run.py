@@ -83,16 +83,16 @@ def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
         entry: Sizes, acuity and foveation.
         fovy_deg: Vertical field of view of their cameras.
     """
-    found: list[Filter] = []
+    chain: list[Filter] = []
     if entry.acuity_cpd is not None:
         drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample
-        found.append(partial(blur, gain=contrast_gain(*drawn, fovy_deg, entry.acuity_cpd)))
+        chain.append(partial(blur, gain=contrast_gain(*drawn, fovy_deg, entry.acuity_cpd)))
     if entry.supersample > 1:
-        found.append(partial(average_down, times=entry.supersample))
+        chain.append(partial(average_down, times=entry.supersample))
     if entry.foveation:
         size = entry.width_px, entry.height_px
-        found.append(partial(foveate, sources=source_weights(*size, entry.foveation, entry.foveation_radius)))
-    return tuple(found)
+        chain.append(partial(foveate, sources=source_weights(*size, entry.foveation, entry.foveation_radius)))
+    return tuple(chain)
 
 
 def perceive(drawn: Drawn, filters: Sequence[Filter]) -> Drawn:

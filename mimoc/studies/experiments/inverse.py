@@ -33,18 +33,18 @@ TEXTS = page_texts("inverse")
 def run(notebook: Notebook) -> Path:
     """Let an infant reach with each set of gains, and return the path of the report."""
     trials, seconds = (QUICK_TRIALS, QUICK_SECONDS) if notebook.quick else (TRIALS, SECONDS)
-    found = dict(_reaches(notebook, trials, seconds))
+    errors = dict(_reaches(notebook, trials, seconds))
     notebook.write_table(
         "inverse.csv",
         ("gains", "time_s", *(f"{what}_{how}" for what in ("hands_mm", "eyes_deg") for how in HOW)),
-        _rows(found),
+        _rows(errors),
     )
     hands = Quantity("hands_mm", "Distance of hands from targets", "mm")
     eyes = Quantity("eyes_deg", "Misalignment of eyes", "degrees")
-    plots = [_plot(hands, "Hands", found, _hands_mm), _plot(eyes, "Eyes", found, _eyes_deg)]
+    plots = [_plot(hands, "Hands", errors, _hands_mm), _plot(eyes, "Eyes", errors, _eyes_deg)]
     notebook.write_plots("inverse.png", plots)
     about = TEXTS["about"].format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
-    compared = TEXTS["compared"].format(table=_table(found), verdict=_verdict(found))
+    compared = TEXTS["compared"].format(table=_table(errors), verdict=_verdict(errors))
     return notebook.write_page(
         "Inverse dynamics", (about, compared), seeds=f"Seed of the targets: {SEED}.", libraries=["matplotlib"]
     )
@@ -96,18 +96,21 @@ def _statistic(errors: FloatArray, percentile: float | None) -> FloatArray:
 
 
 def _plot(
-    quantity: Quantity, title: str, found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], FloatArray]
+    quantity: Quantity,
+    title: str,
+    errors_by_gains: Mapping[str, ReachErrors],
+    pick: Callable[[ReachErrors], FloatArray],
 ) -> Plot:
     lines, bands = [], []
-    for name, errors in found.items():
+    for name, errors in errors_by_gains.items():
         values, label = pick(errors), f"{name} gains"
         lines.append(Line(errors.time_s, _statistic(values, None), label))
         bands.append(Band(errors.time_s, _statistic(values, 25.0), _statistic(values, 75.0), label))
     return Plot(Quantity("time_s", "Time", "s"), quantity, tuple(lines), tuple(bands), title=title)
 
 
-def _rows(found: Mapping[str, ReachErrors]) -> Iterator[tuple[str | float, ...]]:
-    for name, errors in found.items():
+def _rows(errors_by_gains: Mapping[str, ReachErrors]) -> Iterator[tuple[str | float, ...]]:
+    for name, errors in errors_by_gains.items():
         columns = [
             _statistic(values, percentile)
             for values in (_hands_mm(errors), _eyes_deg(errors))
@@ -127,12 +130,12 @@ def _gains_row(name: str, gains: ReachGains) -> tuple[str, ...]:
     return name, *(f"{number:g}" for number in numbers)
 
 
-def _table(found: Mapping[str, ReachErrors]) -> str:
-    times_s = [time_s for time_s in REPORTED_S if time_s <= next(iter(found.values())).time_s[-1] + 1e-9]
+def _table(errors_by_gains: Mapping[str, ReachErrors]) -> str:
+    times_s = [time_s for time_s in REPORTED_S if time_s <= next(iter(errors_by_gains.values())).time_s[-1] + 1e-9]
     headings = ("gains", *(f"{what} at {time_s:g} s" for what in ("hands [mm]", "eyes [deg]") for time_s in times_s))
     rows = [
         (name, *(_at(errors, pick(errors), time_s) for pick in (_hands_mm, _eyes_deg) for time_s in times_s))
-        for name, errors in found.items()
+        for name, errors in errors_by_gains.items()
     ]
     return markdown_table(headings, rows)
 
@@ -142,8 +145,8 @@ def _at(errors: ReachErrors, values: FloatArray, time_s: float) -> str:
     return f"{values[:, index].mean():.1f} ({np.median(values[:, index]):.1f})"
 
 
-def _verdict(found: Mapping[str, ReachErrors]) -> str:
+def _verdict(errors_by_gains: Mapping[str, ReachErrors]) -> str:
     """Return as text whether larger gains make reaching faster, by the median distance at half a second."""
-    distances_mm = [np.median(_hands_mm(errors)[:, len(errors.time_s) // 4]) for errors in found.values()]
+    distances_mm = [np.median(_hands_mm(errors)[:, len(errors.time_s) // 4]) for errors in errors_by_gains.values()]
     faster = all(larger < smaller for smaller, larger in pairwise(distances_mm))
     return f"Larger gains {'make' if faster else 'do not always make'} the hands reach their targets sooner."

@@ -30,7 +30,7 @@ def live(variants) -> Iterator[Callable[..., mimoc.InfantEnv]]:
 
     def open_one(age_months: float = 6, steps: int = 20, **keys: Any) -> mimoc.InfantEnv:
         found = variants(age_months, **keys)
-        env = mimoc.InfantEnv(found.own, variants=found)
+        env = mimoc.InfantEnv(found.original, variants=found)
         opened.append(env)
         env.reset(seed=0)
         flail(env, steps)

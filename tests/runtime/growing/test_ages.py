@@ -147,10 +147,10 @@ def test_an_observation_that_changes_its_space_is_refused_and_changes_nothing(va
             return [0.0]
 
     found = variants(6)
-    env = mimoc.InfantEnv(found.own, variants=found, senses={"size": Size()})
+    env = mimoc.InfantEnv(found.original, variants=found, senses={"size": Size()})
     env.reset(seed=0)
     flail(env, 3)
-    twin = mimoc.InfantEnv(found.own, senses={"size": Size()})
+    twin = mimoc.InfantEnv(found.original, senses={"size": Size()})
     twin.set_state(env.get_state())
     with pytest.raises(MimocError, match="the space of the observation 'size' changes"):
         env.grow(to=9)
