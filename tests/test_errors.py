@@ -4,7 +4,7 @@ import sys
 import pytest
 
 import mimoc
-from mimoc.base import errors
+from mimoc.base import errors, lazy
 from mimoc.base.errors import (
     MimocError,
     MissingExtraError,
@@ -73,7 +73,7 @@ def test_every_error_is_a_mimoc_error_and_says_why_it_exists():
 def test_an_opengl_that_mujoco_cannot_load_is_explained_in_python_too(monkeypatch):
     """Its import fails with whatever PyOpenGL raises where its library is missing."""
     failing = "raise AttributeError(\"'NoneType' object has no attribute 'eglQueryString'\")"
-    monkeypatch.setattr(mimoc, "import_module", lambda name: exec(failing, {"__name__": "mujoco"}))
+    monkeypatch.setattr(lazy, "import_module", lambda name: exec(failing, {"__name__": "mujoco"}))
     monkeypatch.setenv("MUJOCO_GL", "egl")
     with pytest.raises(AttributeError, match="eglQueryString"):  # MuJoCo is there, so that something else is wrong.
         mimoc.InfantSpec  # noqa: B018

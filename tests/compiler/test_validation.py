@@ -112,7 +112,7 @@ def test_a_spec_that_cannot_be_built_is_refused(monkeypatch):
     def refuse(spec: InfantSpec) -> None:
         raise SpecError([Problem("one.yaml", 1, 1, "body", "not today")])
 
-    monkeypatch.setattr(validation.who, "refuse_unavailable", refuse)
+    monkeypatch.setattr(validation.who, "check_available", refuse)
     with pytest.raises(SpecError, match="not today"):
         grow_against_who(infant(9))
 

@@ -91,7 +91,7 @@ def test_other_systems_keep_libraries_apart_themselves(triton, loaded, monkeypat
 
 def test_it_is_loaded_before_opengl_is(monkeypatch):
     order = []
-    monkeypatch.setattr(opengl, "keep_apart", lambda: order.append("triton"))
+    monkeypatch.setattr(opengl, "isolate_triton", lambda: order.append("triton"))
     monkeypatch.setattr(opengl, "_open", lambda *_: order.append("OpenGL"))
     opengl.open_context(8, 8)
     assert order == ["triton", "OpenGL"]

@@ -125,9 +125,9 @@ def test_a_policy_keeps_the_limit_of_its_training(learn, built):
 
 
 def test_without_a_number_checkpoints_leave_room_for_an_episode_of_each_environment():
-    chosen = mimoc.training.trainer.Settings.choose("ppo", 10**6, 0, 64, None, {}, steps_per_episode=1000)
+    chosen = mimoc.training.trainer.TrainingSettings.choose("ppo", 10**6, 0, 64, None, {}, steps_per_episode=1000)
     assert chosen.checkpoint_every == 64_000
-    assert mimoc.training.trainer.Settings.choose("ppo", 10**6, 0, 8, None, {}).checkpoint_every == 20_480
+    assert mimoc.training.trainer.TrainingSettings.choose("ppo", 10**6, 0, 8, None, {}).checkpoint_every == 20_480
 
 
 # Episodes that have not ended.
