@@ -11,7 +11,7 @@ from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.render.plots.growth import AgeRow
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.studies.milestones.infant import Conditions
-from mimoc.studies.milestones.search import Progress, SearchResult, age_grid, search
+from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
@@ -188,11 +188,11 @@ def validate_milestones(
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     check_available(infant)
-    for age_months in ages or age_grid():  # Before minutes of trials.
+    for age_months in ages or AGES:  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))
     usual = conditions or Conditions()
-    results = search(infant, usual, names, ages or age_grid(), processes, progress)
+    results = search(infant, usual, names, ages or AGES, processes, progress)
     further = {trial.name for trial in FURTHER}
     return MilestoneReport(
         infant.development,
