@@ -64,17 +64,14 @@ def rest(development: Development, age_months: float) -> Rest:
 
 
 def _lying(infant: TrialInfant) -> mujoco.MjData:
-    data = mujoco.MjData(infant.model)
-    infant.place(data, ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
-    return _after(infant, data, LYING_S)
+    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    return _after(infant, lying, LYING_S)
 
 
 def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
     """Return the angle of a head without support, the trunk held at some pitch."""
     held = infant.fixed(infant.trunk_dofs())
-    data = mujoco.MjData(held.model)
-    held.place(data, pitch_deg, {}, above_m=ABOVE_M)
-    return _angle_deg(held, _after(held, data, FALLING_S), "head_tilt")
+    return _angle_deg(held, _after(held, held.placed(pitch_deg, {}, ABOVE_M), FALLING_S), "head_tilt")
 
 
 def _slump_deg(infant: TrialInfant, lean: float) -> float:
