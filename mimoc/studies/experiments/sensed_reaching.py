@@ -106,16 +106,13 @@ AT_ONCE_S = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
-    """A reach from its onset until it arrives or is given up."""
+class Movement:
+    """A movement of a hand."""
 
-    arrived: bool
-    step_s: float
-    """Control step."""
-    distance_m: float
-    """From the hand to the target at the beginning."""
     path_m: FloatArray
     """Positions of the hand, shape (n, 3), world frame."""
+    step_s: float
+    """Control step."""
 
     @property
     def duration_s(self) -> float:
@@ -146,6 +143,15 @@ class Reach:
     def arc_length(self) -> float:
         """Spectral arc length; higher is smoother."""
         return spectral_arc_length(self.path_m, self.step_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Reach(Movement):
+    """A reach from its onset until it arrives or is given up."""
+
+    arrived: bool
+    distance_m: float
+    """From the hand to the target at the beginning."""
 
 
 class SensedController:
@@ -219,4 +225,4 @@ def reach_once(env: InfantEnv, seed: int, generator: np.random.Generator, most_s
         path_m.append(hand.xipos.copy())
     speeds = np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s
     onset = int(np.argmax(speeds > UNIT_M_S))
-    return Reach(remaining_m <= TOUCHED_M, step_s, math.dist(path_m[0], target_m), np.array(path_m)[onset:])
+    return Reach(np.array(path_m)[onset:], step_s, remaining_m <= TOUCHED_M, math.dist(path_m[0], target_m))
