@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import pairwise
-from operator import attrgetter
+from operator import methodcaller
 from pathlib import Path
 from statistics import fmean
 
@@ -50,22 +50,9 @@ Groups = Mapping[str, Sequence[Learner]]
 """Trained infants by their sensory delay, as it is shown, the shortest first."""
 
 
-def jerk(learner: Learner) -> float:
-    """Return the median log dimensionless jerk of the reaches after training."""
-    return learner.median(attrgetter("jerk"))
-
-
-def arc_length(learner: Learner) -> float:
-    """Return the median spectral arc length of the reaches after training."""
-    return learner.median(attrgetter("arc_length"))
-
-
-def detour(learner: Learner) -> float:
-    """Return the median ratio of the hand's path length to the straight distance, after training."""
-    return learner.median(attrgetter("path_ratio"))
-
-
-MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, arc_length, jerk, detour)
+ARC_LENGTH, JERK, DETOUR = (methodcaller("median", measure) for measure in ("arc_length", "jerk", "path_ratio"))
+"""Medians of a learner's reaches after training."""
+MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, ARC_LENGTH, JERK, DETOUR)
 """The columns of the table."""
 
 
@@ -133,8 +120,8 @@ def _comparison(groups: Groups) -> dict[str, str]:
     measures: Mapping[str, Callable[[Learner], float]] = {
         "slower": Learner.last_time_s,
         "longer": Learner.time_s,
-        "shorter_arc": lambda learner: -arc_length(learner),
-        "jerkier": lambda learner: -jerk(learner),
+        "shorter_arc": lambda learner: -ARC_LENGTH(learner),
+        "jerkier": lambda learner: -JERK(learner),
     }
     means = {what: [fmean(map(measure, group)) for group in groups.values()] for what, measure in measures.items()}
     verdicts = {
@@ -191,7 +178,7 @@ def _path_plot(first: Sequence[Learner]) -> Plot:
 
 def _smoothness_plot(groups: Groups) -> Plot:
     dots = [
-        Dots([float(item.group) for item in group], [arc_length(item) for item in group], label)
+        Dots([float(item.group) for item in group], list(map(ARC_LENGTH, group)), label)
         for label, group in groups.items()
     ]
     x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("sal", "Spectral arc length (higher is smoother)")

@@ -62,9 +62,9 @@ class Learner:
         """Return the mean return after training."""
         return fmean(reach.total_reward for reach in self.reaches)
 
-    def median(self, measure: Callable[[Movement], float]) -> float:
-        """Return the median of a measure of the movements after training; NaN if it is known of none."""
-        return _of_known(np.median, np.array([measure(movement_of(reach)) for reach in self.reaches]))
+    def median(self, measure: str) -> float:
+        """Return the median of a property of the movements after training; NaN if it is known of none."""
+        return _of_known(np.median, np.array([getattr(movement_of(reach), measure) for reach in self.reaches]))
 
     def check_times_s(self) -> dict[int, float]:
         """Return the mean time to touch at each checkpoint, by the control steps of training."""

@@ -54,13 +54,8 @@ class TrialInfant:
     model: mujoco.MjModel
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
-    delays_s: tuple[float, float] = (0.0, 0.0)
+    delays_s: tuple[float, float]
     """Its delays of senses and of commands."""
-
-    @classmethod
-    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "TrialInfant":
-        """Return the infant of a model."""
-        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), delays_s)
 
     @cached_property
     def angles(self) -> IntArray:
@@ -124,13 +119,9 @@ class TrialInfant:
         held.dof_armature[list(dofs)] = FIXED_ARMATURE
         return replace(self, model=held)
 
-    def root_dofs(self) -> range:
-        """Return the degrees of freedom of the hip in the world: three of translation, then three of rotation."""
-        return range(6)
-
     def trunk_dofs(self) -> list[int]:
-        """Return the degrees of freedom of hip and trunk, without the head's."""
-        return [*self.root_dofs(), *self.dofs_of("lower_body", "upper_body", "chest")]
+        """Return the degrees of freedom of hip, three of translation and three of rotation, and trunk, without head."""
+        return [*range(6), *self.dofs_of("lower_body", "upper_body", "chest")]
 
     def dofs_of(self, *bodies: str) -> list[int]:
         """Return the degrees of freedom of some bodies relative to their parents."""
@@ -206,7 +197,8 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     with errors_at(spec, age_months):
         grown = at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
         model = compile_infant(grown)
-    return TrialInfant.of(model, longest_delays_s(grown))
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    return TrialInfant(model, joints, longest_delays_s(grown))
 
 
 def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:

@@ -35,11 +35,8 @@ def _still(infant: TrialInfant) -> Iterator[Attempt]:
 
 def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to swing forward and back over the hands, by hips and shoulders against each other."""
-    names = infant.joint_names
-    sway = np.zeros(len(names))
-    for side in SIDES:
-        if f"{side}_hip1" in names and f"{side}_shoulder_ad_ab" in names:
-            sway[names.index(f"{side}_hip1")] = sway[names.index(f"{side}_shoulder_ad_ab")] = np.radians(ROCKING_DEG)
+    swaying = [f"{side}_{joint}" for side in SIDES for joint in ("hip1", "shoulder_ad_ab")]
+    sway = np.isin(infant.joint_names, swaying) * np.radians(ROCKING_DEG)
     for attempt in _still(infant):
         still = attempt.start.qpos[infant.angles]
 
