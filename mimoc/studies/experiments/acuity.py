@@ -59,23 +59,14 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
         unseen=(),
     )
     seen_by = filters(eye, FOVY_DEG)
+    half_cycle_cpd = pixels_per_degree(HEIGHT_PX, FOVY_DEG) / (2 * HEIGHT_PX)
     for share in SHARES_OF_ACUITY:
-        half_cycles = _half_cycles(share * acuity_cpd)
+        half_cycles = max(1, round(share * acuity_cpd / half_cycle_cpd))  # Whole ones have no effects at the border.
         wave = np.cos(np.pi * half_cycles * (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
         grating = np.rint(MEAN + AMPLITUDE * wave).astype(np.uint8)
         seen = perceive(np.broadcast_to(grating[None, :, None, None], (1, HEIGHT_PX, WIDTH_PX, 3)), seen_by)
         left, shown = (float(picture.astype(float) @ wave) for picture in (seen[0, :, 0, 0], grating))
-        yield Transfer(age_months, acuity_cpd, _frequency_cpd(half_cycles), left / shown)
-
-
-def _half_cycles(frequency_cpd: float) -> int:
-    """Return the number of half cycles in the image closest to a frequency, an integer to avoid border effects."""
-    return max(1, round(2 * HEIGHT_PX * frequency_cpd / pixels_per_degree(HEIGHT_PX, FOVY_DEG)))
-
-
-def _frequency_cpd(half_cycles: int) -> float:
-    """Return the spatial frequency at the centre of the image, in cycles per degree."""
-    return half_cycles / (2 * HEIGHT_PX) * pixels_per_degree(HEIGHT_PX, FOVY_DEG)
+        yield Transfer(age_months, acuity_cpd, half_cycles * half_cycle_cpd, left / shown)
 
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
@@ -133,7 +124,8 @@ def _sheet(size_px: int) -> bytes:
     (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
     middles = [_middle(picture, size_px) for picture in larger]
-    rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
+    middle_deg = 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
+    rows = (*whole.rows, f"acuity, middle {middle_deg:.0f} degrees")
     return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
 
 
@@ -141,11 +133,6 @@ def _middle(picture: Picture, size_px: int) -> Picture:
     """Return the middle of a square image, shape (size, size, 3)."""
     start = (len(picture) - size_px) // 2
     return picture[start : start + size_px, start : start + size_px]
-
-
-def _middle_deg() -> float:
-    """Return the field of view of the middle, in [deg]."""
-    return 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
 
 
 def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
