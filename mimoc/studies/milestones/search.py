@@ -4,13 +4,13 @@ import hashlib
 import json
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, partial
 from importlib.metadata import version
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from mimoc.bundle.files import make_folder, remove, write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
@@ -31,8 +31,9 @@ Progress = Callable[[int, int], None]
 """Called with the number of ages done with and their total."""
 Try = Callable[[float], Outcome]
 """Returns the outcome of a trial at an age in months."""
+AttemptAt = Callable[[str, Conditions, str, float], Outcome]
+"""Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
 Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -119,35 +120,43 @@ def search(
         processes: Number of processes; with 1, everything runs in this one.
         progress: Called after each search.
     """
+    written = spec.model_dump_json()
+
+    def find(name: str, attempt: AttemptAt) -> SearchResult:
+        return search_downwards(ages, partial(attempt, written, conditions, name))
+
     results: dict[str, SearchResult] = {}
-    find = partial(_search_trial, spec.model_dump_json(), conditions, ages)
-    for name, result in _in_processes(processes, find, names):
+    for name, result in _searched(processes, find, names):
         results[name] = result
         if progress:
             progress(len(results) * len(ages), len(names) * len(ages))
     return {name: results[name] for name in names}
 
 
-def _in_processes(count: int, run: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[tuple[Item, Result]]:
-    """Yield items with their results, in the order in which they come; with one process, everything runs in this one.
+def _searched(
+    processes: int, find: Callable[[Item, AttemptAt], SearchResult], items: Sequence[Item]
+) -> Iterator[tuple[Item, SearchResult]]:
+    """Yield items with the results of their searches, in the order in which they come.
 
-    Other processes leave Ctrl-C to this one.
+    With one process, everything runs in this one. Otherwise all searches wait side by side for their attempts, which
+    run in processes that leave Ctrl-C to this one.
     """
-    if count == 1:
+    if processes == 1:
         for item in items:
-            yield item, run(item)
+            yield item, find(item, _try_at)
         return
-    pool = ProcessPoolExecutor(count, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
-    try:
-        running = {pool.submit(run, item): item for item in items}
-        for future in as_completed(running):
-            yield running[future], future.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
+    pool = ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
 
+    def attempt(*arguments: Any) -> Outcome:
+        return pool.submit(_try_at, *arguments).result()
 
-def _search_trial(spec: str, conditions: Conditions, ages: Sequence[float], name: str) -> SearchResult:
-    return search_downwards(ages, partial(_try_at, spec, conditions, name))
+    with ThreadPoolExecutor(len(items) or 1) as threads:
+        try:
+            running = {threads.submit(find, item, attempt): item for item in items}
+            for future in as_completed(running):
+                yield running[future], future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
@@ -194,7 +203,7 @@ def run_searches(
     results = {case: result for case in cases if (result := _read(folder, case)) is not None}
     for _ in results:
         finished()
-    for case, result in _in_processes(processes, _search, [case for case in cases if case not in results]):
+    for case, result in _searched(processes, _search, [case for case in cases if case not in results]):
         _write(folder, case, result)
         results[case] = result
         finished()
@@ -206,11 +215,12 @@ def forget_searches(folder: Path) -> None:
     remove(folder / FOLDER)
 
 
-def _search(case: Case) -> SearchResult:
+def _search(case: Case, attempt: AttemptAt) -> SearchResult:
     spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development).model_dump_json()
+    run = partial(attempt, spec, case.conditions, case.trial)
     if case.near_months is None:
-        return _search_trial(spec, case.conditions, case.ages, case.trial)
-    return walk(case.ages, case.near_months, partial(_try_at, spec, case.conditions, case.trial))
+        return search_downwards(case.ages, run)
+    return walk(case.ages, case.near_months, run)
 
 
 def _file(folder: Path, case: Case) -> Path:
