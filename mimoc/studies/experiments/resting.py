@@ -123,5 +123,5 @@ def try_to_sit(development: Development, age_months: float) -> Picture:
 def _end(attempt: Attempt) -> tuple[mujoco.MjData, Outcome]:
     """Return the last state of an attempt, and its outcome."""
     states = deque[mujoco.MjData](maxlen=1)
-    outcome = simulate(attempt, Conditions(), lambda model, data: states.append(data))
+    outcome = simulate(attempt, Conditions(), states.append)
     return states[0], outcome

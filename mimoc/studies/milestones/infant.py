@@ -7,7 +7,6 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
@@ -16,9 +15,7 @@ from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.delays.build_presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
+from mimoc.senses.sense import FloatArray, IntArray
 
 SIDES = ("left", "right")
 FIXED_ARMATURE = 1e6

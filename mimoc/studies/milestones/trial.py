@@ -14,8 +14,9 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
+from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.controller import Controller, servo
-from mimoc.studies.milestones.infant import Conditions, FloatArray, TrialInfant
+from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
 INTERVAL_S = 0.005
 """How often a prediction is made and a new command sent; at 20 ms the same infants fall a few months longer."""
@@ -67,7 +68,7 @@ Target = Callable[[mujoco.MjData, float], FloatArray]
 """Returns the angles that the driven hinges go to, shape (n,), in a state and after a time in [s]."""
 Apparatus = Callable[[mujoco.MjData, float], None]
 """Moves what an apparatus moves, after a time in [s]."""
-Watch = Callable[[mujoco.MjModel, mujoco.MjData], None]
+Watch = Callable[[mujoco.MjData], None]
 """Sees the state after every physics step, for pictures and measurements."""
 
 
@@ -133,18 +134,11 @@ class Trial:
     """The bodies without which it cannot be tried."""
 
 
-def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, watch: Watch | None = None) -> Outcome:
-    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
-
-    Args:
-        trial: What to try.
-        infant: Who tries it.
-        conditions: Under which conditions.
-        watch: Called after every physics step of every attempt.
-    """
+def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions) -> Outcome:
+    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest."""
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
-        outcome = simulate(attempt, conditions, watch)
+        outcome = simulate(attempt, conditions)
         if outcome.success:
             return outcome
         best = max(best, outcome, key=lambda tried: tried.seconds)
@@ -167,7 +161,7 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
         data.ctrl[:] = controls(step)
         mujoco.mj_step(model, data)
         if watch:
-            watch(model, data)
+            watch(data)
         checked = step % checked_every == 0 and time_s >= attempt.checked_from_s
         if checked and (reason := attempt.check(data)):
             return Outcome(False, time_s, reason, attempt.strategy)

@@ -6,7 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant, bisect, rise_deg
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, rise_deg
 from mimoc.studies.milestones.trial import Attempt, Trial
 
 HELD_S = 10.0
