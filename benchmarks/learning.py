@@ -97,8 +97,8 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], random: Result, ta
         for seed, curve in enumerate(curves)
         for row in curve.rows
     ]
-    headings = ("seed", "steps", "episodes", "success_rate", "time_to_success_s", "episode_return")
-    notebook.write_table("learning.csv", headings, rows)
+    heading = "seed,steps,episodes,success_rate,time_to_success_s,episode_return"
+    notebook.write_table("learning.csv", heading, rows)
     baseline = {
         "time_to_success_s": fmean(each.duration_s for each in random.episodes if each.success),
         "success_rate": fmean(each.success for each in random.episodes),

@@ -9,14 +9,8 @@ from mimoc.render.plots.file import require_matplotlib
 from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
 
 EXPERIMENTS: Mapping[str, str] = {
-    "growth": "mimoc.studies.experiments.growth",
-    "strength": "mimoc.studies.experiments.strength",
-    "acuity": "mimoc.studies.experiments.acuity",
-    "delays": "mimoc.studies.experiments.delays",
-    "inverse": "mimoc.studies.experiments.inverse",
-    "rooms": "mimoc.studies.experiments.rooms",
-    "development": "mimoc.studies.experiments.development",
-    "growing": "mimoc.studies.experiments.growing",
+    name: f"mimoc.studies.experiments.{name}"
+    for name in ("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing")
 }
 """Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 

@@ -20,7 +20,7 @@ from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
-from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
+from mimoc.studies.experiments.notebook import Notebook, markdown_table
 
 WIDTH_PX, HEIGHT_PX = 8, 2048
 """Size of an image of horizontal bars: fine enough for the acuity at two years."""
@@ -59,23 +59,14 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
         unseen=(),
     )
     seen_by = filters(eye, FOVY_DEG)
+    half_cycle_cpd = pixels_per_degree(HEIGHT_PX, FOVY_DEG) / (2 * HEIGHT_PX)
     for share in SHARES_OF_ACUITY:
-        half_cycles = _half_cycles(share * acuity_cpd)
+        half_cycles = max(1, round(share * acuity_cpd / half_cycle_cpd))  # Whole ones have no effects at the border.
         wave = np.cos(np.pi * half_cycles * (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
         grating = np.rint(MEAN + AMPLITUDE * wave).astype(np.uint8)
         seen = perceive(np.broadcast_to(grating[None, :, None, None], (1, HEIGHT_PX, WIDTH_PX, 3)), seen_by)
         left, shown = (float(picture.astype(float) @ wave) for picture in (seen[0, :, 0, 0], grating))
-        yield Transfer(age_months, acuity_cpd, _frequency_cpd(half_cycles), left / shown)
-
-
-def _half_cycles(frequency_cpd: float) -> int:
-    """Return the number of half cycles in the image closest to a frequency, an integer to avoid border effects."""
-    return max(1, round(2 * HEIGHT_PX * frequency_cpd / pixels_per_degree(HEIGHT_PX, FOVY_DEG)))
-
-
-def _frequency_cpd(half_cycles: int) -> float:
-    """Return the spatial frequency at the centre of the image, in cycles per degree."""
-    return half_cycles / (2 * HEIGHT_PX) * pixels_per_degree(HEIGHT_PX, FOVY_DEG)
+        yield Transfer(age_months, acuity_cpd, half_cycles * half_cycle_cpd, left / shown)
 
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
@@ -94,31 +85,26 @@ COLOURS = 256
 """Number of colours of the figure, which makes its file a third as large."""
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
-TEXTS = page_texts("acuity")
-
 
 def run(notebook: Notebook) -> Path:
     """Render one scene as seen at several ages, measure gratings, and return the path of the report."""
-    measured, parts = [], len(PAPER_MONTHS) + 1
-    for done, age_months in enumerate(PAPER_MONTHS, start=1):
-        measured += transfers(age_months, acuity_at(age_months, PROFILE))
-        notebook.progress(done, parts)
+    count = notebook.counter(len(PAPER_MONTHS) + 1)
+    by_age = [count(list(transfers(age_months, acuity_at(age_months, PROFILE)))) for age_months in PAPER_MONTHS]
+    measured = [item for items in by_age for item in items]
     size_px = QUICK_SIZE_PX if notebook.quick else SIZE_PX
-    notebook.write_picture("acuity.png", _sheet(size_px))
-    notebook.progress(parts, parts)
-    notebook.write_table("profiles.csv", ("age_months", *(f"{name}_cpd" for name in PROFILES)), _profile_rows())
+    notebook.write_picture("acuity.png", count(_sheet(size_px)))
+    profiles = {profile: [acuity_at(age_months, profile) for age_months in HALF_MONTHS] for profile in PROFILES}
+    heading = ",".join(("age_months", *(f"{profile}_cpd" for profile in profiles)))
+    notebook.write_table("profiles.csv", heading, zip(HALF_MONTHS, *profiles.values(), strict=True))
     notebook.write_table(
         "gratings.csv",
-        ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
+        "age_months,acuity_cpd,frequency_cpd,law,measured",
         ((item.age_months, item.acuity_cpd, item.frequency_cpd, item.law, item.measured) for item in measured),
     )
-    notebook.write_plots("csf.png", [_csf_plot(measured), _profile_plot()])
-    return notebook.write_page(
-        "Acuity and foveation",
-        _sections(measured, size_px),
-        seeds=f"The room is that of seed {SEED}.",
-        libraries=["matplotlib"],
-    )
+    lines = tuple(Line(HALF_MONTHS, acuities_cpd, profile) for profile, acuities_cpd in profiles.items())
+    by_profile = Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), lines, title="Acuity by age")
+    notebook.write_plots("csf.png", [_csf_plot(by_age), by_profile])
+    return notebook.write_page(**_numbers(measured, size_px))
 
 
 def _sheet(size_px: int) -> bytes:
@@ -138,7 +124,8 @@ def _sheet(size_px: int) -> bytes:
     (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
     middles = [_middle(picture, size_px) for picture in larger]
-    rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
+    middle_deg = 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
+    rows = (*whole.rows, f"acuity, middle {middle_deg:.0f} degrees")
     return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
 
 
@@ -148,22 +135,12 @@ def _middle(picture: Picture, size_px: int) -> Picture:
     return picture[start : start + size_px, start : start + size_px]
 
 
-def _middle_deg() -> float:
-    """Return the field of view of the middle, in [deg]."""
-    return 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
-
-
-def _profile_rows() -> Iterator[tuple[float, ...]]:
-    for age_months in HALF_MONTHS:
-        yield age_months, *(acuity_at(age_months, profile) for profile in PROFILES)
-
-
-def _csf_plot(measured: Sequence[Transfer]) -> Plot:
+def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
     lines, dots = [], []
-    for age_months in PAPER_MONTHS:
-        results = [item for item in measured if item.age_months == age_months]
-        acuity_cpd, label = results[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
-        lines.append(Line((0, acuity_cpd), (1, 0), label))
+    for results in by_age:
+        age_months = results[0].age_months
+        label = f"{age_months:g} month{'s' * (age_months != 1)}"
+        lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
         dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
     return Plot(
         x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
@@ -174,41 +151,23 @@ def _csf_plot(measured: Sequence[Transfer]) -> Plot:
     )
 
 
-def _profile_plot() -> Plot:
-    lines = (
-        Line(HALF_MONTHS, [acuity_at(age_months, profile) for age_months in HALF_MONTHS], profile)
-        for profile in PROFILES
+def _numbers(measured: Sequence[Transfer], size_px: int) -> dict[str, object]:
+    rows = (
+        [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
+        for age_months in PAPER_MONTHS
     )
-    return Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), tuple(lines), title="Acuity by age")
-
-
-def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
-    about = TEXTS["about"].format(
-        seed=SEED,
-        side=SIDE,
-        ages=", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
-        foveation=DEFAULT_FOVEATION,
-        magnification=DEFAULT_FOVEATION / math.log1p(DEFAULT_FOVEATION),
-        profile=PROFILE,
-    )
-    compared = TEXTS["compared"].format(
-        table=_acuity_table(),
-        count=len(measured),
-        error=max(abs(item.measured - item.law) for item in measured),
-        fovy=FOVY_DEG,
-        size=size_px,
-        shown=size_px / (2 * FOVY_DEG),
-        shown_middle=MIDDLE_TIMES * size_px / (2 * FOVY_DEG),
-    )
-    return about, compared
-
-
-def _acuity_table() -> str:
-    headings = ("months", *(f"`{profile}` [cycles/degree]" for profile in PROFILES))
-    return markdown_table(
-        headings,
-        (
-            [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
-            for age_months in PAPER_MONTHS
-        ),
-    )
+    return {
+        "room": SEED,
+        "side": SIDE,
+        "ages": ", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
+        "foveation": DEFAULT_FOVEATION,
+        "magnification": DEFAULT_FOVEATION / math.log1p(DEFAULT_FOVEATION),
+        "profile": PROFILE,
+        "table": markdown_table(("months", *(f"`{profile}` [cycles/degree]" for profile in PROFILES)), rows),
+        "count": len(measured),
+        "error": max(abs(item.measured - item.law) for item in measured),
+        "fovy": FOVY_DEG,
+        "size": size_px,
+        "shown": size_px / (2 * FOVY_DEG),
+        "shown_middle": MIDDLE_TIMES * size_px / (2 * FOVY_DEG),
+    }

@@ -17,9 +17,9 @@ from mimoc.compiler.validation.requests import compile_infant
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.infant import GRAVITY_M_S2
 
-FloatArray = npt.NDArray[np.float64]
 Model = Literal["torque", "muscle"]
 
 STEP_MS = 5.0

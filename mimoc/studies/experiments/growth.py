@@ -1,12 +1,12 @@
 """Growth from birth to two years, compared with WHO's standards (López et al. 2025, figure 2 a-c)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mimoc.compiler.validation import GrowthReport, Row, grow_against_who
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.growth import growth_sheet
-from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
+from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)
@@ -21,24 +21,21 @@ PUBLISHED_WORST = {"length_cm": "+2.4", "weight_kg": "+1.3", "head_circumference
 """Largest z-score, among boys or girls of 0, 1, 2, 4, 6, 9, 12, 18 and 24 months, of models that follow MIMo v2's
 published rules, compiled and measured in the same way; each is that of girls of one month."""
 
-TEXTS = page_texts("growth")
-
 
 def run(notebook: Notebook) -> Path:
     """Measure the growth of the average child, and return the path of the report."""
     months = QUICK_MONTHS if notebook.quick else MONTHS
     report = grow_against_who(months=months, progress=notebook.progress)
-    notebook.write_table(
-        "growth.csv",
-        ("age_months", "indicator", "value", "z_boys", "z_girls", "z_mean", "percentile"),
-        (_cells(row) for row in report.rows),
-    )
+    heading = "age_months,indicator,value,z_boys,z_girls,z_mean,percentile"
+    notebook.write_table("growth.csv", heading, map(_cells, report.rows))
     notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
-    sections = (
-        TEXTS["about"].format(count=len(months)),
-        TEXTS["compared"].format(verdict=_verdict(report), table=_table(report)),
+    farthest = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
+    return notebook.write_page(
+        count=len(months),
+        holds="The same holds" if report.passed else "This does NOT always hold",
+        farthest=f"{NAMES[farthest.indicator]} at {farthest.age_months:g} months, z = {farthest.z['mean']:+.2f}",
+        table=table_rows(_worst(report)),
     )
-    return notebook.write_page("Growth", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
 def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
@@ -46,31 +43,10 @@ def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
     return row.age_months, row.indicator, row.value, z["male"], z["female"], z["mean"], row.percentile["mean"]
 
 
-def _verdict(report: GrowthReport) -> str:
-    holds = "The same holds" if report.passed else "This does NOT always hold"
-    largest = f"The largest deviation from the mean of boys and girls is that of the {_worst_name(report)}."
-    return f"{holds} for mimoc, including arm circumference. {largest}"
-
-
-def _worst_name(report: GrowthReport) -> str:
-    row = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
-    return f"{NAMES[row.indicator]} at {row.age_months:g} months, z = {row.z['mean']:+.2f}"
-
-
-def _table(report: GrowthReport) -> str:
-    headings = (
-        "measure",
-        "largest z",
-        "at months",
-        "largest z, boys",
-        "largest z, girls",
-        "largest z, published rules",
-    )
-    rows = []
+def _worst(report: GrowthReport) -> Iterator[tuple[str, ...]]:
     for indicator, worst in report.worst.items():
         measured = [row for row in report.rows if row.indicator == indicator]
         sexes = (max((row.z[sex] for row in measured), key=abs) for sex in ("male", "female"))
-        shown = (f"{z:+.2f}" for z in sexes)
         published = PUBLISHED_WORST.get(indicator, "not known")
-        rows.append((NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *shown, published))
-    return markdown_table(headings, rows)
+        z = (f"{z:+.2f}" for z in sexes)
+        yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *z, published

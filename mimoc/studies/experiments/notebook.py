@@ -2,15 +2,16 @@
 
 import csv
 import io
+import itertools
 import math
 import os
 import platform
-import re
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import TypeVar
 
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
@@ -19,6 +20,7 @@ from mimoc.render.plots.plot import Plot, Sheet
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
+T = TypeVar("T")
 Cell = str | float | None
 """Cell of a table; None for an empty one."""
 
@@ -42,15 +44,34 @@ class Notebook:
     """Whether to run a smaller version of the experiment."""
     progress: Progress
 
-    def write_table(self, file: str, headings: Sequence[str], rows: Iterable[Sequence[Cell]]) -> None:
+    def counter(self, total: int) -> Callable[[T], T]:
+        """Return a function that counts one of some steps and gives back what it is given."""
+        steps = itertools.count(1)
+
+        def count(result: T) -> T:
+            self.progress(next(steps), total)
+            return result
+
+        return count
+
+    def part(self, before: int, size: int, total: int) -> Progress:
+        """Return what is told the progress of one part, of as many steps as its size, after those before it."""
+        return lambda done, _: self.progress(before + min(done, size), total)
+
+    def write_table(self, file: str, heading: str, rows: Iterable[Sequence[Cell]]) -> None:
         """Write a CSV; the same numbers give the same bytes.
+
+        Args:
+            file: Its name.
+            heading: Its first line: names with units, separated by commas.
+            rows: The cells below it.
 
         Raises:
             OutputError: If it cannot be written.
         """
         text = io.StringIO()
         lines = csv.writer(text, lineterminator="\n")
-        lines.writerow(headings)
+        lines.writerow(heading.split(","))
         lines.writerows([_number(cell) for cell in row] for row in rows)
         write_file(self.folder / file, text.getvalue().encode())
 
@@ -70,28 +91,22 @@ class Notebook:
         """
         self.write_picture(file, encode(Sheet(tuple(plots))))
 
-    def write_page(self, title: str, sections: Iterable[str], *, seeds: str, libraries: Sequence[str] = ()) -> Path:
-        """Write the report, which ends with how to reproduce it.
+    def write_page(self, *libraries: str, **numbers: object) -> Path:
+        """Write the report, the text of `pages/NAME.md`, with how to reproduce it.
 
         Args:
-            title: Title of the report.
-            sections: Its sections, in Markdown.
-            seeds: A sentence on the seeds.
             libraries: Further libraries that the results depend on.
+            numbers: Numbers and tables by their names in the text.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        blocks = "\n\n".join((f"# {title}", *sections, self._reproduction(seeds, libraries))).split("\n\n")
-        page = "\n\n".join(map(_wrapped, blocks)) + "\n"
-        return write_file(self.folder / f"{self.name}.md", page.encode())
-
-    def _reproduction(self, seeds: str, libraries: Sequence[str]) -> str:
-        """Return the section on how to reproduce the results."""
         command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{' --quick' * self.quick}"
-        versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries))
+        versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries, "matplotlib"))
         machine = f"Python {platform.python_version()} on {platform.machine()}"
-        return f"## Reproduction\n\n    {command}\n\nWith {versions} and {machine}. {seeds}"
+        made = f"    {command}\n\nWith {versions} and {machine}."
+        page = "\n\n".join(map(_wrapped, page_text(self.name, reproduction=made, **numbers).split("\n\n"))) + "\n"
+        return write_file(self.folder / f"{self.name}.md", page.encode())
 
 
 def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progress | None = None) -> Notebook:
@@ -112,17 +127,19 @@ def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progr
     return Notebook(name, path, quick, progress or (lambda done, total: None))
 
 
-def page_texts(name: str) -> Mapping[str, str]:
-    """Return the texts of a page by their names in `pages/NAME.md`; `str.format` fills in their numbers."""
-    text = (Path(__file__).parent / "pages" / f"{name}.md").read_text(encoding="utf-8")
-    _, *parts = re.split(r"^<!-- (\w+) -->\n", text, flags=re.MULTILINE)
-    return {key: part.strip("\n") for key, part in zip(parts[::2], parts[1::2], strict=True)}
+def page_text(name: str, **numbers: object) -> str:
+    """Return the text of `pages/NAME.md`, its numbers filled in by `str.format`."""
+    return (Path(__file__).parent / "pages" / f"{name}.md").read_text(encoding="utf-8").strip("\n").format(**numbers)
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in Markdown."""
-    lines = [headings, ["---"] * len(headings), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return table_rows([headings, ["---"] * len(headings), *rows])
+
+
+def table_rows(rows: Iterable[Sequence[str]]) -> str:
+    """Return the rows of a table in Markdown whose headings are in the text of the page."""
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 def _wrapped(block: str) -> str:

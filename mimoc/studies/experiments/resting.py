@@ -1,5 +1,6 @@
 """Infants without commands, lying, sitting or with a free head, and pictures of those that try to sit."""
 
+from collections import deque
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ import numpy as np
 
 from mimoc.compiler.validation.requests import ROOT
 from mimoc.render.body_camera import STILL, BodyCamera
-from mimoc.render.renderer import Picture
+from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones import TRIALS, Conditions, Outcome, TrialInfant, compile_at
@@ -48,8 +49,7 @@ class Rest:
 
 def rest(development: Development, age_months: float) -> Rest:
     """Return where the average child of an age comes to rest."""
-    spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
-    infant = compile_at(spec, age_months, Conditions())
+    infant = _average_child(development, age_months)
     lying = _lying(infant)
     return Rest(
         development,
@@ -63,18 +63,20 @@ def rest(development: Development, age_months: float) -> Rest:
     )
 
 
+def _average_child(development: Development, age_months: float) -> TrialInfant:
+    spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
+    return compile_at(spec, age_months, Conditions())
+
+
 def _lying(infant: TrialInfant) -> mujoco.MjData:
-    data = mujoco.MjData(infant.model)
-    infant.place(data, ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
-    return _after(infant, data, LYING_S)
+    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    return _after(infant, lying, LYING_S)
 
 
 def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
     """Return the angle of a head without support, the trunk held at some pitch."""
     held = infant.fixed(infant.trunk_dofs())
-    data = mujoco.MjData(held.model)
-    held.place(data, pitch_deg, {}, above_m=ABOVE_M)
-    return _angle_deg(held, _after(held, data, FALLING_S), "head_tilt")
+    return _angle_deg(held, _after(held, held.placed(pitch_deg, {}, ABOVE_M), FALLING_S), "head_tilt")
 
 
 def _slump_deg(infant: TrialInfant, lean: float) -> float:
@@ -99,26 +101,13 @@ def _angle_deg(infant: TrialInfant, data: mujoco.MjData, joint: str) -> float:
 PICTURE_PX = (150, 150)
 
 
-@dataclass(frozen=True)
-class Sitter:
-    """An infant that has tried to sit."""
-
-    development: Development
-    age_months: float
-    outcome: Outcome
-    """Of the attempt that lasted longest."""
-    picture: Picture
-    """At its end, shape (height, width, 3)."""
-
-
-def try_to_sit(development: Development, age_months: float) -> Sitter:
-    """Let the average child of an age try to sit, and return how its longest attempt ended.
+def try_to_sit(development: Development, age_months: float) -> Picture:
+    """Let the average child of an age try to sit, and show how its longest attempt ended: its age, and how long it sat.
 
     Raises:
         RenderingError: If OpenGL is not available.
     """
-    spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
-    infant = compile_at(spec, age_months, Conditions())
+    infant = _average_child(development, age_months)
     best, outcome = mujoco.MjData(infant.model), Outcome(False, -1.0)
     for attempt in TRIALS["sit"].attempts(infant):
         data, ended = _end(attempt)
@@ -127,21 +116,12 @@ def try_to_sit(development: Development, age_months: float) -> Sitter:
         if outcome.success:
             break
     with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, supersample=STILL)) as camera:
-        return Sitter(development, age_months, outcome, camera.render(best))
-
-
-def caption(sitter: Sitter) -> str:
-    """Return the age of an infant, and how long it sat."""
-    held = "sits" if sitter.outcome.success else f"falls after {sitter.outcome.seconds:.1f} s"
-    return f"{sitter.age_months:g} months: {held}"
+        held = "sits" if outcome.success else f"falls after {outcome.seconds:.1f} s"
+        return tile_pictures([[camera.render(best)]], columns=[f"{age_months:g} months: {held}"])
 
 
 def _end(attempt: Attempt) -> tuple[mujoco.MjData, Outcome]:
     """Return the last state of an attempt, and its outcome."""
-    last = mujoco.MjData(attempt.infant.model)
-
-    def keep(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        mujoco.mj_copyData(last, model, data)
-
-    outcome = simulate(attempt, Conditions(), keep)
-    return last, outcome
+    states = deque[mujoco.MjData](maxlen=1)
+    outcome = simulate(attempt, Conditions(), states.append)
+    return states[0], outcome

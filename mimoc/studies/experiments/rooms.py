@@ -1,7 +1,7 @@
 """Rooms by seed: their contents, and where the toys lie (López et al. 2025, figure 6)."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean, median
@@ -13,7 +13,7 @@ import numpy.typing as npt
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.looks.pictures import encode_palette_png
-from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.scene import Keyframe
 from mimoc.mjcf.world import FreeObject
 from mimoc.quantities import Quantity
 from mimoc.render.picture_files import Picture, captioned_grid
@@ -22,7 +22,7 @@ from mimoc.render.portrait import overview
 from mimoc.scenes.footprint import reachable_floor
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, page_texts
+from mimoc.studies.experiments.notebook import Cell, Notebook
 from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.placing import ReachableFloor
 
@@ -77,19 +77,9 @@ class Inventory:
         return min(side / 2 - abs(place) for side, place in zip(self.size_m[:2], self.place_m, strict=True))
 
     @property
-    def row(self) -> tuple[Cell, ...]:
-        """The room as a row of a table."""
-        within = sum(toy.within_reach for toy in self.toys)
-        room = (self.seed, *self.size_m, self.floor, self.pictures, self.lamps)
-        infant = (*self.place_m, math.degrees(self.heading_rad), self.nearest_wall_m)
-        return (*room, *infant, len(self.toys), within)
-
-    @property
-    def toy_rows(self) -> Iterator[tuple[Cell, ...]]:
-        """The toys as rows of a table."""
-        for toy in self.toys:
-            what = (self.seed, toy.name, toy.category, toy.size_m, toy.mass_kg)
-            yield *what, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach)
+    def within_reach(self) -> int:
+        """Number of toys within reach."""
+        return sum(toy.within_reach for toy in self.toys)
 
 
 def take_inventory(builder: Builder, seed: int) -> Inventory:
@@ -105,11 +95,12 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
     assert reach is not None
     heading_rad = _heading_rad(start)
     furniture = room.world.furniture
+    halves_m = {geom.name: geom.size_m for geom in furniture.geoms}
     names = [geom.name for geom in furniture.geoms]
     textures = {material.name: material.texture or "" for material in furniture.materials}
     return Inventory(
         seed=seed,
-        size_m=_size_m(room),
+        size_m=(2 * halves_m["floor"][0], 2 * halves_m["floor"][1], 2 * halves_m["wall_front"][1]),
         textures=tuple(textures[side] for side in SIDES),
         pictures=sum(name.startswith("picture") for name in names),
         lamps=sum(name.startswith("lamp") for name in names),
@@ -118,12 +109,6 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
         reach=reach,
         toys=tuple(_relative_place(toy, reach, heading_rad) for toy in furnished.toys),
     )
-
-
-def _size_m(room: SceneTree) -> tuple[float, float, float]:
-    halves_m = {geom.name: geom.size_m for geom in room.world.furniture.geoms}
-    depth_m, width_m = (2 * half_m for half_m in halves_m["floor"][:2])
-    return depth_m, width_m, 2 * halves_m["wall_front"][1]
 
 
 def _heading_rad(start: Keyframe) -> float:
@@ -166,24 +151,11 @@ SPEC = {
 }
 """The same as `configs/playroom.yaml`, without its senses."""
 
-ROOM_HEADINGS = (
-    "seed",
-    "depth_m",
-    "width_m",
-    "height_m",
-    "floor",
-    "pictures",
-    "lamps",
-    "infant_x_m",
-    "infant_y_m",
-    "heading_deg",
-    "nearest_wall_m",
-    "toys",
-    "toys_within_reach",
+ROOM_HEADING = (
+    "seed,depth_m,width_m,height_m,floor,pictures,lamps,infant_x_m,infant_y_m,heading_deg,nearest_wall_m,"
+    "toys,toys_within_reach"
 )
-TOY_HEADINGS = ("seed", "object", "category", "size_m", "mass_kg", "ahead_m", "left_m", "distance_m", "within_reach")
-
-TEXTS = page_texts("rooms")
+TOY_HEADING = "seed,object,category,size_m,mass_kg,ahead_m,left_m,distance_m,within_reach"
 
 
 def run(notebook: Notebook) -> Path:
@@ -193,27 +165,36 @@ def run(notebook: Notebook) -> Path:
     rooms: list[Inventory] = []
     pictures: list[Picture] = []
     times_s = []
-    for done, seed in enumerate(seeds, start=1):
+    count = notebook.counter(len(seeds))
+    for seed in seeds:
         start_s = perf_counter()
         bundle = builder(seed, check=False)
         times_s.append(perf_counter() - start_s)
         rooms.append(take_inventory(builder, seed))
-        pictures.append(overview(bundle, *PICTURE_PX))
-        notebook.progress(done, len(seeds))
+        pictures.append(count(overview(bundle, *PICTURE_PX)))
     sheet = captioned_grid(pictures, [f"seed {seed}" for seed in seeds])
     notebook.write_picture("rooms.png", encode_palette_png(sheet, COLOURS))
-    notebook.write_table("rooms.csv", ROOM_HEADINGS, (room.row for room in rooms))
-    notebook.write_table("toys.csv", TOY_HEADINGS, (row for room in rooms for row in room.toy_rows))
+    notebook.write_table("rooms.csv", ROOM_HEADING, map(_room_cells, rooms))
+    notebook.write_table("toys.csv", TOY_HEADING, (_toy_cells(room, toy) for room in rooms for toy in room.toys))
     notebook.write_plots("toys.png", _plots(rooms))
-    about = TEXTS["about"].format(
-        count=len(seeds), first=seeds[0], last=seeds[-1], reach_cm=100 * rooms[0].reach.radius_m
-    )
-    compared = TEXTS["compared"].format(
-        table=_table(rooms), typical_ms=1000 * median(times_s), slowest_ms=1000 * max(times_s)
-    )
     return notebook.write_page(
-        "Rooms", (about, compared), seeds=f"Seeds: {seeds[0]} to {seeds[-1]}.", libraries=["matplotlib"]
+        **_numbers(rooms),
+        first=seeds[0],
+        last=seeds[-1],
+        typical_ms=1000 * median(times_s),
+        slowest_ms=1000 * max(times_s),
     )
+
+
+def _room_cells(room: Inventory) -> tuple[Cell, ...]:
+    walls = (room.seed, *room.size_m, room.floor, room.pictures, room.lamps)
+    infant = (*room.place_m, math.degrees(room.heading_rad), room.nearest_wall_m)
+    return (*walls, *infant, len(room.toys), room.within_reach)
+
+
+def _toy_cells(room: Inventory, toy: ToyPlace) -> tuple[Cell, ...]:
+    what = (room.seed, toy.name, toy.category, toy.size_m, toy.mass_kg)
+    return (*what, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach))
 
 
 def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
@@ -250,60 +231,32 @@ def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -
     return np.interp(distances_m, wide_m, nearer / nearer[-1])
 
 
-def _table(rooms: Sequence[Inventory]) -> str:
-    return markdown_table(
-        ("paper", f"mimoc, {len(rooms)} rooms"),
-        [
-            ("rooms of random size", _sizes(rooms)),
-            ("random textures", _textures(rooms)),
-            ("infant at a random position away from the walls", _places(rooms)),
-            ("random number of toys", _counts(rooms)),
-            ("toys more likely within reach", _distances(rooms)),
-            ("(not in the paper) toys that an infant can hold", _toys(rooms)),
-            ("reproducible by seed", "the same seeds give the same tables, to the byte"),
-        ],
-    )
-
-
-def _sizes(rooms: Sequence[Inventory]) -> str:
-    depths, widths, heights = zip(*(room.size_m for room in rooms), strict=True)
-    return f"{_span(depths)} by {_span(widths)} m, {_span(heights)} m high"
-
-
-def _textures(rooms: Sequence[Inventory]) -> str:
-    floors, sets = {room.floor for room in rooms}, {room.textures for room in rooms}
-    return f"{len(floors)} different floors; {len(sets)} different combinations of floor, ceiling and walls"
-
-
-def _places(rooms: Sequence[Inventory]) -> str:
-    nearest = _span([room.nearest_wall_m for room in rooms])
-    return (
-        f"{nearest} m from the hip to the nearest wall; {CLEARANCE_M:g} m around it are kept free if the room permits"
-    )
-
-
-def _counts(rooms: Sequence[Inventory]) -> str:
-    counts = [len(room.toys) for room in rooms]
-    kinds = {toy.name for room in rooms for toy in room.toys}
-    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN_TOYS.names)} toys in all"
-    return f"{min(counts)} to {max(counts)}, {mean(counts):.1f} on average; {drawn}"
-
-
-def _distances(rooms: Sequence[Inventory]) -> str:
+def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:
+    """Return the numbers of the page."""
     toys = [toy for room in rooms for toy in room.toys]
-    within = sum(toy.within_reach for toy in toys)
-    rooms_with = sum(any(toy.within_reach for toy in room.toys) for room in rooms)
-    nearer_cm = 100 * median(toy.distance_m for toy in toys)
-    return (
-        f"{within} of {len(toys)} toys are within reach, half of all within {nearer_cm:.0f} cm;"
-        f" {rooms_with} of {len(rooms)} rooms have at least one within reach"
-    )
-
-
-def _toys(rooms: Sequence[Inventory]) -> str:
-    sizes_cm = [100 * toy.size_m for room in rooms for toy in room.toys]
-    weights_g = [1000 * toy.mass_kg for room in rooms for toy in room.toys]
-    return f"{_span(sizes_cm)} cm, {min(weights_g):.0f} to {max(weights_g):.0f} g"
+    depths_m, widths_m, heights_m = zip(*(room.size_m for room in rooms), strict=True)
+    counts, masses_g = [len(room.toys) for room in rooms], [1000 * toy.mass_kg for toy in toys]
+    return {
+        "count": len(rooms),
+        "reach_cm": 100 * rooms[0].reach.radius_m,
+        "sizes_m": f"{_span(depths_m)} by {_span(widths_m)} m, {_span(heights_m)} m",
+        "floors": len({room.floor for room in rooms}),
+        "sets": len({room.textures for room in rooms}),
+        "walls_m": _span([room.nearest_wall_m for room in rooms]),
+        "clearance_m": CLEARANCE_M,
+        "fewest": min(counts),
+        "most": max(counts),
+        "average": mean(counts),
+        "drawn": len({toy.name for toy in toys}),
+        "builtin": len(BUILTIN_TOYS.names),
+        "within": sum(room.within_reach for room in rooms),
+        "toys": len(toys),
+        "nearer_cm": 100 * median(toy.distance_m for toy in toys),
+        "rooms_with": sum(room.within_reach > 0 for room in rooms),
+        "sizes_cm": _span([100 * toy.size_m for toy in toys]),
+        "lightest_g": min(masses_g),
+        "heaviest_g": max(masses_g),
+    }
 
 
 def _span(values: Sequence[float]) -> str:

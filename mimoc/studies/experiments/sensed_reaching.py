@@ -28,68 +28,75 @@ UNIT_M_S = 0.05
 infants, whose hands move at .2 to .4 m/s, would not show."""
 
 
-def movement_units(path_m: FloatArray, step_s: float, least_m_s: float = UNIT_M_S) -> int:
-    """Return the number of movement units: an acceleration, and the deceleration that follows (von Hofsten 1979).
+@dataclass(frozen=True, slots=True)
+class Movement:
+    """A movement of a hand."""
 
-    A deceleration at the end, at which a target is hit, is not needed to complete the last unit.
+    path_m: FloatArray
+    """Positions of the hand at regular intervals, shape (n, 3), world frame."""
+    step_s: float
+    """Interval between positions, such as a control step."""
 
-    Args:
-        path_m: Positions at regular intervals, shape (n, 3).
-        step_s: Interval between positions.
-        least_m_s: Change of speed below which neither is counted.
-    """
-    count, is_rising, turned = 0, False, 0.0
-    for speed in (np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s).tolist():
-        turned = max(turned, speed) if is_rising else min(turned, speed)
-        if abs(speed - turned) >= least_m_s:
-            is_rising, turned = not is_rising, speed
-            count += is_rising
-    return count
+    @property
+    def duration_s(self) -> float:
+        """Time from onset to the end."""
+        return (len(self.path_m) - 1) * self.step_s
 
+    @property
+    def speed_m_s(self) -> FloatArray:
+        """Speed of the hand in each interval, shape (n - 1,)."""
+        return np.linalg.norm(np.diff(self.path_m, axis=0), axis=1) / self.step_s
 
-def path_ratio(path_m: FloatArray) -> float:
-    """Return the length of a path by the straight distance from its start to its end."""
-    length_m = np.linalg.norm(np.diff(path_m, axis=0), axis=1).sum()
-    return float(length_m / np.linalg.norm(path_m[-1] - path_m[0]))
+    @property
+    def units(self) -> int:
+        """Number of movement units: an acceleration, and the deceleration that follows (von Hofsten 1979).
 
+        A deceleration at the end, at which a target is hit, is not needed to complete the last unit.
+        """
+        count, is_rising, turned = 0, False, 0.0
+        for speed in self.speed_m_s.tolist():
+            turned = max(turned, speed) if is_rising else min(turned, speed)
+            if abs(speed - turned) >= UNIT_M_S:
+                is_rising, turned = not is_rising, speed
+                count += is_rising
+        return count
 
-def log_dimensionless_jerk(path_m: FloatArray, step_s: float) -> float:
-    """Return the log dimensionless jerk of a movement, which is larger for smoother movements; NaN without motion.
+    @property
+    def path_ratio(self) -> float:
+        """Length of the path by the straight distance from its start to its end."""
+        length_m = np.linalg.norm(np.diff(self.path_m, axis=0), axis=1).sum()
+        return float(length_m / np.linalg.norm(self.path_m[-1] - self.path_m[0]))
 
-    -ln(T³ / v² x the integral of squared jerk over the duration T), where v is the peak speed. It is independent of the
-    size and the duration of a movement; a minimum-jerk movement has -ln(720 / 1.875²) = -5.32 (Hogan & Sternad 2009).
+    @property
+    def jerk(self) -> float:
+        """Log dimensionless jerk, which is larger for smoother movements; NaN without motion.
 
-    Args:
-        path_m: Positions at regular intervals, shape (n, 3).
-        step_s: Interval between positions.
-    """
-    velocity = np.diff(path_m, axis=0) / step_s
-    if len(path_m) < MIN_STEPS or not (peak := np.linalg.norm(velocity, axis=1).max()):
-        return float("nan")
-    jerk = np.diff(velocity, n=2, axis=0) / step_s**2
-    duration_s = (len(path_m) - 1) * step_s
-    return float(-np.log(duration_s**3 / peak**2 * (jerk**2).sum() * step_s))
+        -ln(T³ / v² x the integral of squared jerk over the duration T), where v is the peak speed. It is independent of
+        the size and the duration of a movement; a minimum-jerk movement has -ln(720 / 1.875²) = -5.32 (Hogan & Sternad
+        2009).
+        """
+        velocity = np.diff(self.path_m, axis=0) / self.step_s
+        if len(self.path_m) < MIN_STEPS or not (peak := np.linalg.norm(velocity, axis=1).max()):
+            return float("nan")
+        jerk = np.diff(velocity, n=2, axis=0) / self.step_s**2
+        return float(-np.log(self.duration_s**3 / peak**2 * (jerk**2).sum() * self.step_s))
 
+    @property
+    def arc_length(self) -> float:
+        """Spectral arc length, which is larger for smoother movements; NaN without motion.
 
-def spectral_arc_length(path_m: FloatArray, step_s: float) -> float:
-    """Return the spectral arc length of a movement, which is larger for smoother movements; NaN without motion.
-
-    The negative arc length of the normalised magnitude spectrum of the speed (SPARC; Balasubramanian et al. 2015).
-
-    Args:
-        path_m: Positions at regular intervals, shape (n, 3).
-        step_s: Interval between positions.
-    """
-    speed = np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s
-    if len(path_m) < MIN_STEPS or not speed.any():
-        return float("nan")
-    size = 2 ** (int(np.ceil(np.log2(len(speed)))) + PADDING)
-    frequencies_hz, magnitudes = np.fft.rfftfreq(size, step_s), np.abs(np.fft.rfft(speed, size))
-    magnitudes /= magnitudes.max()
-    above = np.flatnonzero((frequencies_hz <= MAX_HZ) & (magnitudes >= MIN_MAGNITUDE))
-    band = slice(above[0], above[-1] + 1)
-    width_hz = frequencies_hz[above[-1]] - frequencies_hz[above[0]]
-    return float(-np.hypot(np.diff(frequencies_hz[band]) / width_hz, np.diff(magnitudes[band])).sum())
+        The negative arc length of the normalised magnitude spectrum of the speed (SPARC; Balasubramanian et al. 2015).
+        """
+        speed = self.speed_m_s
+        if len(self.path_m) < MIN_STEPS or not speed.any():
+            return float("nan")
+        size = 2 ** (int(np.ceil(np.log2(len(speed)))) + PADDING)
+        frequencies_hz, magnitudes = np.fft.rfftfreq(size, self.step_s), np.abs(np.fft.rfft(speed, size))
+        magnitudes /= magnitudes.max()
+        above = np.flatnonzero((frequencies_hz <= MAX_HZ) & (magnitudes >= MIN_MAGNITUDE))
+        band = slice(above[0], above[-1] + 1)
+        width_hz = frequencies_hz[above[-1]] - frequencies_hz[above[0]]
+        return float(-np.hypot(np.diff(frequencies_hz[band]) / width_hz, np.diff(magnitudes[band])).sum())
 
 
 GAINS = GAIN_SETS["low"]
@@ -106,46 +113,12 @@ AT_ONCE_S = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class Reach(Movement):
     """A reach from its onset until it arrives or is given up."""
 
     arrived: bool
-    step_s: float
-    """Control step."""
     distance_m: float
     """From the hand to the target at the beginning."""
-    path_m: FloatArray
-    """Positions of the hand, shape (n, 3), world frame."""
-
-    @property
-    def duration_s(self) -> float:
-        """Time from onset to the end."""
-        return (len(self.path_m) - 1) * self.step_s
-
-    @property
-    def speed_m_s(self) -> FloatArray:
-        """Speed of the hand in each control step, shape (n - 1,)."""
-        return np.linalg.norm(np.diff(self.path_m, axis=0), axis=1) / self.step_s
-
-    @property
-    def units(self) -> int:
-        """Number of movement units."""
-        return movement_units(self.path_m, self.step_s)
-
-    @property
-    def path_ratio(self) -> float:
-        """Length of the path by the straight distance."""
-        return path_ratio(self.path_m)
-
-    @property
-    def jerk(self) -> float:
-        """Log dimensionless jerk; higher is smoother."""
-        return log_dimensionless_jerk(self.path_m, self.step_s)
-
-    @property
-    def arc_length(self) -> float:
-        """Spectral arc length; higher is smoother."""
-        return spectral_arc_length(self.path_m, self.step_s)
 
 
 class SensedController:
@@ -219,4 +192,4 @@ def reach_once(env: InfantEnv, seed: int, generator: np.random.Generator, most_s
         path_m.append(hand.xipos.copy())
     speeds = np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s
     onset = int(np.argmax(speeds > UNIT_M_S))
-    return Reach(remaining_m <= TOUCHED_M, step_s, math.dist(path_m[0], target_m), np.array(path_m)[onset:])
+    return Reach(np.array(path_m)[onset:], step_s, remaining_m <= TOUCHED_M, math.dist(path_m[0], target_m))

@@ -18,7 +18,8 @@ import numpy as np
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.requests import ROOT
-from mimoc.studies.milestones.infant import GRAVITY_M_S2, FloatArray, IntArray, TrialInfant
+from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
 
 LEAST_NM = 1e-9
 """Torque at full activation below which an actuator counts as powerless."""

@@ -1,13 +1,12 @@
 """A compiled infant on a flat floor, under some conditions, and what a trial has to know of it."""
 
 import copy
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
@@ -16,9 +15,7 @@ from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.delays.build_presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
+from mimoc.senses.sense import FloatArray, IntArray
 
 SIDES = ("left", "right")
 FIXED_ARMATURE = 1e6
@@ -54,13 +51,8 @@ class TrialInfant:
     model: mujoco.MjModel
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
-    delays_s: tuple[float, float] = (0.0, 0.0)
+    delays_s: tuple[float, float]
     """Its delays of senses and of commands."""
-
-    @classmethod
-    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "TrialInfant":
-        """Return the infant of a model."""
-        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), delays_s)
 
     @cached_property
     def angles(self) -> IntArray:
@@ -109,13 +101,13 @@ class TrialInfant:
         return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
 
     def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
-        """Return the name of one of some bodies that touches the floor, or nothing."""
+        """Return in words which of some bodies touches the floor; nothing if none does."""
         geoms = data.contact.geom
         others = geoms[(geoms == self.floor).any(axis=1)]
         for geom in others[others != self.floor]:
             body = int(self.model.geom_bodyid[geom])
             if body in bodies:
-                return self.model.body(body).name
+                return f"{self.model.body(body).name} touches the floor"
         return ""
 
     def fixed(self, dofs: Collection[int]) -> "TrialInfant":
@@ -124,13 +116,9 @@ class TrialInfant:
         held.dof_armature[list(dofs)] = FIXED_ARMATURE
         return replace(self, model=held)
 
-    def root_dofs(self) -> range:
-        """Return the degrees of freedom of the hip in the world: three of translation, then three of rotation."""
-        return range(6)
-
     def trunk_dofs(self) -> list[int]:
-        """Return the degrees of freedom of hip and trunk, without the head's."""
-        return [*self.root_dofs(), *self.dofs_of("lower_body", "upper_body", "chest")]
+        """Return the degrees of freedom of hip, three of translation and three of rotation, and trunk, without head."""
+        return [*range(6), *self.dofs_of("lower_body", "upper_body", "chest")]
 
     def dofs_of(self, *bodies: str) -> list[int]:
         """Return the degrees of freedom of some bodies relative to their parents."""
@@ -142,43 +130,43 @@ class TrialInfant:
         low, high = np.degrees(self.model.joint(f"robot:{joint}").range)
         return float(low), float(high)
 
-    def place(
-        self, data: mujoco.MjData, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0
-    ) -> None:
-        """Set a posture at rest, its lowest point on the floor or above it.
+    def placed(self, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0) -> mujoco.MjData:
+        """Return a posture at rest, its lowest point on the floor or above it.
 
         Args:
-            data: State to set.
             pitch_deg: Rotation of the hip about y: 90 is face down, -90 face up.
             angles_deg: Angles by joint, without `robot:`, clipped to the ranges; `{side}` stands for both sides. Joints
                 that this infant lacks are left out.
             above_m: Height of the lowest point above the floor.
         """
-        mujoco.mj_resetData(self.model, data)
-        for pattern, angle_deg in angles_deg.items():
-            for name in dict.fromkeys("robot:" + pattern.format(side=side) for side in SIDES):
-                joint = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
-                if joint >= 0:
-                    low, high = self.model.jnt_range[joint]
-                    data.qpos[self.model.jnt_qposadr[joint]] = min(max(deg_to_rad(angle_deg), low), high)
+        data = mujoco.MjData(self.model)
+        for joint, angle_rad in self._clipped(angles_deg):
+            data.qpos[self.model.jnt_qposadr[joint]] = angle_rad
         half = deg_to_rad(pitch_deg) / 2
         data.qpos[:7] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
         mujoco.mj_kinematics(self.model, data)
         data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
         mujoco.mj_forward(self.model, data)
+        return data
 
     def turned(self, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
         """Return the angles of the driven hinges in a state, but for some, clipped to their ranges, shape (n,).
 
-        Joints are named as for `place`.
+        Joints are named as for `placed`.
         """
         angles = data.qpos[self.angles].copy()
-        for pattern, angle_deg in angles_deg.items():
-            for name in dict.fromkeys(pattern.format(side=side) for side in SIDES):
-                if name in self.joint_names:
-                    slot = self.joint_names.index(name)
-                    angles[slot] = np.clip(deg_to_rad(angle_deg), *self.model.jnt_range[self.joints[slot]])
+        for joint, angle_rad in self._clipped(angles_deg):
+            angles[self.joints == joint] = angle_rad
         return angles
+
+    def _clipped(self, angles_deg: Mapping[str, float]) -> Iterator[tuple[int, float]]:
+        """Yield index and angle of the hinges that there are."""
+        for pattern, angle_deg in angles_deg.items():
+            for side in SIDES:
+                name = "robot:" + pattern.format(side=side)
+                joint = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
+                if joint >= 0:
+                    yield joint, float(np.clip(deg_to_rad(angle_deg), *self.model.jnt_range[joint]))
 
     def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
         """Return the height of the lowest point of a body part, or of the whole infant."""
@@ -206,7 +194,8 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     with errors_at(spec, age_months):
         grown = at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
         model = compile_infant(grown)
-    return TrialInfant.of(model, longest_delays_s(grown))
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    return TrialInfant(model, joints, longest_delays_s(grown))
 
 
 def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:
@@ -226,11 +215,14 @@ def _longest_ms(spec: InfantSpec, signal: str) -> float:
     return max(entry.ms, entry.legs_ms or 0.0)
 
 
-def bisect(low: float, high: float, is_too_high: Callable[[float], bool]) -> None:
-    """Halve an interval again and again around the value from which on something is too high."""
-    for _ in range(BISECTIONS):
+def bisect(
+    low: float, high: float, place: Callable[[float], mujoco.MjData], is_too_high: Callable[[mujoco.MjData], bool]
+) -> mujoco.MjData:
+    """Return the posture of the value from which on something is too high, by halving an interval again and again."""
+    for _ in range(BISECTIONS - 1):
         middle = (low + high) / 2
-        low, high = (low, middle) if is_too_high(middle) else (middle, high)
+        low, high = (low, middle) if is_too_high(place(middle)) else (middle, high)
+    return place((low + high) / 2)
 
 
 def tilt_deg(data: mujoco.MjData, body: int) -> float:

@@ -1,7 +1,9 @@
 """Milestones of an infant beside those of real infants, and when these reach them."""
 
-from collections.abc import Mapping, Sequence
+import csv
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from mimoc.base.rounding import rounded
@@ -9,9 +11,10 @@ from mimoc.compiler.availability import check_available
 from mimoc.compiler.child import child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.render.plots.growth import AgeRow
+from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.studies.milestones.infant import Conditions
-from mimoc.studies.milestones.search import Progress, SearchResult, age_grid, search
+from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
@@ -19,8 +22,7 @@ Certainty = Literal["read", "from memory"]
 """Whether the figures were read in the source or its abstract, or are known from memory and not yet checked."""
 
 
-@dataclass(frozen=True, slots=True)
-class AgeRange:
+class AgeRange(Model):
     """Ages at which infants reach a milestone, in months."""
 
     youngest_months: float
@@ -31,47 +33,14 @@ class AgeRange:
     source: str
     certainty: Certainty
 
-    def contains(self, age_months: float) -> bool:
-        """Return whether an age lies in the window, ends included."""
-        return self.youngest_months <= age_months <= self.oldest_months
+
+def _windows() -> Iterator[tuple[str, AgeRange]]:
+    with Path(__file__).with_name("windows.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            yield row.pop("trial"), AgeRange.model_validate(row)
 
 
-WHO = "WHO Multicentre Growth Reference Study Group 2006, Acta Paediatr Suppl 450: 86-95"
-PERCENTILES = "1st to 99th percentile"
-
-WINDOWS: Mapping[str, AgeRange] = {
-    "prone_head": AgeRange(1.5, 3.0, 2.0, "usual ages", "Denver II (Frankenburg et al. 1992)", "from memory"),
-    "arm_out": AgeRange(3.5, 5.0, 4.0, "usual ages of first reaches", "Bhat & Galloway 2007; von Hofsten 1991", "read"),
-    "no_head_lag": AgeRange(
-        3.0,
-        6.0,
-        4.5,
-        "from partial lag at 3 to 90 % without lag",
-        "Gerber, Wilks & Erdie-Lalena 2010 (3 and 4-5 months: read); Denver II (90 % by 6)",
-        "from memory",
-    ),
-    "sit": AgeRange(3.8, 9.2, 5.9, PERCENTILES, f"{WHO}: sitting without support", "read"),
-    "hands_and_knees": AgeRange(
-        5.2,
-        13.5,
-        6.5,
-        f"{PERCENTILES} of crawling; median of keeping still",
-        f"{WHO}: hands-and-knees crawling (read); Alberta Infant Motor Scale (Piper & Darrah 1994): still at 6-7",
-        "from memory",
-    ),
-    "stand": AgeRange(6.9, 16.9, 10.8, PERCENTILES, f"{WHO}: standing alone", "read"),
-    "half_squat": AgeRange(
-        3.0,
-        7.0,
-        4.5,
-        "usual ages at which legs carry some weight",
-        "Denver test (Frankenburg & Dodds 1967)",
-        "from memory",
-    ),
-    "supine_head": AgeRange(4.0, 9.0, 6.0, "usual ages", "van Iersel & Hadders-Algra 2021", "read"),
-    "pull_to_stand": AgeRange(4.8, 11.4, 7.4, PERCENTILES, f"{WHO}: standing with assistance", "read"),
-    "roll_over": AgeRange(3.0, 6.0, 5.0, "usual ages", "Gerber, Wilks & Erdie-Lalena 2010", "read"),
-}
+WINDOWS: Mapping[str, AgeRange] = dict(_windows())
 """By name of the trial. WHO's medians are from memory, the other figures of WHO were read."""
 
 
@@ -97,9 +66,9 @@ class Milestone:
             return "no verdict"
         if age is None:
             return "not reached"
-        if self.window.contains(age):
-            return "inside"
-        return "too early" if age < self.window.youngest_months else "too late"
+        if age < self.window.youngest_months:
+            return "too early"
+        return "inside" if age <= self.window.oldest_months else "too late"
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data."""
@@ -109,7 +78,7 @@ class Milestone:
             "youngest_months": self.result.youngest_months,
             "at_birth": self.result.at_birth,
             "verdict": self.verdict,
-            "window": asdict(self.window) if self.window else None,
+            "window": self.window.model_dump() if self.window else None,
             "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in self.result.outcomes.items()],
         }
 
@@ -134,13 +103,7 @@ class MilestoneReport:
     def rows(self) -> list[AgeRow]:
         """The milestones as they are plotted."""
         return [
-            AgeRow(
-                item.trial.title,
-                {"mimoc, from this age on": item.result.youngest_months},
-                (item.window.youngest_months, item.window.median_months, item.window.oldest_months)
-                if item.window
-                else (),
-            )
+            AgeRow(item.trial.title, {"mimoc, from this age on": item.result.youngest_months}, _ages(item.window))
             for item in self.milestones
         ]
 
@@ -155,6 +118,10 @@ class MilestoneReport:
                 "milestones": [milestone.to_data() for milestone in self.milestones],
             }
         )
+
+
+def _ages(window: AgeRange | None) -> tuple[float, ...]:
+    return (window.youngest_months, window.median_months, window.oldest_months) if window else ()
 
 
 def validate_milestones(
@@ -188,11 +155,11 @@ def validate_milestones(
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     check_available(infant)
-    for age_months in ages or age_grid():  # Before minutes of trials.
+    for age_months in ages or AGES:  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))
     usual = conditions or Conditions()
-    results = search(infant, usual, names, ages or age_grid(), processes, progress)
+    results = search(infant, usual, names, ages or AGES, processes, progress)
     further = {trial.name for trial in FURTHER}
     return MilestoneReport(
         infant.development,

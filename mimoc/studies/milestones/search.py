@@ -3,13 +3,14 @@
 import hashlib
 import json
 import signal
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, as_completed, wait
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import version
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any, TypeVar
 
 from mimoc.bundle.files import make_folder, remove, write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
@@ -21,19 +22,18 @@ from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import TRIALS
 
-FINE_MONTHS, OLDEST_MONTHS = 0.5, 24.0
+AGES: Sequence[float] = [half / 2 for half in range(49)]
+"""Ages of the search, in months: every half month from birth to two years."""
 COARSE_STRIDE = 2
 """The search descends by every second age of the grid, and then looks at those in between."""
 
 Progress = Callable[[int, int], None]
 """Called with the number of ages done with and their total."""
-Trials = Callable[[str, float], Outcome]
-"""Returns the outcome of a trial, by name, at an age in months."""
-
-
-def age_grid(step_months: float = FINE_MONTHS) -> tuple[float, ...]:
-    """Return the ages of the search, from birth to two years."""
-    return tuple(step_months * index for index in range(round(OLDEST_MONTHS / step_months) + 1))
+Try = Callable[[float], Outcome]
+"""Returns the outcome of a trial at an age in months."""
+AttemptAt = Callable[[str, Conditions, str, float], Outcome]
+"""Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
@@ -51,28 +51,55 @@ class SearchResult:
         return 0.0 in self.outcomes and self.outcomes[0.0].success
 
 
-def search_downwards(ages: Sequence[float]) -> Generator[float, bool, float | None]:
-    """Yield ages to try, get whether each succeeded, and return the youngest age with success at all older ones.
+def search_downwards(ages: Sequence[float], run: Try) -> SearchResult:
+    """Return the youngest age with success at all older ones that were tried.
 
     It starts at the oldest and takes every second age until one fails, or the youngest succeeds; then it tries those
     between the last success and the first failure. The youngest age of all is tried in any case.
     """
+    outcomes: dict[float, Outcome] = {}
+
+    def succeeds(age: float) -> bool:
+        outcomes[age] = run(age)
+        return outcomes[age].success
+
     descending = sorted(ages, reverse=True)
-    coarse = [*descending[::COARSE_STRIDE], descending[-1]]
     youngest, failed = None, None
-    for age in dict.fromkeys(coarse):
-        if not (yield age):
+    for age in dict.fromkeys([*descending[::COARSE_STRIDE], descending[-1]]):
+        if not succeeds(age):
             failed = age
             break
         youngest = age
-    for age in descending:
-        if failed is not None and youngest is not None and failed < age < youngest:
-            if not (yield age):
+    if failed is not None and youngest is not None:
+        for age in descending[descending.index(youngest) + 1 : descending.index(failed)]:
+            if not succeeds(age):
                 break
             youngest = age
-    if failed is not None and failed != descending[-1]:
-        yield descending[-1]
-    return youngest
+    if descending[-1] not in outcomes:
+        succeeds(descending[-1])
+    return SearchResult(youngest, dict(sorted(outcomes.items())))
+
+
+def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
+    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
+
+    Args:
+        ages: Ages to try, the youngest first.
+        near_months: The one to begin with.
+        run: Returns the outcome at an age.
+    """
+    at = ages.index(near_months)
+    outcomes = {near_months: run(near_months)}
+    if outcomes[near_months].success:
+        others, wanted = reversed(ages[:at]), False
+    else:
+        others, wanted = iter(ages[at + 1 :]), True
+    for age in others:
+        outcomes[age] = run(age)
+        if outcomes[age].success is wanted:
+            break
+    succeeded = [age for age, outcome in outcomes.items() if outcome.success]
+    return SearchResult(min(succeeded, default=None), dict(sorted(outcomes.items())))
 
 
 def search(
@@ -91,100 +118,49 @@ def search(
         names: The trials.
         ages: Ages to try, in months.
         processes: Number of processes; with 1, everything runs in this one.
-        progress: Called after each attempt.
+        progress: Called after each search.
+    """
+    written = spec.model_dump_json()
+
+    def find(name: str, attempt: AttemptAt) -> SearchResult:
+        return search_downwards(ages, partial(attempt, written, conditions, name))
+
+    results: dict[str, SearchResult] = {}
+    for name, result in _searched(processes, find, names):
+        results[name] = result
+        if progress:
+            progress(len(results) * len(ages), len(names) * len(ages))
+    return {name: results[name] for name in names}
+
+
+def _searched(
+    processes: int, find: Callable[[Item, AttemptAt], SearchResult], items: Sequence[Item]
+) -> Iterator[tuple[Item, SearchResult]]:
+    """Yield items with the results of their searches, in the order in which they come.
+
+    With one process, everything runs in this one. Otherwise all searches wait side by side for their attempts, which
+    run in processes that leave Ctrl-C to this one.
     """
     if processes == 1:
-        return _searches(names, ages, progress, lambda name, age: _try_at(spec, conditions, name, age))
-    with worker_pool(processes) as pool:
+        for item in items:
+            yield item, find(item, _try_at)
+        return
+    pool = ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+
+    def attempt(*arguments: Any) -> Outcome:
+        return pool.submit(_try_at, *arguments).result()
+
+    with ThreadPoolExecutor(len(items) or 1) as threads:
         try:
-            return _parallel(pool, spec, conditions, names, ages, progress)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+            running = {threads.submit(find, item, attempt): item for item in items}
+            for future in as_completed(running):
+                yield running[future], future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
-def worker_pool(processes: int) -> ProcessPoolExecutor:
-    """Return processes that leave Ctrl-C to their parent."""
-    return ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
-
-
-def _searches(
-    names: Sequence[str], ages: Sequence[float], progress: Progress | None, run: Trials
-) -> Mapping[str, SearchResult]:
-    results: dict[str, SearchResult] = {}
-    for done, name in enumerate(names, start=1):
-        one = _Search(ages)
-        while one.next_age is not None:
-            one.record(run(name, one.next_age))
-        results[name] = one.result
-        if progress:
-            progress(done * len(ages), len(names) * len(ages))
-    return results
-
-
-def _parallel(
-    pool: ProcessPoolExecutor,
-    spec: InfantSpec,
-    conditions: Conditions,
-    names: Sequence[str],
-    ages: Sequence[float],
-    progress: Progress | None,
-) -> Mapping[str, SearchResult]:
-    """Run the searches of all trials side by side; each waits for its own last attempt."""
-    searches = {name: _Search(ages) for name in names}
-    waiting: dict[Future[Outcome], str] = {}
-
-    def submit(name: str) -> None:
-        age = searches[name].next_age
-        if age is not None:
-            waiting[pool.submit(_try_at, spec, conditions, name, age)] = name
-
-    for name in names:
-        submit(name)
-    while waiting:
-        for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-            name = waiting.pop(future)
-            searches[name].record(future.result())
-            submit(name)
-        if progress:
-            progress(sum(one.settled for one in searches.values()), len(names) * len(ages))
-    return {name: one.result for name, one in searches.items()}
-
-
-class _Search:
-    """A running search for one trial."""
-
-    def __init__(self, ages: Sequence[float]):
-        self._ages = ages
-        self._steps = search_downwards(ages)
-        self._outcomes: dict[float, Outcome] = {}
-        self._youngest: float | None = None
-        self.next_age: float | None = next(self._steps)
-
-    def record(self, outcome: Outcome) -> None:
-        """Take the outcome at the next age, and find the one after that."""
-        if self.next_age is None:
-            raise ValueError("this search is over")
-        self._outcomes[self.next_age] = outcome
-        try:
-            self.next_age = self._steps.send(outcome.success)
-        except StopIteration as end:
-            self.next_age, self._youngest = None, end.value
-
-    @property
-    def settled(self) -> int:
-        """How many ages there is nothing more to find out about."""
-        if self.next_age is None:
-            return len(self._ages)
-        return sum(age > min(self._outcomes, default=self._ages[-1]) for age in self._ages)
-
-    @property
-    def result(self) -> SearchResult:
-        return SearchResult(self._youngest, dict(sorted(self._outcomes.items())))
-
-
-def _try_at(spec: InfantSpec, conditions: Conditions, name: str, age_months: float) -> Outcome:
-    return try_out(TRIALS[name], _infant_at(spec.model_dump_json(), age_months, conditions), conditions)
+def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
+    return try_out(TRIALS[name], _infant_at(spec, age_months, conditions), conditions)
 
 
 @lru_cache(maxsize=64)
@@ -224,8 +200,11 @@ def run_searches(
     Raises:
         OutputError: If a result cannot be written.
     """
-    results: dict[Case, SearchResult] = {}
-    for case, result in _all(cases, folder, processes):
+    results = {case: result for case in cases if (result := _read(folder, case)) is not None}
+    for _ in results:
+        finished()
+    for case, result in _searched(processes, _search, [case for case in cases if case not in results]):
+        _write(folder, case, result)
         results[case] = result
         finished()
     return {case: results[case] for case in cases}
@@ -236,65 +215,12 @@ def forget_searches(folder: Path) -> None:
     remove(folder / FOLDER)
 
 
-def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[Case, SearchResult]]:
-    missing = []
-    for case in cases:
-        if (kept := _read(folder, case)) is not None:
-            yield case, kept
-        else:
-            missing.append(case)
-    for case, result in _searched(missing, processes):
-        _write(folder, case, result)
-        yield case, result
-
-
-def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[Case, SearchResult]]:
-    """Yield the results, in the order in which they come."""
-    if processes == 1:
-        for case in cases:
-            yield case, _search(case)
-        return
-    with worker_pool(processes) as pool:
-        try:
-            running = {pool.submit(_search, case): case for case in cases}
-            for future in as_completed(running):
-                yield running[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _search(case: Case) -> SearchResult:
-    spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development)
-
-    def find(ages: Sequence[float]) -> SearchResult:
-        return search(spec, case.conditions, [case.trial], ages)[case.trial]
-
+def _search(case: Case, attempt: AttemptAt) -> SearchResult:
+    spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development).model_dump_json()
+    run = partial(attempt, spec, case.conditions, case.trial)
     if case.near_months is None:
-        return find(case.ages)
-    return walk(case.ages, case.near_months, lambda age: find([age]).outcomes[age])
-
-
-def walk(ages: Sequence[float], near_months: float, run: Callable[[float], Outcome]) -> SearchResult:
-    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
-
-    Args:
-        ages: Ages to try, the youngest first.
-        near_months: The one to begin with.
-        run: Returns the outcome at an age.
-    """
-    at = ages.index(near_months)
-    outcomes = {near_months: run(near_months)}
-    if outcomes[near_months].success:
-        others, wanted = reversed(ages[:at]), False
-    else:
-        others, wanted = iter(ages[at + 1 :]), True
-    for age in others:
-        outcomes[age] = run(age)
-        if outcomes[age].success is wanted:
-            break
-    succeeded = [age for age, outcome in outcomes.items() if outcome.success]
-    return SearchResult(min(succeeded, default=None), dict(sorted(outcomes.items())))
+        return search_downwards(case.ages, run)
+    return walk(case.ages, case.near_months, run)
 
 
 def _file(folder: Path, case: Case) -> Path:

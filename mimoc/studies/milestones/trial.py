@@ -8,14 +8,15 @@ announces: the infant learns of them after the delay of its senses.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 
+from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.controller import Controller, servo
-from mimoc.studies.milestones.infant import Conditions, FloatArray, TrialInfant
+from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
 INTERVAL_S = 0.005
 """How often a prediction is made and a new command sent; at 20 ms the same infants fall a few months longer."""
@@ -67,7 +68,7 @@ Target = Callable[[mujoco.MjData, float], FloatArray]
 """Returns the angles that the driven hinges go to, shape (n,), in a state and after a time in [s]."""
 Apparatus = Callable[[mujoco.MjData, float], None]
 """Moves what an apparatus moves, after a time in [s]."""
-Watch = Callable[[mujoco.MjModel, mujoco.MjData], None]
+Watch = Callable[[mujoco.MjData], None]
 """Sees the state after every physics step, for pictures and measurements."""
 
 
@@ -95,12 +96,14 @@ class Attempt:
 
     infant: TrialInfant
     """The infant, with what an apparatus holds of it fixed."""
-    start: FloatArray
-    """`qpos` at the start."""
-    target: Target
+    start: mujoco.MjData
     seconds: float
     check: Check
     checked_from_s: float = 0.0
+    goal_deg: Mapping[str, float] = field(default_factory=dict)
+    """Joints that leave the posture of the start, which all others keep, and where they go to."""
+    target: Target | None = None
+    """Where the driven hinges go to, if that depends on state or time."""
     pushes: Sequence[Push] = ()
     apparatus: Apparatus | None = None
     strategy: str = ""
@@ -127,20 +130,15 @@ class Trial:
     title: str
     attempts: Callable[[TrialInfant], Iterable[Attempt]] = field(repr=False)
     """The ways to try it, which an infant tries in turn until one succeeds."""
+    needs: tuple[str, ...] = ()
+    """The bodies without which it cannot be tried."""
 
 
-def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, watch: Watch | None = None) -> Outcome:
-    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
-
-    Args:
-        trial: What to try.
-        infant: Who tries it.
-        conditions: Under which conditions.
-        watch: Called after every physics step of every attempt.
-    """
+def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions) -> Outcome:
+    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest."""
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
-    for attempt in trial.attempts(infant):
-        outcome = simulate(attempt, conditions, watch)
+    for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
+        outcome = simulate(attempt, conditions)
         if outcome.success:
             return outcome
         best = max(best, outcome, key=lambda tried: tried.seconds)
@@ -150,7 +148,7 @@ def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, watch: Wa
 def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = None) -> Outcome:
     """Return the outcome of an attempt."""
     model, data = attempt.infant.model, mujoco.MjData(attempt.infant.model)
-    data.qpos[:] = attempt.start
+    data.qpos[:] = attempt.start.qpos
     mujoco.mj_forward(model, data)
     controls = _controls(attempt, conditions, data)
     step_s, chest = model.opt.timestep, attempt.infant.pushed
@@ -163,7 +161,7 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
         data.ctrl[:] = controls(step)
         mujoco.mj_step(model, data)
         if watch:
-            watch(model, data)
+            watch(data)
         checked = step % checked_every == 0 and time_s >= attempt.checked_from_s
         if checked and (reason := attempt.check(data)):
             return Outcome(False, time_s, reason, attempt.strategy)
@@ -172,14 +170,15 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
 
 def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> Callable[[int], FloatArray]:
     """Return the function from a physics step to the controls that arrive in it, shape (nu,)."""
-    infant = attempt.infant
+    infant, angles = attempt.infant, attempt.infant.turned(attempt.start, attempt.goal_deg)
+    target = attempt.target or (lambda data, time_s: angles)
     gains, step_s = servo(infant, data, conditions.servo), infant.model.opt.timestep
     if not conditions.delays:
         control = Controller(infant, gains, step_s)
-        return lambda step: control(data, attempt.target(data, step * step_s))
+        return lambda step: control(data, target(data, step * step_s))
     every = max(round(INTERVAL_S / step_s), 1)
     control = Controller(infant, gains, every * step_s)
-    sent = control(data, attempt.target(data, 0.0))
+    sent = control(data, target(data, 0.0))
     predictor = Predictor(infant.model, infant.delays_s, sent)
 
     def delayed(step: int) -> FloatArray:
@@ -187,7 +186,7 @@ def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> 
         predictor.sense(data)
         if step % every == 0:
             ahead = predictor.predict()
-            sent = control(ahead, attempt.target(ahead, step * step_s))
+            sent = control(ahead, target(ahead, step * step_s))
         return predictor.send(sent)
 
     return delayed
@@ -198,8 +197,3 @@ def _push_n(attempt: Attempt, conditions: Conditions, time_s: float) -> FloatArr
     now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
     size_n = conditions.push * attempt.infant.weight_n
     return size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)
-
-
-def steady(angles_rad: FloatArray) -> Target:
-    """Return the target that keeps to the same angles."""
-    return lambda data, time_s: angles_rad

@@ -62,7 +62,7 @@ def test_a_walk_that_never_succeeds_finds_nothing():
 def test_finished_searches_outlive_an_interruption(tmp_path, monkeypatch):
     searched = []
 
-    def search(case: Case):
+    def search(case: Case, attempt):
         searched.append(case.trial)
         if searched == ["sit", "stand"]:
             raise KeyboardInterrupt
@@ -81,7 +81,9 @@ def test_finished_searches_outlive_an_interruption(tmp_path, monkeypatch):
 
 
 def test_a_damaged_search_is_done_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(milestone_searches, "_search", lambda case: walk(GRID, 4.0, lambda age: Outcome(age >= 2, 1.0)))
+    monkeypatch.setattr(
+        milestone_searches, "_search", lambda case, _: walk(GRID, 4.0, lambda age: Outcome(age >= 2, 1.0))
+    )
     first = run_searches([CASES[0]], tmp_path, 1, lambda: None)
     (file,) = tmp_path.rglob("*.json")
     for content in ("{", '{"youngest_months": "two", "tried": []}', '{"youngest_months": 1e999, "tried": []}'):
@@ -94,7 +96,7 @@ def test_searches_under_other_conditions_are_kept_apart(tmp_path, monkeypatch):
     monkeypatch.setattr(
         milestone_searches,
         "_search",
-        lambda case: walk(GRID, 4.0, lambda age: Outcome(age >= (6 if case.near_months else 2), 1.0)),
+        lambda case, _: walk(GRID, 4.0, lambda age: Outcome(age >= (6 if case.near_months else 2), 1.0)),
     )
     run_searches([CASES[0]], tmp_path, 1, lambda: None)
     found = run_searches([CASES[0], slower], tmp_path, 1, lambda: None)

@@ -17,13 +17,14 @@ from mimoc.studies.experiments.delays import reaching
 from mimoc.studies.experiments.effort import lying
 from mimoc.studies.experiments.inverse import sitting
 
+TRAIN = "mimoc.studies.experiments.learner.train"
 SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
 SMALL = {
     "growth": {"QUICK_MONTHS": (0, 6, 18)},
     "strength": {"PAPER_MONTHS": (3, 18)},
     "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
     "delays": {
-        "train": SHORT_ROUNDS,
+        TRAIN: SHORT_ROUNDS,
         "QUICK_STEPS": 1024,
         "QUICK_SEEDS": (1,),
         "DELAYS_MS": (0, 50),
@@ -43,7 +44,7 @@ SMALL = {
         "VARIED_NAMES": ("no_head_lag",),
     },
     "growing": {
-        "train": partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
+        TRAIN: partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
         "AGES_MONTHS": (6, 6.5),
         "EPISODE_STEPS": 20,
         "QUICK_STEPS": 512,
@@ -66,7 +67,7 @@ def made(request, tmp_path_factory):
     folders = [tmp_path_factory.mktemp(name), tmp_path_factory.mktemp(name)]
     with pytest.MonkeyPatch.context() as patch:
         for constant, value in SMALL[name].items():
-            patch.setattr(import_module(EXPERIMENTS[name]), constant, value)
+            patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
         run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
         run_experiment(name, folders[1], quick=True)
     return name, folders, told

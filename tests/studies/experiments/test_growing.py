@@ -4,19 +4,21 @@ from collections import Counter
 
 import pytest
 
-from mimoc.studies.experiments.growing import AGES_MONTHS, QUICK_STEPS, STEPS, reaching, schedule_of, sections
-from mimoc.studies.experiments.learner import GrowingLearner, by_schedule
+from mimoc.studies.experiments.growing import AGES_MONTHS, QUICK_STEPS, STEPS, comparison, reaching, schedule_of
+from mimoc.studies.experiments.learner import Learner, by_group
+from mimoc.studies.experiments.notebook import page_text
 from mimoc.training import Curve, Episode, Training
 
 NUMBERS = {"steps": 1000, "seeds": 3, "balls": 2, "check_balls": 1}
+NUMBERS |= dict.fromkeys(("reproduction", "training_seeds", "first_ball"), "")
 
 
-def learner(schedule: str, seed: int, time_s: float, early_s: float, tmp_path) -> GrowingLearner:
+def learner(schedule: str, seed: int, time_s: float, early_s: float, tmp_path) -> Learner:
     """Return an infant that takes so long to touch each ball, and so long at its first checkpoint."""
     reaches = [Episode(ball, 10, time_s, 90.0, True, None) for ball in range(2)]
     early = [Episode(0, 10, early_s, 10.0, False, None)]
     checks = {500: early, 1000: reaches[:1]}
-    return GrowingLearner(schedule, seed, Training(Curve(), tmp_path, 0), reaches, checks)
+    return Learner(schedule, seed, Training(Curve(), tmp_path, 0), reaches, checks)
 
 
 @pytest.fixture
@@ -28,7 +30,7 @@ def page(tmp_path):
             learner(name, seed, *each, tmp_path) for name, times in times_s.items() for seed, each in enumerate(times)
         ]
         untrained = [Episode(0, 100, 3.0, 5.0, True, None), Episode(1, 1000, 10.0, -5.0, False, None)]
-        return "\n\n".join(sections(by_schedule(learners), untrained, (6, 12), **NUMBERS))
+        return page_text("growing", **comparison(by_group(learners), untrained, (6, 12)), **NUMBERS)
 
     return write
 

@@ -6,6 +6,9 @@ import pytest
 from mimoc.base.errors import OutputError
 from mimoc.studies.experiments.notebook import markdown_table, open_notebook
 
+NUMBERS = {"count": 3, "holds": "The same holds", "farthest": "weight at birth", "table": ""}
+"""What the page on growth is told."""
+
 
 @pytest.fixture
 def notebook(tmp_path):
@@ -18,34 +21,35 @@ def test_its_folder_is_made(notebook, tmp_path):
 
 
 def test_a_table_reads_back_as_it_was_written(notebook):
-    notebook.write_table("some.csv", ("name", "size_m"), [("a, b", 0.125), ("c", 1)])
+    notebook.write_table("some.csv", "name,size_m", [("a, b", 0.125), ("c", 1)])
     with (notebook.folder / "some.csv").open(newline="") as file:
         assert list(csv.DictReader(file)) == [{"name": "a, b", "size_m": "0.125"}, {"name": "c", "size_m": "1"}]
 
 
 def test_nothing_to_say_is_an_empty_cell(notebook):
-    notebook.write_table("some.csv", ("a", "b", "c"), [(None, math.nan, 0.0)])
+    notebook.write_table("some.csv", "a,b,c", [(None, math.nan, 0.0)])
     assert (notebook.folder / "some.csv").read_bytes() == b"a,b,c\n,,0\n"
 
 
 def test_the_page_ends_with_how_it_was_made(notebook):
-    page = notebook.write_page("Growth", ["Nothing."], seeds="No seeds.", libraries=["scipy"]).read_text()
-    assert page.startswith("# Growth\n\nNothing.\n\n## Reproduction\n\n    mimoc experiment growth -o down --quick\n\n")
+    page = notebook.write_page("scipy", **NUMBERS).read_text()
+    assert page.startswith("# Growth\n\nThe average child is compiled at 3 ages")
+    assert "\n\n## Reproduction\n\n    mimoc experiment growth -o down --quick\n\n" in page
     assert all(f"{library} " in page for library in ("mimoc", "mujoco", "numpy", "scipy", "Python"))
-    assert page.endswith("No seeds.\n")
+    assert " ".join(page.split()).endswith("Nothing is random.")
     assert str(notebook.folder.parent) not in page
 
 
 def test_text_is_wrapped_and_tables_are_not(notebook):
     table = markdown_table(("a", "b"), [("long " * 40, "1")])
-    page = notebook.write_page("Growth", ["many words " * 40 + "\n\n" + table], seeds="None.").read_text()
+    page = notebook.write_page(**{**NUMBERS, "farthest": "many words " * 40, "table": table}).read_text()
     assert table in page
     assert max(len(line) for line in page.splitlines() if not line.startswith("|")) <= 120
 
 
 def test_what_is_there_already_stays(notebook):
     (notebook.folder / "mine.txt").write_text("mine")
-    open_notebook("growth", notebook.folder, quick=False).write_table("some.csv", ("a",), [])
+    open_notebook("growth", notebook.folder, quick=False).write_table("some.csv", "a", [])
     assert sorted(path.name for path in notebook.folder.iterdir()) == ["mine.txt", "some.csv"]
 
 

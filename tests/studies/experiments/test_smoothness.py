@@ -1,18 +1,14 @@
 """Smooth movements are told from jerky ones, whatever their size and duration."""
 
+from operator import attrgetter
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.studies.experiments.sensed_reaching import (
-    UNIT_M_S,
-    log_dimensionless_jerk,
-    movement_units,
-    path_ratio,
-    spectral_arc_length,
-)
+from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement
 
-MEASURES = (log_dimensionless_jerk, spectral_arc_length)
+MEASURES = (attrgetter("jerk"), attrgetter("arc_length"))
 
 
 def minimum_jerk(distance_m: float = 0.2, duration_s: float = 1.0, steps: int = 400) -> np.ndarray:
@@ -23,24 +19,26 @@ def minimum_jerk(distance_m: float = 0.2, duration_s: float = 1.0, steps: int = 
 
 
 def test_a_movement_of_minimum_jerk_has_the_known_value():
-    assert log_dimensionless_jerk(minimum_jerk(), 1 / 400) == pytest.approx(-np.log(720 / 1.875**2), abs=0.03)
+    assert Movement(minimum_jerk(), 1 / 400).jerk == pytest.approx(-np.log(720 / 1.875**2), abs=0.03)
 
 
 def test_the_spectrum_of_a_bell_is_nearly_as_short_as_can_be():
     """SPARC of a movement of minimum jerk is about -1.4 (Balasubramanian et al. 2015)."""
-    assert spectral_arc_length(minimum_jerk(steps=100), 0.01) == pytest.approx(-1.4, abs=0.1)
+    assert Movement(minimum_jerk(steps=100), 0.01).arc_length == pytest.approx(-1.4, abs=0.1)
 
 
 @pytest.mark.parametrize("measure", MEASURES)
 @given(distance_m=st.floats(0.01, 2))
 def test_size_makes_no_difference(measure, distance_m):
-    assert measure(minimum_jerk(distance_m), 0.01) == pytest.approx(measure(minimum_jerk(), 0.01), abs=1e-6)
+    assert measure(Movement(minimum_jerk(distance_m), 0.01)) == pytest.approx(
+        measure(Movement(minimum_jerk(), 0.01)), abs=1e-6
+    )
 
 
 @given(duration_s=st.floats(0.2, 5))
 def test_duration_makes_no_difference_to_jerk(duration_s):
-    slow = log_dimensionless_jerk(minimum_jerk(), duration_s / 400)
-    assert slow == pytest.approx(log_dimensionless_jerk(minimum_jerk(), 1 / 400), abs=1e-6)
+    slow = Movement(minimum_jerk(), duration_s / 400).jerk
+    assert slow == pytest.approx(Movement(minimum_jerk(), 1 / 400).jerk, abs=1e-6)
 
 
 @pytest.mark.parametrize("measure", MEASURES)
@@ -48,13 +46,13 @@ def test_duration_makes_no_difference_to_jerk(duration_s):
 def test_a_tremor_is_less_smooth(measure, tremor_m, tremors_hz):
     smooth = minimum_jerk(steps=100)
     shaking = smooth + tremor_m * np.sin(2 * np.pi * tremors_hz * np.arange(101) / 100)[:, None]
-    assert measure(shaking, 0.01) < measure(smooth, 0.01)
+    assert measure(Movement(shaking, 0.01)) < measure(Movement(smooth, 0.01))
 
 
 @pytest.mark.parametrize("measure", MEASURES)
 def test_what_does_not_move_has_no_smoothness(measure):
-    assert np.isnan(measure(np.ones((50, 3)), 0.01))
-    assert np.isnan(measure(minimum_jerk()[:3], 0.01))
+    assert np.isnan(measure(Movement(np.ones((50, 3)), 0.01)))
+    assert np.isnan(measure(Movement(minimum_jerk()[:3], 0.01)))
 
 
 def in_a_row(paths: list[np.ndarray]) -> np.ndarray:
@@ -66,18 +64,18 @@ def in_a_row(paths: list[np.ndarray]) -> np.ndarray:
 @given(st.lists(st.floats(0.05, 0.3), min_size=1, max_size=6))
 def test_every_movement_that_starts_and_stops_is_a_unit(distances_m):
     path = in_a_row([minimum_jerk(distance_m, steps=40) for distance_m in distances_m])
-    assert movement_units(path, 0.01) == len(distances_m)
+    assert Movement(path, 0.01).units == len(distances_m)
 
 
 def test_a_movement_that_is_cut_off_at_its_target_is_still_a_unit():
-    assert movement_units(minimum_jerk(steps=40)[:25], 0.01) == 1
+    assert Movement(minimum_jerk(steps=40)[:25], 0.01).units == 1
 
 
 @given(st.floats(0.0, 0.9 * UNIT_M_S), st.floats(1, 6))
 def test_ripples_of_less_than_the_least_change_of_speed_are_not_counted(height_m_s, cycles):
     speeds = 0.3 + height_m_s / 2 * np.sin(2 * np.pi * cycles * np.linspace(0, 1, 200))
     path = np.cumsum(speeds * 0.01)[:, None] * np.array([1.0, 0.0, 0.0])
-    assert movement_units(path, 0.01) == 1
+    assert Movement(path, 0.01).units == 1
 
 
 @given(st.floats(0, np.pi))
@@ -86,4 +84,4 @@ def test_the_path_ratio_of_an_arc_is_its_length_by_its_chord(half_rad):
     arc = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     half = angles[-1]
     if half > 0.01:
-        assert path_ratio(arc) == pytest.approx(half / np.sin(half), rel=1e-3)
+        assert Movement(arc, 0.01).path_ratio == pytest.approx(half / np.sin(half), rel=1e-3)

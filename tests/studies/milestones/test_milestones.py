@@ -79,8 +79,7 @@ def test_an_infant_without_the_part_does_not_succeed():
 def test_wanted_torques_arrive_at_the_joints_in_every_actuation_model(model):
     """An elbow keeps its angle while the infant falls freely."""
     body = compile_at(CHILD.with_(actuation={"model": model}), 12.0, USUAL)
-    data = mujoco.MjData(body.model)
-    body.place(data, 0.0, {"{side}_elbow": -40.0}, above_m=1.0)
+    data = body.placed(0.0, {"{side}_elbow": -40.0}, above_m=1.0)
     control = Controller(body, servo(body, data), body.model.opt.timestep)
     target = data.qpos[body.angles].copy()
     for _ in range(60):
@@ -98,8 +97,7 @@ def test_every_milestone_has_a_window_of_real_infants():
 def slack(age_months, pitch_deg, angles_deg, seconds, above_m=0.0):
     """Return the state of an infant some time after it was left without commands."""
     body = infant(age_months)
-    data = mujoco.MjData(body.model)
-    body.place(data, pitch_deg, angles_deg, above_m)
+    data = body.placed(pitch_deg, angles_deg, above_m)
     for _ in range(round(seconds / body.model.opt.timestep)):
         mujoco.mj_step(body.model, data)
     return body, data
@@ -117,8 +115,7 @@ def test_an_unsupported_head_falls(age_months):
     """The trunk is held at 45 degrees, leaning back; the head has no muscles working."""
     body = infant(age_months)
     held = body.fixed(body.trunk_dofs())
-    data = mujoco.MjData(held.model)
-    held.place(data, -45.0, {}, above_m=0.2)
+    data = held.placed(-45.0, {}, above_m=0.2)
     for _ in range(400):
         mujoco.mj_step(held.model, data)
     assert np.degrees(data.joint("robot:head_tilt").qpos[0]) < -30

@@ -4,32 +4,26 @@ from itertools import pairwise
 
 from hypothesis import given, strategies as st
 
-from mimoc.studies.milestones.search import age_grid, search_downwards
+from mimoc.studies.milestones.search import AGES, search_downwards
+from mimoc.studies.milestones.trial import Outcome
 
 
 def searched(ages, succeeds):
     """Return the youngest age that a search finds, and the ages that it tried."""
-    steps, tried = search_downwards(ages), []
-    age = next(steps)
-    try:
-        while True:
-            tried.append(age)
-            age = steps.send(succeeds(age))
-    except StopIteration as end:
-        return end.value, tried
+    found = search_downwards(ages, lambda age: Outcome(succeeds(age), 1.0))
+    return found.youngest_months, list(found.outcomes)
 
 
 @given(st.integers(0, 49))
 def test_an_infant_that_learns_once_is_found_to_the_half_month(first):
-    ages = age_grid()
-    youngest, tried = searched(ages, lambda age: age >= 0.5 * first)
-    assert youngest == (ages[first] if first < len(ages) else None)
+    youngest, tried = searched(AGES, lambda age: age >= 0.5 * first)
+    assert youngest == (AGES[first] if first < len(AGES) else None)
     assert 0.0 in tried
 
 
-@given(st.sets(st.sampled_from(age_grid())))
+@given(st.sets(st.sampled_from(AGES)))
 def test_all_older_ages_that_were_tried_succeeded_and_none_is_left_out_for_more_than_a_month(failing):
-    youngest, tried = searched(age_grid(), lambda age: age not in failing)
+    youngest, tried = searched(AGES, lambda age: age not in failing)
     if youngest is not None:
         older = sorted(age for age in tried if age >= youngest)
         assert not failing & set(older)
@@ -37,5 +31,5 @@ def test_all_older_ages_that_were_tried_succeeded_and_none_is_left_out_for_more_
 
 
 def test_the_grid_has_every_half_month_of_two_years():
-    assert age_grid()[:3] == (0.0, 0.5, 1.0)
-    assert len(age_grid()) == 49
+    assert AGES[:3] == [0.0, 0.5, 1.0]
+    assert len(AGES) == 49

@@ -1,12 +1,14 @@
 """Limbs that carry or lift: keeping on hands and knees, rocking there, an arm held out, both legs lifted."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant, bisect, rise_deg
-from mimoc.studies.milestones.trial import Attempt, Trial, steady
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, rise_deg
+from mimoc.studies.milestones.trial import Attempt, Trial
 
 HELD_S = 10.0
 SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
@@ -20,45 +22,29 @@ ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
 
 
 def _still(infant: TrialInfant) -> Iterator[Attempt]:
-    yield from _attempts(infant, lambda start: steady(start))
+    forbidden = infant.parts_without(SUPPORTS)
+    for elbow_deg in ELBOWS_DEG:
+        for thigh_deg in THIGHS_DEG:
+            yield Attempt(
+                infant,
+                kneel(infant, elbow_deg, thigh_deg),
+                HELD_S,
+                lambda data: infant.touching(data, forbidden),
+                strategy=f"elbows {elbow_deg:g}°, thighs slanted by {thigh_deg:g}°",
+            )
 
 
 def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to swing forward and back over the hands, by hips and shoulders against each other."""
-    names = infant.joint_names
-    sway = np.zeros(len(names))
-    for side in SIDES:
-        if f"{side}_hip1" in names and f"{side}_shoulder_ad_ab" in names:
-            sway[names.index(f"{side}_hip1")] = sway[names.index(f"{side}_shoulder_ad_ab")] = np.radians(ROCKING_DEG)
+    swaying = [f"{side}_{joint}" for side in SIDES for joint in ("hip1", "shoulder_ad_ab")]
+    sway = np.isin(infant.joint_names, swaying) * np.radians(ROCKING_DEG)
+    for attempt in _still(infant):
+        still = attempt.start.qpos[infant.angles]
 
-    def rock(start: FloatArray) -> Callable[[mujoco.MjData, float], FloatArray]:
-        return lambda data, time_s: start + np.sin(2 * np.pi * ROCKING_HZ * time_s) * sway
+        def rock(data: mujoco.MjData, time_s: float, still: FloatArray = still) -> FloatArray:
+            return still + np.sin(2 * np.pi * ROCKING_HZ * time_s) * sway
 
-    yield from _attempts(infant, rock)
-
-
-def _attempts(
-    infant: TrialInfant, target: Callable[[FloatArray], Callable[[mujoco.MjData, float], FloatArray]]
-) -> Iterator[Attempt]:
-    if not infant.has(*SUPPORTS):
-        return
-    forbidden = infant.parts_without(SUPPORTS)
-    for elbow_deg in ELBOWS_DEG:
-        for thigh_deg in THIGHS_DEG:
-            data = kneel(infant, elbow_deg, thigh_deg)
-
-            def check(data: mujoco.MjData) -> str:
-                part = infant.touching(data, forbidden)
-                return f"{part} touches the floor" if part else ""
-
-            yield Attempt(
-                infant,
-                data.qpos.copy(),
-                target(data.qpos[infant.angles]),
-                HELD_S,
-                check,
-                strategy=f"elbows {elbow_deg:g}°, thighs slanted by {thigh_deg:g}°",
-            )
+        yield replace(attempt, target=rock)
 
 
 def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjData:
@@ -66,14 +52,12 @@ def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjD
 
     The pitch of the trunk that brings hands and knees to the floor together is found by bisection.
     """
-    data = mujoco.MjData(infant.model)
-
-    def are_hands_down(pitch_deg: float) -> bool:
-        infant.place(data, pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg))
-        return infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg")
-
-    bisect(50.0, 110.0, are_hands_down)
-    return data
+    return bisect(
+        50.0,
+        110.0,
+        lambda pitch_deg: infant.placed(pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg)),
+        lambda data: infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg"),
+    )
 
 
 def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Mapping[str, float]:
@@ -89,8 +73,8 @@ def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Ma
     }
 
 
-HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still)
-ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking)
+HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still, SUPPORTS)
+ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking, SUPPORTS)
 
 
 ARM_S, ARM_HELD_S = 6.0, 3.0
@@ -101,6 +85,7 @@ LIFTING_S, RAISED_S = 3.0, 1.0
 RAISED_DEG = 60.0
 """How far the thighs have to point up from level."""
 HIPS_DEG = -80.0
+LOWER_LEGS = ("left_lower_leg", "right_lower_leg")
 
 
 def _arm_out(infant: TrialInfant) -> Iterator[Attempt]:
@@ -112,31 +97,25 @@ def _arm_out(infant: TrialInfant) -> Iterator[Attempt]:
 
 def _attempt(infant: TrialInfant, side: str) -> Attempt:
     shoulder, hand = (infant.model.body(f"{side}_{part}").id for part in ("upper_arm", "hand"))
-    data = mujoco.MjData(infant.model)
-    infant.place(data, 0.0, {"{side}_hip1": -60.0, "{side}_knee": -60.0, "{side}_elbow": -20.0}, CLEARANCE_M)
-    stretched_deg = {"shoulder_horizontal": 85.0, "shoulder_ad_ab": 85.0, "elbow": 0.0}
-    target = infant.turned(data, {f"{side}_{name}": angle_deg for name, angle_deg in stretched_deg.items()})
+    start = infant.placed(0.0, {"{side}_hip1": -60.0, "{side}_knee": -60.0, "{side}_elbow": -20.0}, CLEARANCE_M)
+    goal_deg = {f"{side}_shoulder_horizontal": 85.0, f"{side}_shoulder_ad_ab": 85.0, f"{side}_elbow": 0.0}
 
     def check(data: mujoco.MjData) -> str:
         return "" if rise_deg(data, shoulder, hand) >= LOWEST_DEG else "arm too low"
 
-    return Attempt(infant, data.qpos.copy(), steady(target), ARM_S, check, ARM_S - ARM_HELD_S, strategy=f"{side} arm")
+    return Attempt(infant, start, ARM_S, check, ARM_S - ARM_HELD_S, goal_deg, strategy=f"{side} arm")
 
 
 def _lifting(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield one attempt, with hips and knees as straight at the start as they go."""
-    if not infant.has("left_lower_leg", "right_lower_leg"):
-        return
     legs = [(infant.model.body(f"{side}_upper_leg").id, infant.model.body(f"{side}_lower_leg").id) for side in SIDES]
-    data = mujoco.MjData(infant.model)
-    infant.place(data, -90.0, {"{side}_hip1": 0.0, "{side}_knee": 0.0})
+    start = infant.placed(-90.0, {"{side}_hip1": 0.0, "{side}_knee": 0.0})
 
     def check(data: mujoco.MjData) -> str:
         return "legs too low" if min(rise_deg(data, hip, knee) for hip, knee in legs) < RAISED_DEG else ""
 
-    target = steady(infant.turned(data, {"{side}_hip1": HIPS_DEG}))
-    yield Attempt(infant, data.qpos.copy(), target, LIFTING_S, check, LIFTING_S - RAISED_S)
+    yield Attempt(infant, start, LIFTING_S, check, LIFTING_S - RAISED_S, {"{side}_hip1": HIPS_DEG})
 
 
 ARM_OUT = Trial("arm_out", "holds an arm straight out for 3 s, the trunk held", _arm_out)
-LEG_LIFT = Trial("leg_lift", "lying on its back, lifts both stretched legs by 60° for 1 s", _lifting)
+LEG_LIFT = Trial("leg_lift", "lying on its back, lifts both stretched legs by 60° for 1 s", _lifting, LOWER_LEGS)

@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.base.units import deg_to_rad
 from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, elevation_deg
-from mimoc.studies.milestones.trial import Attempt, Trial, steady
+from mimoc.studies.milestones.trial import Attempt, Trial
 
 PRONE_S = 3.0
 PRONE_UP_DEG = 45.0
@@ -25,29 +25,23 @@ def _prone(infant: TrialInfant) -> Iterator[Attempt]:
     head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
-        if infant.touching(data, frozenset({head})):
-            return "head touches the floor"
-        return "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
+        low = "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
+        return infant.touching(data, frozenset({head})) or low
 
-    flat = mujoco.MjData(infant.model)
-    infant.place(flat, 90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
-    postures = {"arms at the sides": flat}
+    flat = infant.placed(90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
+    yield Attempt(infant, flat, PRONE_S, check, strategy="arms at the sides")
     if infant.has("left_lower_arm", "left_upper_leg"):
-        postures["on the forearms"] = _on_forearms(infant)
-    for arms, data in postures.items():
-        yield Attempt(infant, data.qpos.copy(), steady(data.qpos[infant.angles]), PRONE_S, check, strategy=arms)
+        yield Attempt(infant, _on_forearms(infant), PRONE_S, check, strategy="on the forearms")
 
 
 def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
     """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
-    data = mujoco.MjData(infant.model)
-
-    def are_forearms_down(pitch_deg: float) -> bool:
-        infant.place(data, pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG})
-        return infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg")
-
-    bisect(30.0, 95.0, are_forearms_down)
-    return data
+    return bisect(
+        30.0,
+        95.0,
+        lambda pitch_deg: infant.placed(pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG}),
+        lambda data: infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg"),
+    )
 
 
 FOREARMS_DEG = {
@@ -63,34 +57,30 @@ FOREARMS_DEG = {
 def _raised(infant: TrialInfant) -> Iterator[Attempt]:
     held = infant.fixed(infant.trunk_dofs())
     tilt = int(infant.model.joint("robot:head_tilt").qposadr[0])
-    data = mujoco.MjData(infant.model)
-    infant.place(data, -90.0, {"{side}_hip1": -40.0, "{side}_knee": -40.0})
-    lying = data.qpos.copy()
+    start = infant.placed(-90.0, {"{side}_hip1": -40.0, "{side}_knee": -40.0})
 
     def raise_trunk(data: mujoco.MjData, time_s: float) -> None:
         """Turn the trunk about the hip, from lying to upright, at an even rate."""
         rate_rad_s = deg_to_rad(90.0) / RAISED_S
         half = (deg_to_rad(-90.0) + rate_rad_s * time_s) / 2
-        data.qpos[:7] = (*lying[:3], np.cos(half), 0.0, np.sin(half), 0.0)
+        data.qpos[:7] = (*start.qpos[:3], np.cos(half), 0.0, np.sin(half), 0.0)
         data.qvel[:6] = (0.0, 0.0, 0.0, 0.0, rate_rad_s, 0.0)
 
     def check(data: mujoco.MjData) -> str:
         lag_deg = -float(np.degrees(data.qpos[tilt]))
         return f"head lags by {lag_deg:.0f}°" if lag_deg > MOST_LAG_DEG else ""
 
-    yield Attempt(held, lying, steady(infant.turned(data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk)
+    yield Attempt(held, start, RAISED_S, check, goal_deg={"head_tilt": 10.0}, apparatus=raise_trunk)
 
 
 def _supine(infant: TrialInfant) -> Iterator[Attempt]:
     head = infant.model.body("head").id
-    data = mujoco.MjData(infant.model)
-    infant.place(data, -90.0, {"{side}_hip1": -50.0, "{side}_knee": -70.0})
+    start = infant.placed(-90.0, {"{side}_hip1": -50.0, "{side}_knee": -70.0})
 
     def check(data: mujoco.MjData) -> str:
         return "" if elevation_deg(data, head) <= 90.0 - SUPINE_RAISED_DEG else "head too low"
 
-    target = steady(infant.turned(data, {"head_tilt": 60.0}))
-    yield Attempt(infant, data.qpos.copy(), target, SUPINE_S, check, checked_from_s=SUPINE_S - SUPINE_HELD_S)
+    yield Attempt(infant, start, SUPINE_S, check, SUPINE_S - SUPINE_HELD_S, {"head_tilt": 60.0})
 
 
 PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone)
@@ -99,6 +89,7 @@ SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° fo
 
 
 ROLLING_S, ROLLED_S = 5.0, 0.5
+ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
 GATHERING_S = 1.0
 """How long the infant draws up its legs before it turns."""
 FACE_DOWN_DEG = -60.0
@@ -124,32 +115,29 @@ TRUNK_DEG = {"hip_rot1": 18.0, "head_swivel": 60.0}
 
 def _rolling(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to roll to the left and to the right."""
-    if not infant.has("left_hand", "right_hand", "left_foot", "right_foot"):
-        return
     for near, far in (SIDES, SIDES[::-1]):
         yield _attempt(infant, near, far)
 
 
 def _attempt(infant: TrialInfant, near: str, far: str) -> Attempt:
-    data = mujoco.MjData(infant.model)
-    infant.place(data, -90.0, LYING_DEG)
+    start = infant.placed(-90.0, LYING_DEG)
     turn = 1.0 if near == "left" else -1.0
     thrown = {pattern.format(near=near, far=far): angle for pattern, angle in THROWN_DEG.items()}
     thrown |= {name: turn * angle for name, angle in TRUNK_DEG.items()}
-    phases = [infant.turned(data, GATHERED_DEG), infant.turned(data, thrown)]
+    phases = [infant.turned(start, angles_deg) for angles_deg in (GATHERED_DEG, thrown)]
 
     def check(data: mujoco.MjData) -> str:
         return "" if elevation_deg(data, infant.pushed) <= FACE_DOWN_DEG else "not on its belly"
 
     return Attempt(
         infant,
-        data.qpos.copy(),
-        lambda data, time_s: phases[int(time_s >= GATHERING_S)],
+        start,
         ROLLING_S,
         check,
         ROLLING_S - ROLLED_S,
+        target=lambda data, time_s: phases[int(time_s >= GATHERING_S)],
         strategy=f"to the {near}",
     )
 
 
-ROLL_OVER = Trial("roll_over", "rolls over from its back to its belly within 5 s", _rolling)
+ROLL_OVER = Trial("roll_over", "rolls over from its back to its belly within 5 s", _rolling, ENDS)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import mujoco
 
 from mimoc.studies.milestones.infant import TrialInfant, bisect, tilt_deg
-from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial, steady
+from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 
 SITTING_S = 10.0
 MOST_TILT_DEG = 45.0
@@ -21,16 +21,12 @@ month-old infant sits; that takes control without noise and delay. Further forwa
 
 
 def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
-    if not infant.has("left_foot", "right_foot"):
-        return
     forbidden = infant.parts_without(SEAT[1:]) - {infant.model.body("hip").id}
     for knee_deg in KNEES_DEG:
         for lean in LEANS:
-            data = seat(infant, knee_deg, lean)
             yield Attempt(
                 infant,
-                data.qpos.copy(),
-                steady(data.qpos[infant.angles]),
+                seat(infant, knee_deg, lean),
                 SITTING_S,
                 lambda data: slumped(infant, data, forbidden),
                 pushes=PUSHES,
@@ -43,27 +39,18 @@ def seat(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
 
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
     """
-    data = mujoco.MjData(infant.model)
 
-    def leans_too_far(pitch_deg: float) -> bool:
-        _lower_heels(infant, data, pitch_deg, knee_deg)
-        return _lean(data) > lean
+    def heels_down(pitch_deg: float) -> mujoco.MjData:
+        return bisect(
+            *infant.range_deg("left_hip1"),
+            lambda hip_deg: infant.placed(pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg)),
+            lambda data: infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot"),
+        )
 
-    bisect(LEAST_PITCH_DEG, MOST_PITCH_DEG, leans_too_far)
-    return data
+    return bisect(LEAST_PITCH_DEG, MOST_PITCH_DEG, heels_down, lambda data: _lean(data) > lean)
 
 
 LEAST_PITCH_DEG, MOST_PITCH_DEG = -30.0, 40.0
-
-
-def _lower_heels(infant: TrialInfant, data: mujoco.MjData, pitch_deg: float, knee_deg: float) -> None:
-    """Place an infant with the thighs as low as brings the heels to the floor together with the seat."""
-
-    def are_heels_below(hip_deg: float) -> bool:
-        infant.place(data, pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg))
-        return infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot")
-
-    bisect(*infant.range_deg("left_hip1"), are_heels_below)
 
 
 def _lean(data: mujoco.MjData) -> float:
@@ -74,8 +61,8 @@ def _lean(data: mujoco.MjData) -> float:
 
 def slumped(infant: TrialInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
     """Return whether arms, trunk or head touch the floor, or the trunk or the head is tilted too far."""
-    if part := infant.touching(data, forbidden):
-        return f"{part} touches the floor"
+    if touching := infant.touching(data, forbidden):
+        return touching
     if tilt_deg(data, infant.pushed) > MOST_TILT_DEG:
         return "trunk tilted"
     return "head tilted" if tilt_deg(data, infant.model.body("head").id) > MOST_TILT_DEG else ""
@@ -92,4 +79,4 @@ def _sitting_angles(pitch_deg: float, hip_deg: float, knee_deg: float) -> Mappin
     }
 
 
-SITTING = Trial("sit", "sits without support for 10 s", _sitting)
+SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"))

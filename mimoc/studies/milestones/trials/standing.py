@@ -1,12 +1,12 @@
 """Standing alone, half a squat, and pulling up to stand: hands on a rail lead the trunk, the legs lift it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 
 from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, tilt_deg
-from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial, steady
+from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 
 STANDING_S = 10.0
 MOST_TILT_DEG = 45.0
@@ -18,16 +18,12 @@ LEANS = (0.2, 0.3, 0.4)
 
 
 def _standing(infant: TrialInfant) -> Iterator[Attempt]:
-    if not infant.has(*FEET):
-        return
     forbidden = infant.parts_without(FEET)
     for knee_deg in KNEES_DEG:
         for lean in LEANS:
-            data = stance(infant, knee_deg, lean)
             yield Attempt(
                 infant,
-                data.qpos.copy(),
-                steady(data.qpos[infant.angles]),
+                stance(infant, knee_deg, lean),
                 STANDING_S,
                 lambda data: fallen(infant, data, forbidden),
                 pushes=PUSHES,
@@ -37,9 +33,8 @@ def _standing(infant: TrialInfant) -> Iterator[Attempt]:
 
 def fallen(infant: TrialInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
     """Return whether a body that must not touch the floor does, or the trunk is tilted too far."""
-    if part := infant.touching(data, forbidden):
-        return f"{part} touches the floor"
-    return "trunk tilted" if tilt_deg(data, infant.pushed) > MOST_TILT_DEG else ""
+    tilted = "trunk tilted" if tilt_deg(data, infant.pushed) > MOST_TILT_DEG else ""
+    return infant.touching(data, forbidden) or tilted
 
 
 def stance(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
@@ -48,23 +43,17 @@ def stance(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     The hips bend half as far as the knees, or as far as a young hip is bent anyway; the ankles, and with them the lean
     of the whole infant, are found by bisection.
     """
-    data = mujoco.MjData(infant.model)
-    knee = min(max(knee_deg, infant.range_deg("left_knee")[0]), infant.range_deg("left_knee")[1])
+    knee = float(np.clip(knee_deg, *infant.range_deg("left_knee")))
     hip = min(knee_deg / 2, infant.range_deg("left_hip1")[1])
 
-    def leans_too_far(ankle: float) -> bool:
-        infant.place(data, ankle + knee - hip, _standing_angles(hip, knee, ankle))
-        return _lean(infant, data) > lean
+    def placed(ankle: float) -> mujoco.MjData:
+        angles_deg = {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
+        return infant.placed(ankle + knee - hip, angles_deg)
 
-    bisect(*infant.range_deg("left_foot1"), leans_too_far)
-    return data
-
-
-def _standing_angles(hip: float, knee: float, ankle: float) -> Mapping[str, float]:
-    return {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
+    return bisect(*infant.range_deg("left_foot1"), placed, lambda data: _lean(data) > lean)
 
 
-def _lean(infant: TrialInfant, data: mujoco.MjData) -> float:
+def _lean(data: mujoco.MjData) -> float:
     """Return where the centre of mass stands over the feet: 0 over the ankles, 1 over the joints of the toes."""
     ankle, toes = (np.mean([data.body(f"{side}_{part}").xpos[0] for side in SIDES]) for part in ("foot", "toes"))
     return float((data.subtree_com[1, 0] - ankle) / (toes - ankle))
@@ -72,20 +61,19 @@ def _lean(infant: TrialInfant, data: mujoco.MjData) -> float:
 
 def _half_squat(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield one attempt, with hands that keep the trunk upright and let it only sink or rise."""
-    if not infant.has(*FEET):
-        return
-    data = stance(infant, SQUAT_KNEE_DEG, 0.3)
-    upright = infant.fixed([dof for dof in infant.trunk_dofs() if dof != VERTICAL])
-    height_m = float(data.qpos[2])
+    start = stance(infant, SQUAT_KNEE_DEG, 0.3)
     forbidden = infant.parts_without(FEET)
 
     def check(data: mujoco.MjData) -> str:
-        if part := infant.touching(data, forbidden):
-            return f"{part} touches the floor"
-        return "" if data.qpos[2] > LEAST_SQUAT * height_m else "sinks"
+        sunk = "" if data.qpos[VERTICAL] > LEAST_SQUAT * start.qpos[VERTICAL] else "sinks"
+        return infant.touching(data, forbidden) or sunk
 
-    target = steady(data.qpos[infant.angles])
-    yield Attempt(upright, data.qpos.copy(), target, STANDING_S, check, strategy=f"knees {SQUAT_KNEE_DEG:g}°")
+    yield Attempt(_balanced(infant), start, STANDING_S, check, strategy=f"knees {SQUAT_KNEE_DEG:g}°")
+
+
+def _balanced(infant: TrialInfant) -> TrialInfant:
+    """Return an infant whose trunk is held but for going up and down."""
+    return infant.fixed([dof for dof in infant.trunk_dofs() if dof != VERTICAL])
 
 
 SQUAT_KNEE_DEG = -60.0
@@ -94,8 +82,8 @@ LEAST_SQUAT = 0.85
 VERTICAL = 2
 """The degree of freedom in which the hip goes up and down."""
 
-STANDING = Trial("stand", "stands alone for 10 s", _standing)
-HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat)
+STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET)
+HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat, FEET)
 
 
 RISING_S, RISEN_S, HELD_S = 3.0, 5.0, 1.0
@@ -113,11 +101,8 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     The rail, at the height of the shoulders, gives balance: it turns the trunk and carries it forward with the feet
     below it, but leaves it free to sink or to rise.
     """
-    if not infant.has(*FEET):
-        return
     squat, stand = (stance(infant, knee_deg, LEAN) for knee_deg in (DEEP_KNEE_DEG, 0.0))
     start, end = squat.qpos[infant.angles].copy(), stand.qpos[infant.angles].copy()
-    led = infant.fixed([dof for dof in infant.trunk_dofs() if dof != VERTICAL])
     forward_m = float(squat.body("left_foot").xpos[0] - stand.body("left_foot").xpos[0])
     pitches = [_pitch_rad(data) for data in (squat, stand)]
     forbidden = infant.parts_without(FEET)
@@ -132,17 +117,16 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
         data.qvel[3:6] = (0.0, rate_1_s * (pitches[1] - pitches[0]), 0.0)
 
     def check(data: mujoco.MjData) -> str:
-        if part := infant.touching(data, forbidden):
-            return f"{part} touches the floor"
-        return "" if data.qpos[VERTICAL] >= LEAST_HEIGHT * stand.qpos[VERTICAL] else "does not get up"
+        low = "" if data.qpos[VERTICAL] >= LEAST_HEIGHT * stand.qpos[VERTICAL] else "does not get up"
+        return infant.touching(data, forbidden) or low
 
     yield Attempt(
-        led,
-        squat.qpos.copy(),
-        lambda data, time_s: start + min(time_s / RISING_S, 1.0) * (end - start),
+        _balanced(infant),
+        squat,
         RISEN_S,
         check,
         RISEN_S - HELD_S,
+        target=lambda data, time_s: start + min(time_s / RISING_S, 1.0) * (end - start),
         apparatus=lead,
     )
 
@@ -152,4 +136,4 @@ def _pitch_rad(data: mujoco.MjData) -> float:
     return float(2 * np.arctan2(data.qpos[5], data.qpos[3]))
 
 
-PULL_TO_STAND = Trial("pull_to_stand", "rises from a squat to standing with its legs, balance given", _pulling_up)
+PULL_TO_STAND = Trial("pull_to_stand", "rises from a squat to standing with its legs, balance given", _pulling_up, FEET)
