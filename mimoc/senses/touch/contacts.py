@@ -38,22 +38,8 @@ def skin_body_of_geoms(bodies: IntArray, model: mujoco.MjModel) -> IntArray:
     return np.where(np.isin(geom_bodies, bodies), geom_bodies, 0)
 
 
-def contact_forces(data: mujoco.MjData, body_of_geom: IntArray) -> ContactForces | None:
-    """Return the forces of contacts on bodies with skin, or None if nothing touches them.
-
-    The cost is in the number of calls of NumPy, of which `take` is the fastest of its kind.
-
-    Args:
-        data: A simulation with elliptic friction cones.
-        body_of_geom: What `skin_body_of_geoms` returns.
-    """
-    contact = data.contact
-    arrays = Contacts(contact.geom, contact.efc_address, contact.frame, contact.dim, contact.dist, contact.pos)
-    return forces_of(arrays, data.efc_force, body_of_geom)
-
-
 class Contacts(NamedTuple):
-    """What MuJoCo tells of n contacts."""
+    """The contacts of many infants, one after the other: n in all, as `MjData.contact` has those of one."""
 
     geom: npt.NDArray[np.integer[Any]]
     """Shape (n, 2)."""
@@ -69,11 +55,13 @@ class Contacts(NamedTuple):
     """Shape (n, 3)."""
 
 
-def forces_of(contact: Contacts, efc_force: FloatArray, body_of_geom: IntArray) -> ContactForces | None:
-    """Return the forces of some contacts on bodies with skin, or None if nothing touches them.
+def contact_forces(contact: Any, efc_force: FloatArray, body_of_geom: IntArray) -> ContactForces | None:
+    """Return the forces of contacts on bodies with skin, or None if nothing touches them.
+
+    The cost is in the number of calls of NumPy, of which `take` is the fastest of its kind.
 
     Args:
-        contact: The contacts, of one infant or of many, one after the other.
+        contact: `MjData.contact` of a simulation with elliptic friction cones, or `Contacts`.
         efc_force: The forces of all constraints that they point at.
         body_of_geom: What `skin_body_of_geoms` returns, of each infant whose geoms they point at.
     """
