@@ -17,7 +17,7 @@ from mimoc.control.frames import Motion, find_frame
 from mimoc.control.objectives import Objective
 from mimoc.control.posture import Posture
 from mimoc.control.priorities import LinearDemand, joined, size_of
-from mimoc.control.torque_mapping import map_torques
+from mimoc.control.torque_mapping import find_mapping
 from mimoc.senses.sense import FloatArray, IntArray
 
 BRAKING_PER_S = 20.0
@@ -152,8 +152,8 @@ class InverseDynamics:
         self._state = np.empty(mujoco.mj_stateSize(model, STATE))
         actuation = bind_actuation(manifest.actuation, model)
         self._joints = _find_allowed(self._chosen, actuation, model)
-        step_s = ms_to_s(manifest.step_ms)
-        self._torques = map_torques(manifest.actuation.model, actuation, self._joints.indices, model, step_s)
+        mapping, step_s = find_mapping(manifest.actuation.model), ms_to_s(manifest.step_ms)
+        self._torques = mapping(actuation, self._joints.indices, model, step_s)
         self._present_rad = data.qpos[self._joints.angles]
         postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
         objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
