@@ -31,7 +31,6 @@ class Joints:
     """The n hinges that a controller moves."""
 
     names: tuple[str, ...]
-    """As the model has them."""
     indices: IntArray
     """In the model, shape (n,)."""
     angles: IntArray
@@ -178,19 +177,13 @@ class InverseDynamics:
 
     def _shares(self, now: Dynamics) -> FloatArray:
         """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
-        turning, wanted = self._turning(now), self._wanted(now)
+        turning, wanted = now.joint_limit(self._torques.strength_nm), self._wanted(now)
         linear_demands = [
             self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
             for level in self._levels
         ]
         least, largest = self._joints.bounds(self._data)
         return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
-
-    def _turning(self, now: Dynamics) -> JointLimit:
-        """Return the accelerations of the joints themselves."""
-        strength_nm = self._torques.strength_nm
-        response, drift = now.joint_response()
-        return JointLimit(response * strength_nm, drift, now.unheld_response() * strength_nm)
 
     def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
         """Return the accelerations that a posture demands."""
@@ -217,11 +210,7 @@ class InverseDynamics:
 
 
 def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Posture], Posture]:
-    """Return the objectives by priority, then the posture.
-
-    Raises:
-        ControlError: If that is not the last of them, or the posture of some joints shares its priority.
-    """
+    """Return the objectives by priority, then the posture."""
     if not isinstance(objectives, Sequence):
         raise ControlError("objectives come as a list, the most important first; write [objective] for one")
     levels: list[Any] = [tuple(level) if isinstance(level, list) else level for level in objectives]
@@ -240,11 +229,7 @@ def _is_whole(level: object) -> bool:
 
 
 def _find_allowed(chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel) -> Joints:
-    """Return the joints that may move, of those that actuators move; each once.
-
-    Raises:
-        UnknownNameError: If one is not moved by any.
-    """
+    """Return the joints that may move, of those that actuators move; each once."""
     moved = list(dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0]))
     for name in chosen or ():
         if name not in moved:

@@ -94,12 +94,9 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def _singular_values(response: FloatArray, size: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the k singular values of a response above the threshold, shape (k,), and their vectors.
+    """Return the k singular values of a response above the threshold, and their vectors, shapes (m, k) and (k, n).
 
     They are computed from the eigenvalues of its Gram matrix, which for few rows takes a third of the time.
-
-    Returns:
-        The values, the left vectors, shape (m, k), and the right ones, shape (k, n).
     """
     squares, left = np.linalg.eigh(response @ response.T)
     kept = squares > max((RANK * size) ** 2, _TINY)
