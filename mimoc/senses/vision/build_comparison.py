@@ -14,9 +14,6 @@ LAST_MONTH = 36.0
 ROWS = ("acuity", "acuity and foveation")
 """What is compared, as in the paper (López et al. 2025, figure 3)."""
 AS_DRAWN = "not blurred"
-FOVY_DEG = 18.0
-"""Field of view that is drawn: with it, a picture of 256 pixels shows 7 cycles per degree (two pixels a cycle), and
-acuity is lower up to 12 months."""
 DEFAULT_FOVEATION = 5.0
 """Foveation to show where the infant's own eyes have none."""
 SUPERSAMPLE = 2

@@ -106,7 +106,9 @@ class Eyes:
         self._groups, self._skin_groups = model.geom_group, model.skin_group
         self.fovy_deg = float(model.cam_fovy[model.camera(self._names[0]).id])
         """Vertical field of view."""
-        self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
+        self._cameras = [mujoco.MjvCamera() for _ in self._names]
+        for camera, name in zip(self._cameras, self._names, strict=True):
+            camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
         self._unseen_skins = [skin for skin in range(model.nskin) if _bones(model, skin) <= set(self._unseen_bodies)]
@@ -126,12 +128,6 @@ def _bones(model: mujoco.MjModel, skin: int) -> set[str]:
     """Return the names of the bodies that move a skin."""
     first = model.skin_boneadr[skin]
     return {model.body(body).name for body in model.skin_bonebodyid[first : first + model.skin_bonenum[skin]]}
-
-
-def _fixed_camera(index: int) -> mujoco.MjvCamera:
-    camera = mujoco.MjvCamera()
-    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, index
-    return camera
 
 
 def _lean(model: mujoco.MjModel, height_px: int) -> tuple[Setting, ...]:

@@ -47,34 +47,10 @@ def to_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, 
     return points_px * np.asarray(special.exprel(share * growth)) / magnification
 
 
-def from_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, radius: str) -> FloatArray:
-    """Return where a warped picture shows points of the picture as it was drawn: the inverse of `to_source`."""
-    share = RADII[radius](points_px, size_px)[..., None]
-    magnification = strength / np.log1p(strength) if strength else 1.0
-    stretched = strength * share
-    return (
-        points_px
-        * magnification
-        * np.divide(np.log1p(stretched), stretched, out=np.ones_like(share), where=stretched > 0)
-    )
-
-
-def _to_border(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.abs(points_px / np.divide(size_px, 2)).max(axis=-1)
-
-
-def _to_corner(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (np.hypot(*size_px) / 2)
-
-
-def _to_edge(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (min(size_px) / 2)
-
-
 RADII: Mapping[str, Callable[[FloatArray, tuple[int, int]], FloatArray]] = {
-    "border": _to_border,
-    "corner": _to_corner,
-    "edge": _to_edge,
+    "border": lambda points_px, size_px: np.abs(points_px / np.divide(size_px, 2)).max(axis=-1),
+    "corner": lambda points_px, size_px: _lengths(points_px) / (np.hypot(*size_px) / 2),
+    "edge": lambda points_px, size_px: _lengths(points_px) / (min(size_px) / 2),
 }
 """How far points are from the centre, as a share of R, by what R reaches to: the border of the picture in the same
 direction, which loses nothing but breaks straight lines at the diagonals; its corners, as in the paper, which loses the
@@ -108,6 +84,10 @@ def source_weights(width_px: int, height_px: int, strength: float, radius: str) 
     kept = weights > 0
     placed = (weights[kept].astype(np.float32), (cells[kept].astype(np.int32), sources[kept].astype(np.int32)))
     return sparse.coo_array(placed, shape=(pixels, pixels)).tocsr()
+
+
+def _lengths(points_px: FloatArray) -> FloatArray:
+    return np.hypot(points_px[..., 0], points_px[..., 1])
 
 
 def _corners(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
