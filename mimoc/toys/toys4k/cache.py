@@ -97,14 +97,9 @@ def _box(row: list[float]) -> Solid:
 
 
 def _checked(mesh: Mesh) -> Mesh:
-    """Return a mesh after checking that it is valid.
-
-    Raises:
-        ValueError: If it is not.
-    """
+    """Return a mesh after checking that it is valid; a `ValueError` says that it is not."""
     right = mesh.vertices.shape[1:] == mesh.faces.shape[1:] == (3,) and mesh.faces.dtype.kind == "i"
-    if not (right and len(mesh.faces) and np.isfinite(mesh.vertices).all()):
-        raise ValueError("not a mesh")
-    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+    right = right and len(mesh.faces) and np.isfinite(mesh.vertices).all()
+    if not right or mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
         raise ValueError("not a mesh")
     return mesh
