@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 
 from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
-from mimoc.geometry.rotations import quaternion_from_axis
+from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.model import Mesh, Solid, solid_volume
+from mimoc.toys.model import UPRIGHT, Mesh, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
@@ -72,79 +72,66 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshF
     """Yield the visual geoms of a toy, which have no contacts, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
-        yield (
-            ObjectGeom(
-                name=f"{name}_looks_{part.tint}",
-                type="mesh",
-                names=(("mesh", mesh.name),),
-                sizes=(),
-                pos_m=(0.0, 0.0, 0.0),
-                quat=(1.0, 0.0, 0.0, 0.0),
-                mass_kg=0.0,
-                material=f"{name}_{part.tint}",
-                contype=UNTOUCHED,
-                conaffinity=UNTOUCHED,
-                condim=1,
-                friction=FRICTION,
-                solmix=DOMINANT_SOLMIX,
-                group=LOOKS_GROUP,
-            ),
-            mesh,
-        )
+        yield _geom(f"{name}_looks_{part.tint}", "mesh", f"{name}_{part.tint}", mesh, group=LOOKS_GROUP), mesh
 
 
 def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
-    """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes."""
-    volumes = [solid_volume(solid) for solid in toy.model.solids]
-    ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
-    for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
-        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, toy.size_m, "convex") if solid.mesh else None
-        x, y, z = (toy.size_m * offset for offset in solid.pos)
-        yield (
-            ObjectGeom(
-                name=f"{name}_solid{index}",
-                type=solid.type,
-                names=(("mesh", mesh.name),) if mesh else (),
-                sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
-                pos_m=(x, y, z),
-                quat=solid.quat,
-                mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
-                material=f"{name}_{toy.model.parts[0].tint}",
-                contype=SOLID,
-                conaffinity=SOLID,
-                condim=CONDIM[solid.type],
-                friction=FRICTION,
-                solmix=DOMINANT_SOLMIX,
-                group=SOLIDS_GROUP,
-            ),
+    """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes.
+
+    Ballast is an invisible geom without contacts that moves a toy's centre of mass slightly to one side.
+    """
+    size_m, solids, material = toy.size_m, toy.model.solids, f"{name}_{toy.model.parts[0].tint}"
+    volumes = [solid_volume(solid) for solid in solids]
+    ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in solids) else 0.0
+    for index, (solid, volume) in enumerate(zip(solids, volumes, strict=True), start=1):
+        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
+        geom = _geom(
+            f"{name}_solid{index}",
+            solid.type,
+            material,
             mesh,
+            size_m=tuple(size_m * length for length in solid.size),
+            pos_m=tuple(size_m * offset for offset in solid.pos),
+            quat=solid.quat,
+            mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
+            contacts=SOLID,
+            condim=CONDIM[solid.type],
         )
+        yield geom, mesh
     if ballast_kg:
-        yield _ballast(toy, name, ballast_kg), None
+        pos_m, sizes_m = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m), (BALLAST_RADIUS * size_m,)
+        yield _geom(f"{name}_ballast", "sphere", material, None, sizes_m, pos_m, mass_kg=ballast_kg), None
 
 
-def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
-    """Return an invisible geom without contacts that moves a toy's centre of mass slightly to one side."""
+def _geom(
+    name: str,
+    kind: str,
+    material: str,
+    mesh: MeshFile | None,
+    size_m: tuple[float, ...] = (),
+    pos_m: tuple[float, ...] = (0.0, 0.0, 0.0),
+    quat: Quaternion = UPRIGHT,
+    mass_kg: float = 0.0,
+    contacts: int = UNTOUCHED,
+    condim: int = 1,
+    group: int = SOLIDS_GROUP,
+) -> ObjectGeom:
     return ObjectGeom(
-        name=f"{name}_ballast",
-        type="sphere",
-        names=(),
-        sizes=(("size", (BALLAST_RADIUS * toy.size_m,)),),
-        pos_m=(BALLAST_AT * toy.size_m, 0.0, toy.model.solids[0].pos[2] * toy.size_m),
-        quat=(1.0, 0.0, 0.0, 0.0),
+        name=name,
+        type=kind,
+        names=(("mesh", mesh.name),) if mesh else (),
+        sizes=() if mesh else (("size", size_m),),
+        pos_m=(pos_m[0], pos_m[1], pos_m[2]),
+        quat=quat,
         mass_kg=mass_kg,
-        material=f"{name}_{toy.model.parts[0].tint}",
-        contype=UNTOUCHED,
-        conaffinity=UNTOUCHED,
-        condim=1,
+        material=material,
+        contype=contacts,
+        conaffinity=contacts,
+        condim=condim,
         friction=FRICTION,
         solmix=DOMINANT_SOLMIX,
-        group=SOLIDS_GROUP,
+        group=group,
     )
-
-
-def _scaled(solid: Solid, size_m: float) -> tuple[float, ...]:
-    return tuple(size_m * length for length in solid.size)
 
 
 def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:

@@ -3,7 +3,7 @@
 from functools import cache, partial
 from pathlib import Path
 
-from mimoc.base.errors import ToyError, UnknownToysError
+from mimoc.base.errors import ToyError
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Part, ToyModel
 from mimoc.toys.spec import ToysSpec
@@ -72,7 +72,5 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
         UnknownToysError: If some of the selected names do not exist.
     """
     toys = find_toys(dataset.expand_root(str(spec.root), folder))
-    if wrong := dataset.unknown(toys, spec.subset):
-        raise UnknownToysError(wrong)
     notes = () if has_coacd() else (HULLS_ONLY,)
     return Toybox(dataset.choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)
