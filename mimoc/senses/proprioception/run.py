@@ -13,7 +13,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.custom import TermSense
-from mimoc.senses.proprioception.spec import ProprioceptionEntry
+from mimoc.senses.proprioception import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray
 
 LIMIT_MARGIN_RAD = 0.035

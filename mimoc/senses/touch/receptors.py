@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.senses.touch.spec import SkinEntry
+from mimoc.senses.touch import SkinEntry
 
 FIELD_RADIUS = 2.0
 """Radius of a receptive field, in spacings of the receptors."""

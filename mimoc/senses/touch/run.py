@@ -14,9 +14,9 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
+from mimoc.senses.touch import POINTS, TouchEntry
 from mimoc.senses.touch.contacts import ContactForces, Contacts, contact_forces, rotated, skin_body_of_geoms
 from mimoc.senses.touch.receptors import Receptors, bind_receptors
-from mimoc.senses.touch.spec import POINTS, TouchEntry
 
 MAX_FORCE_N = 1e4
 """Bound of the observation; an infant weighs a hundred."""

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from mimoc.senses.vision.spec import AcuitySpec, VisionSpec
+from mimoc.senses.vision import AcuitySpec, VisionSpec
 
 NEWBORN_CPD = 0.64
 """Acuity at birth on the scale of the TAC II, estimated: the fit of `tac2` begins at one month, with 0.66."""

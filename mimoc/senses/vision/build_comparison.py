@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
+from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
-from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 SIDES = ("left", "right")
 LAST_MONTH = 36.0

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import Eyes
 from mimoc.senses.vision.run import filters, perceive
-from mimoc.senses.vision.spec import VisionEntry
 
 FloatArray = npt.NDArray[np.float64]
 

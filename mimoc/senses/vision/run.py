@@ -10,9 +10,9 @@ from gymnasium.spaces import Box
 from mimoc.bundle.io import Bundle
 from mimoc.render.renderer import average_down
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights
-from mimoc.senses.vision.spec import VisionEntry
 
 Filter = Callable[[Pictures], Pictures]
 """From pictures to pictures, shape (..., height, width, colours), 0 to 255."""

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
+from mimoc.senses.proprioception import ProprioceptionEntry
 from mimoc.senses.proprioception.run import COMPONENTS, LIMIT_MARGIN_RAD, bind
-from mimoc.senses.proprioception.spec import ProprioceptionEntry
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
 ARM = f"""
