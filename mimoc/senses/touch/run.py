@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
-from mimoc.base.errors import BundleError
+from mimoc.base.errors import BundleError, RenderingError
 from mimoc.bundle.io import Bundle
+from mimoc.render.markers import Markers, force_markers
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.touch import POINTS, TouchEntry
@@ -169,6 +170,24 @@ def join(senses: Sequence[Sense]) -> TouchReader | None:
     touches = [sense for sense in senses if isinstance(sense, Touch)]
     sizes = {(len(touch.receptors.scale_per_m), len(touch.body_of_geom)) for touch in touches}
     return TouchReader(touches) if len(touches) == len(senses) and len(sizes) == 1 else None
+
+
+def skin_markers(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> Markers:
+    """Return a marker for each point of an infant's skin, in the colour of the force on it.
+
+    Raises:
+        RenderingError: If the infant has no sense of touch.
+    """
+    entry: TouchEntry | None = bundle.manifest.senses.touch
+    if entry is None:
+        raise RenderingError(
+            f"'{bundle.manifest.name}' has no sense of touch, so no skin to show; "
+            "add `senses: {touch: {}}` to its spec, and build it again"
+        )
+    state = bind(entry, model, bundle).skin_state(data)
+    spacings_m = {part.body: part.spacing_m for part in entry.skin}
+    sizes_n = np.linalg.norm(state.forces, axis=1)
+    return force_markers(state.positions, sizes_n, np.array([spacings_m[body] for body in state.bodies]))
 
 
 def _loads(
