@@ -1,7 +1,6 @@
 """Inverse dynamics: joint torques for several objectives at once, in order of priority."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -26,21 +25,22 @@ MARGIN_RAD = 0.02
 """How far from the end it is to stop."""
 
 
-@dataclass(frozen=True, slots=True)
 class Joints:
     """The n hinges that a controller moves."""
 
-    names: tuple[str, ...]
-    indices: IntArray
-    """In the model, shape (n,)."""
-    angles: IntArray
-    """Where their angles stand in the state, shape (n,)."""
-    speeds: IntArray
-    """Where their speeds do, shape (n,)."""
-    low_rad: FloatArray
-    """Least angle to stop at, shape (n,); -inf where there is none."""
-    high_rad: FloatArray
-    """Largest angle, shape (n,)."""
+    def __init__(self, names: Sequence[str], model: mujoco.MjModel):
+        """Find hinges by their names in the model."""
+        self.names = tuple(names)
+        self.indices: IntArray = np.array([model.joint(name).id for name in names], np.intp)
+        """In the model, shape (n,)."""
+        self.angles = model.jnt_qposadr[self.indices].astype(np.intp)
+        """Where their angles stand in the state, shape (n,)."""
+        self.speeds = model.jnt_dofadr[self.indices].astype(np.intp)
+        """Where their speeds do, shape (n,)."""
+        low_rad, high_rad = model.jnt_range[self.indices].T
+        limited, margin_rad = model.jnt_limited[self.indices] != 0, np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
+        self._low_rad = np.where(limited, low_rad + margin_rad, -np.inf)
+        self._high_rad = np.where(limited, high_rad - margin_rad, np.inf)
 
     def bounds(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
         """Return the least and the largest acceleration with which each still stops in time, shape (n,) each.
@@ -49,24 +49,8 @@ class Joints:
         """
         angles_rad = data.qpos[self.angles]
         braking = -2.0 * BRAKING_PER_S * data.qvel[self.speeds]
-        least = BRAKING_PER_S**2 * (self.low_rad - angles_rad) + braking
-        return least, BRAKING_PER_S**2 * (self.high_rad - angles_rad) + braking
-
-
-def find_joints(names: Sequence[str], model: mujoco.MjModel) -> Joints:
-    """Return the hinges of some names."""
-    indices = np.array([model.joint(name).id for name in names], np.intp)
-    limited = model.jnt_limited[indices].astype(bool)
-    low_rad, high_rad = model.jnt_range[indices].T
-    margin_rad = np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
-    return Joints(
-        names=tuple(names),
-        indices=indices,
-        angles=model.jnt_qposadr[indices].astype(np.intp),
-        speeds=model.jnt_dofadr[indices].astype(np.intp),
-        low_rad=np.where(limited, low_rad + margin_rad, -np.inf),
-        high_rad=np.where(limited, high_rad - margin_rad, np.inf),
-    )
+        least = BRAKING_PER_S**2 * (self._low_rad - angles_rad) + braking
+        return least, BRAKING_PER_S**2 * (self._high_rad - angles_rad) + braking
 
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -234,4 +218,4 @@ def _find_allowed(chosen: Sequence[str] | None, actuation: Actuation, model: muj
     for name in chosen or ():
         if name not in moved:
             raise UnknownNameError("joint with an actuator", name, moved)
-    return find_joints(moved if chosen is None else chosen, model)
+    return Joints(moved if chosen is None else chosen, model)
