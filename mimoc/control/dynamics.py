@@ -58,13 +58,10 @@ class Dynamics:
 
 
 def dynamics(model: mujoco.MjModel, data: mujoco.MjData, speeds: IntArray, supports: FloatArray) -> Dynamics:
-    """Return the dynamics in the present state.
+    """Return the dynamics in a state after `mj_forward`, with the actuators at rest.
 
-    Args:
-        model: The infant and its world.
-        data: Its state after `mj_forward`, with the actuators at rest.
-        speeds: Index of the velocity that each torque acts on, shape (n,).
-        supports: Jacobian of the supports, shape (m, nv).
+    Each torque acts on one of the velocities, of indices *speeds*, shape (n,); the supports are their Jacobian, shape
+    (m, nv).
     """
     scales = np.sqrt(data.qLDiagInv)[None]
     force = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
@@ -134,17 +131,11 @@ class JointLimit:
 def solve_within_limits(
     turning: JointLimit, least: FloatArray, largest: FloatArray, demands: Sequence[LinearDemand], rest: LinearDemand
 ) -> FloatArray:
-    """Return the torques, shape (n,), that fulfil demands as far as all joints stay within their bounds.
+    """Return the torques, shape (n,), that fulfil demands in order as far as all joints stay within their bounds.
 
-    If the torques would move joints beyond their bounds, these bounds become demands of the highest priority, and
-    torques are computed a second time; more passes gain nothing.
-
-    Args:
-        turning: Response of the joints.
-        least: Smallest allowed acceleration of each joint, shape (n,), [rad/s²].
-        largest: Largest allowed acceleration of each joint, shape (n,), [rad/s²].
-        demands: The demands, the most important first.
-        rest: Demand of the lowest priority, for the remaining freedom.
+    The bounds are the least and the largest acceleration of each, shape (n,), [rad/s²]; see `solve_prioritized`. If the
+    torques would move joints beyond their bounds, these bounds become demands of the highest priority, and torques are
+    computed a second time; more passes gain nothing.
     """
     shares = solve_prioritized(demands, rest)
     slack, coming = SLACK * turning.unheld, turning.response @ shares + turning.drift

@@ -58,11 +58,8 @@ def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> Fl
 
     With the response A_k and the null-space projector N_k of the first k demands,
     u_k = u_(k-1) + (A_k N_(k-1))^# (a_k - A_k u_(k-1)), where ^# is a damped inverse. N_k is not damped, so that no
-    demand disturbs those before it, regardless of the damping.
-
-    Args:
-        demands: The demands, the most important first.
-        rest: Demand of the lowest priority, for the remaining freedom; the size of its response is 1.
+    demand disturbs those before it, regardless of the damping. The last demand is for the remaining freedom, and the
+    size of its response is 1.
     """
     count = rest.response.shape[1]
     shares, taken = np.zeros(count), np.zeros((0, count))
@@ -75,11 +72,9 @@ def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> Fl
 
 
 def damped_inverse(values: FloatArray, size: float) -> FloatArray:
-    """Return s / (s² + λ²) of singular values s; λ grows near singularities, so that it stays bounded.
+    """Return s / (s² + λ²) of positive singular values s, shape (k,), of which the size of the demand is a bound.
 
-    Args:
-        values: Positive singular values, shape (k,).
-        size: Size of the demand itself, an upper bound of the values.
+    λ grows near singularities, so that it stays bounded.
     """
     nearness = np.maximum(1.0 - values / (SINGULAR * size), 0.0)
     return values / (values**2 + size**2 * (DAMPING**2 + (SINGULAR_DAMPING * nearness) ** 2))

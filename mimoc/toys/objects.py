@@ -33,18 +33,11 @@ SOLIDS_GROUP = 3
 
 
 def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
-    """Return a toy that stands on the floor.
-
-    Args:
-        toy: The toy.
-        number: Number of the toy in the scene, from 1.
-        place_m: Its position, x and y.
-    """
+    """Return a toy that stands on the floor, at x and y; *number* is its number in the scene, from 1."""
     name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
-    looks = list(_looks(toy, name, number))
-    solids = list(_solids(toy, name, number))
+    pieces = [*_looks(toy, name, number), *_solids(toy, name, number)]
     return FreeObject(
         name=name,
         object=toy.model.name,
@@ -56,9 +49,9 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
         size_m=toy.size_m,
         mass_kg=toy.mass_kg,
         density_kg_m3=toy.model.density_kg_m3,
-        geoms=tuple(geom for geom, _ in (*looks, *solids)),
+        geoms=tuple(geom for geom, _ in pieces),
         materials=tuple(materials.values()),
-        meshes=tuple(mesh for _, mesh in (*looks, *solids) if mesh),
+        meshes=tuple(mesh for _, mesh in pieces if mesh),
     )
 
 

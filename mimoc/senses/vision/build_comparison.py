@@ -70,11 +70,12 @@ def compare_ages(
         )
 
     acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
-    return Comparison(
-        entries=tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
-        rows=ROWS,
-        columns=(*map(_caption, ages_months, acuities_cpd), AS_DRAWN),
-    )
+    captions = [
+        f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"
+        for age_months, acuity_cpd in zip(ages_months, acuities_cpd, strict=True)
+    ]
+    entries = tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation))
+    return Comparison(entries, ROWS, (*captions, AS_DRAWN))
 
 
 def read_ages(text: str) -> tuple[float, ...]:
@@ -90,7 +91,3 @@ def read_ages(text: str) -> tuple[float, ...]:
     if not ages_months or not all(0 <= age_months <= LAST_MONTH for age_months in ages_months):
         raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH:g}, as in 1,2.5,12")
     return ages_months
-
-
-def _caption(age_months: float, acuity_cpd: float) -> str:
-    return f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"

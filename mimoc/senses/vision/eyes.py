@@ -54,6 +54,8 @@ class Eyes:
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
         self._size_px, self._shared = (width_px, height_px * len(cameras)), SHARED.get()
+        self.shares = self._shared is not None
+        """Whether it draws with what other eyes draw with, a renderer in each thread."""
         self._settings = partial(_lean, height_px=height_px)
         self._shown: Shown = shown
         self._assets = b"" if self._shared is None else assets_of(model)
@@ -72,11 +74,6 @@ class Eyes:
                 self._compose(renderer, camera, data)
                 renderer.draw(part)
             return renderer.read().reshape(self._shape)[:, ::-1]
-
-    @property
-    def shares(self) -> bool:
-        """Whether it draws with what other eyes draw with, a renderer in each thread."""
-        return self._shared is not None
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in which cameras and bodies have the same names.

@@ -19,12 +19,7 @@ CELLS_AT_ONCE = 4096
 
 
 def foveate(pictures: Pictures, sources: sparse.csr_array) -> Pictures:
-    """Return warped pictures.
-
-    Args:
-        pictures: Of the size that the sources are for.
-        sources: What `source_weights` returns.
-    """
+    """Return warped pictures, of the size for which `source_weights` returned their sources."""
     *others, height, width, colours = pictures.shape
     flat = pictures.reshape(-1, height * width, colours)
     return np.stack([sources @ picture for picture in flat]).reshape(*others, height, width, colours)
@@ -120,10 +115,8 @@ def _overlapping(outlines_px: FloatArray, size_px: tuple[int, int]) -> tuple[Int
 def _areas_within(outlines: FloatArray) -> FloatArray:
     """Return the area that each outline has in common with the square from 0 to 1, shape (n,).
 
-    By Green's theorem: around the outline, the integral of y over x, with x and y kept within the square.
-
-    Args:
-        outlines: Points around each, shape (n, points, 2).
+    By Green's theorem: around the outline, shape (n, points, 2), the integral of y over x, with x and y kept within the
+    square.
     """
     x, y = outlines[..., 0], outlines[..., 1]
     next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
@@ -151,14 +144,10 @@ ROWS_AND_COLUMNS = (-3, -2)
 
 
 def blur(pictures: Pictures, gain: Pictures) -> Pictures:
-    """Return pictures through an eye's contrast sensitivity, not clipped.
+    """Return pictures through an eye's contrast sensitivity, which `contrast_gain` returns; they are not clipped.
 
     A cosine transform continues a picture beyond each border as its mirror image, so no border leaks into the opposite
     one, and the mean stays the same.
-
-    Args:
-        pictures: Of the size that the gain is for.
-        gain: What `contrast_gain` returns.
     """
     spectrum = np.asarray(fft.dctn(pictures, axes=ROWS_AND_COLUMNS))
     spectrum *= gain[..., None]

@@ -20,12 +20,7 @@ SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
 
 def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyModel:
-    """Return the toy of an object of Toys4K.
-
-    Args:
-        toys: The objects of the folder.
-        name: Name of the object.
-        cache: Cache of processed meshes.
+    """Return the toy of one of the objects of a folder; the cache is of processed meshes.
 
     Raises:
         ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
