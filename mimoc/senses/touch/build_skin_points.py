@@ -182,10 +182,11 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
             continue
-        parts = (body.name, *(part for part, home in tree.merged if home == body.name))
-        patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
-        points_m[body.name] = _points(body, patch.layout, moved_m)
-        spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
+        parts = (body.name, *(part for part, home in tree.merged if home == body.name))  # In the order of their geoms.
+        joined = [patches[part.removeprefix("left_").removeprefix("right_")] for part in parts]
+        points_m[body.name] = _points(body, tuple(geom for patch in joined for geom in patch.layout), moved_m)
+        growth = _area_m2(body) / math.fsum(patch.area_m2 for patch in joined)
+        spacing_m[body.name] = joined[0].spacing_m * math.sqrt(growth)
     return SkinPoints(points_m, spacing_m)
 
 
@@ -206,12 +207,6 @@ def _patch(body: Body, density: float) -> _Patch:
         return _Patch((PUPIL,), math.sqrt(area_m2), area_m2)
     spacing_m = body.skin_spacing_m / math.sqrt(density)
     return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
-
-
-def _joined(patches: Sequence[_Patch]) -> _Patch:
-    """Return the skin of parts that are joined rigidly, in the order of their geoms; each keeps its points."""
-    layout = tuple(geom for patch in patches for geom in patch.layout)
-    return _Patch(layout, patches[0].spacing_m, math.fsum(patch.area_m2 for patch in patches))
 
 
 def _area_m2(body: Body) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
-from mimoc.toys.model import FloatArray, IntArray, Mesh
+from mimoc.toys.model import FloatArray, IntArray, Mesh, join
 
 GRID = 2**20 - 1
 """Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""
@@ -115,8 +115,7 @@ def face_outwards(mesh: Mesh) -> Surface:
 
 def from_both_sides(mesh: Mesh) -> Mesh:
     """Return a mesh joined with a copy wound the other way, since MuJoCo renders triangles from the front only."""
-    faces = np.concatenate([mesh.faces, mesh.faces[:, ::-1] + len(mesh.vertices)])
-    return Mesh(np.concatenate([mesh.vertices, mesh.vertices]), faces)
+    return join([mesh, Mesh(mesh.vertices, mesh.faces[:, ::-1])])
 
 
 def _flipped(faces: IntArray, wrong: npt.NDArray[np.bool_]) -> IntArray:

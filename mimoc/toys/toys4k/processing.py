@@ -103,11 +103,9 @@ class Shape:
 
 
 def process(content: bytes, kind: str) -> Shape:
-    """Return the shape of a toy, standing on z = 0 in its most stable upright pose and centred over the origin.
+    """Return the shape of a toy from a mesh file of a format in `mimoc.toys.toys4k.dataset.FORMATS`.
 
-    Args:
-        content: Content of a mesh file.
-        kind: Its format; see `mimoc.toys.toys4k.dataset.FORMATS`.
+    It stands on z = 0 in its most stable upright pose, centred over the origin.
 
     Raises:
         ToyError: If it cannot be used; the message is a predicate without its subject, the mesh.
