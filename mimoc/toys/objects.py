@@ -4,10 +4,11 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
-from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
+from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
@@ -27,9 +28,25 @@ upright except for rounding errors, and a bottle that stood still for seconds wo
 """
 LONGEST_NAME = 40
 """Maximum number of characters of a toy's name in the names of its elements."""
-LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
 """Geom group that MuJoCo does not render by default."""
+LOOKS = ObjectGeom(
+    name="",
+    type="mesh",
+    names=(),
+    sizes=(),
+    pos_m=(0.0, 0.0, 0.0),
+    quat=UPRIGHT,
+    mass_kg=0.0,
+    material="",
+    contype=UNTOUCHED,
+    conaffinity=UNTOUCHED,
+    condim=1,
+    friction=FRICTION,
+    solmix=DOMINANT_SOLMIX,
+    group=1,
+)
+"""A visual geom, without contacts or mass."""
 
 
 def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
@@ -62,10 +79,11 @@ def mjcf_name(text: str) -> str:
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
-    """Yield the visual geoms of a toy, which have no contacts, and their meshes."""
+    """Yield the visual geoms of a toy, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
-        yield _geom(f"{name}_looks_{part.tint}", "mesh", f"{name}_{part.tint}", mesh, group=LOOKS_GROUP), mesh
+        names, material = (("mesh", mesh.name),), f"{name}_{part.tint}"
+        yield replace(LOOKS, name=f"{name}_looks_{part.tint}", names=names, material=material), mesh
 
 
 def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
@@ -73,58 +91,31 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
 
     Ballast is an invisible geom without contacts that moves a toy's centre of mass slightly to one side.
     """
-    size_m, solids, material = toy.size_m, toy.model.solids, f"{name}_{toy.model.parts[0].tint}"
+    size_m, solids = toy.size_m, toy.model.solids
+    hidden = replace(LOOKS, material=f"{name}_{toy.model.parts[0].tint}", group=SOLIDS_GROUP)
     volumes = [solid_volume(solid) for solid in solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in solids) else 0.0
     for index, (solid, volume) in enumerate(zip(solids, volumes, strict=True), start=1):
         mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
-        geom = _geom(
-            f"{name}_solid{index}",
-            solid.type,
-            material,
-            mesh,
-            size_m=tuple(size_m * length for length in solid.size),
-            pos_m=tuple(size_m * offset for offset in solid.pos),
+        x, y, z = (size_m * offset for offset in solid.pos)
+        geom = replace(
+            hidden,
+            name=f"{name}_solid{index}",
+            type=solid.type,
+            names=(("mesh", mesh.name),) if mesh else (),
+            sizes=() if mesh else (("size", tuple(size_m * length for length in solid.size)),),
+            pos_m=(x, y, z),
             quat=solid.quat,
             mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
-            contacts=SOLID,
+            contype=SOLID,
+            conaffinity=SOLID,
             condim=CONDIM[solid.type],
         )
         yield geom, mesh
     if ballast_kg:
-        pos_m, sizes_m = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m), (BALLAST_RADIUS * size_m,)
-        yield _geom(f"{name}_ballast", "sphere", material, None, sizes_m, pos_m, mass_kg=ballast_kg), None
-
-
-def _geom(
-    name: str,
-    kind: str,
-    material: str,
-    mesh: MeshFile | None,
-    size_m: tuple[float, ...] = (),
-    pos_m: tuple[float, ...] = (0.0, 0.0, 0.0),
-    quat: Quaternion = UPRIGHT,
-    mass_kg: float = 0.0,
-    contacts: int = UNTOUCHED,
-    condim: int = 1,
-    group: int = SOLIDS_GROUP,
-) -> ObjectGeom:
-    return ObjectGeom(
-        name=name,
-        type=kind,
-        names=(("mesh", mesh.name),) if mesh else (),
-        sizes=() if mesh else (("size", size_m),),
-        pos_m=(pos_m[0], pos_m[1], pos_m[2]),
-        quat=quat,
-        mass_kg=mass_kg,
-        material=material,
-        contype=contacts,
-        conaffinity=contacts,
-        condim=condim,
-        friction=FRICTION,
-        solmix=DOMINANT_SOLMIX,
-        group=group,
-    )
+        pos_m, sizes = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m), (("size", (BALLAST_RADIUS * size_m,)),)
+        ballast = replace(hidden, name=f"{name}_ballast", type="sphere", sizes=sizes, pos_m=pos_m, mass_kg=ballast_kg)
+        yield ballast, None
 
 
 def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:
