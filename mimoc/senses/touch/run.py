@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -16,7 +17,7 @@ from mimoc.render.markers import Markers, force_markers
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.touch import POINTS, TouchEntry
-from mimoc.senses.touch.contacts import ContactForces, Contacts, contact_forces, rotated, skin_body_of_geoms
+from mimoc.senses.touch.contacts import FIELDS, ContactForces, contact_forces, rotated, skin_body_of_geoms
 from mimoc.senses.touch.receptors import Receptors, bind_receptors
 
 MAX_FORCE_N = 1e4
@@ -203,7 +204,7 @@ def _sums(numbers: IntArray, shares: FloatArray, size: int) -> FloatArray:
     return np.bincount(numbers.ravel(), shares.ravel(), size)  # pyright: ignore[reportReturnType] - Sums.
 
 
-def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Contacts, FloatArray]:
+def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], SimpleNamespace, FloatArray]:
     """Return how many contacts each of k infants has, all of them, and all forces of constraints.
 
     Their geoms are those of the infant before and its own after each other, and so are their addresses of forces.
@@ -213,14 +214,15 @@ def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Cont
         geoms: Length of the table of geoms of one infant.
     """
     contacts, forces = [data.contact for data in datas], [data.efc_force for data in datas]
-    geom, addresses, *others = (
-        np.concatenate([getattr(contact, name) for contact in contacts]) for name in Contacts._fields
+    joined = SimpleNamespace(
+        **{name: np.concatenate([getattr(contact, name) for contact in contacts]) for name in FIELDS}
     )
     counts = [len(contact) for contact in contacts]
     starts = np.cumsum([0, *map(len, forces[:-1])])
-    geom = geom + np.repeat(np.arange(len(datas)) * geoms, counts)[:, None]
-    addresses = np.where(addresses < 0, -1, addresses + np.repeat(starts, counts))
-    return counts, Contacts(geom, addresses, *others), np.concatenate(forces)
+    joined.geom = joined.geom + np.repeat(np.arange(len(datas)) * geoms, counts)[:, None]
+    addresses = joined.efc_address + np.repeat(starts, counts)
+    joined.efc_address = np.where(joined.efc_address < 0, -1, addresses)
+    return counts, joined, np.concatenate(forces)
 
 
 QUANTITIES: Mapping[str, Quantity] = {
