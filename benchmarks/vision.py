@@ -23,11 +23,10 @@ from scipy.ndimage import map_coordinates
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.senses.vision import eyes as eyes_module
+from mimoc.senses.vision import VisionEntry, eyes as eyes_module
 from mimoc.senses.vision.eyes import Eyes
 from mimoc.senses.vision.foveation import to_source
 from mimoc.senses.vision.run import Vision, bind, perceive
-from mimoc.senses.vision.spec import VisionEntry
 
 SIZES_PX = (64, 128)
 AGE_MONTHS = 4

@@ -19,7 +19,7 @@ from mimoc.base.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
 from mimoc.bundle.io import digests
 from mimoc.scenes import SCENES
 from mimoc.senses import SENSES
-from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+from mimoc.senses.vestibular import VestibularEntry, VestibularSpec
 from mimoc.tasks import TASKS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -164,7 +164,7 @@ def foreign(tmp_path, monkeypatch):
 
 RECORD = """
 from mimoc.base.kinds import SenseKind
-from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+from mimoc.senses.vestibular import VestibularEntry, VestibularSpec
 KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.senses.vestibular.run")
 """
 USABLE = RECORD.format(build="mimoc.senses.vestibular.build")

@@ -80,7 +80,7 @@ def render(
     from mimoc.bundle.model import load_posed
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.portrait import Framing, lineup, portrait
-    from mimoc.senses.touch.preview import skin_markers
+    from mimoc.senses.touch.run import skin_markers
 
     check_picture_name(file, transparent=transparent)
     framing = Framing(azimuth, elevation, distance, transparent, scale_bar)

@@ -15,7 +15,7 @@ from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.schema.sizes import pairs
-from mimoc.senses.vision.spec import VisionSpec
+from mimoc.senses.vision import VisionSpec
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 from mimoc.toys.choosing import Toybox

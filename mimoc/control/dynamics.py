@@ -41,11 +41,7 @@ class Dynamics:
     """Acceleration without any torque, shape (nv,)."""
 
     def response(self, jacobian: FloatArray, strength_nm: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the accelerations of m velocities.
-
-        Args:
-            jacobian: Jacobian of the velocities, shape (m, nv).
-            strength_nm: Largest torque of each joint, shape (n,).
+        """Return the accelerations of m velocities by their Jacobian, shape (m, nv).
 
         Returns:
             Accelerations at full strength of each joint, with and without supports, shape (m, n) each, and without any
@@ -54,23 +50,18 @@ class Dynamics:
         rows = halved(self.model, self.data, self.scales, jacobian)
         return rows @ self.free_torques.T * strength_nm, rows @ self.torques.T * strength_nm, rows @ self.drift
 
-    def joint_response(self) -> tuple[FloatArray, FloatArray]:
-        """Return the accelerations of the joints that torques act on, shapes (n, n) and (n,)."""
-        return product(self.torques, self.free_torques), self.torques @ self.drift
-
-    def unheld_response(self) -> FloatArray:
-        """Return the acceleration of each joint per unit of its torque without supports, shape (n,), [1/(kg m²)]."""
-        return np.einsum("ij,ij->i", self.torques, self.torques)
+    def joint_limit(self, strength_nm: FloatArray) -> "JointLimit":
+        """Return the accelerations of the n joints that torques act on, of which these are the largest, shape (n,)."""
+        response = product(self.torques, self.free_torques) * strength_nm
+        unheld = np.einsum("ij,ij->i", self.torques, self.torques) * strength_nm
+        return JointLimit(response, self.torques @ self.drift, unheld)
 
 
 def dynamics(model: mujoco.MjModel, data: mujoco.MjData, speeds: IntArray, supports: FloatArray) -> Dynamics:
-    """Return the dynamics in the present state.
+    """Return the dynamics in a state after `mj_forward`, with the actuators at rest.
 
-    Args:
-        model: The infant and its world.
-        data: Its state after `mj_forward`, with the actuators at rest.
-        speeds: Index of the velocity that each torque acts on, shape (n,).
-        supports: Jacobian of the supports, shape (m, nv).
+    Each torque acts on one of the velocities, of indices *speeds*, shape (n,); the supports are their Jacobian, shape
+    (m, nv).
     """
     scales = np.sqrt(data.qLDiagInv)[None]
     force = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
@@ -104,8 +95,6 @@ def halved(model: mujoco.MjModel, data: mujoco.MjData, scales: FloatArray, rows:
     return result
 
 
-MOST_PASSES = 2
-"""Number of passes: torques are computed a second time if joints would not stop in time; more passes gain nothing."""
 HELD = 1e-3
 """Ratio of a joint's response with supports to that without, below which it counts as held, such as a locked joint."""
 SLACK = 1e-6
@@ -142,36 +131,24 @@ class JointLimit:
 def solve_within_limits(
     turning: JointLimit, least: FloatArray, largest: FloatArray, demands: Sequence[LinearDemand], rest: LinearDemand
 ) -> FloatArray:
-    """Return the torques, shape (n,), that fulfil demands as far as all joints stay within their bounds.
+    """Return the torques, shape (n,), that fulfil demands in order as far as all joints stay within their bounds.
 
-    If the torques would move joints beyond their bounds, these bounds become demands of the highest priority.
-
-    Args:
-        turning: Response of the joints.
-        least: Smallest allowed acceleration of each joint, shape (n,), [rad/s²].
-        largest: Largest allowed acceleration of each joint, shape (n,), [rad/s²].
-        demands: The demands, the most important first.
-        rest: Demand of the lowest priority, for the remaining freedom.
+    The bounds are the least and the largest acceleration of each, shape (n,), [rad/s²]; see `solve_prioritized`. If the
+    torques would move joints beyond their bounds, these bounds become demands of the highest priority, and torques are
+    computed a second time; more passes gain nothing.
     """
-    slack = SLACK * turning.unheld
-    free = turning.free
-    stopping, stops = np.zeros(len(free), bool), np.zeros(len(free))
     shares = solve_prioritized(demands, rest)
-    for _ in range(MOST_PASSES - 1):
-        coming = turning.response @ shares + turning.drift
-        beyond = free & ~stopping & ((coming > largest + slack) | (coming < least - slack))
-        if not beyond.any():
-            break
-        stops[beyond] = np.clip(coming, least, largest)[beyond]
-        stopping |= beyond
-        joints = np.flatnonzero(stopping)
-        shares = solve_prioritized([turning.demand(joints, stops[joints]), *demands], rest)
-    return shares
+    slack, coming = SLACK * turning.unheld, turning.response @ shares + turning.drift
+    beyond = np.flatnonzero(turning.free & ((coming > largest + slack) | (coming < least - slack)))
+    if not beyond.size:
+        return shares
+    stops = np.clip(coming, least, largest)[beyond]
+    return solve_prioritized([turning.demand(beyond, stops), *demands], rest)
 
 
-_EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-_TENDON_END = int(mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON)
-_FIRST_CONTACT = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
+_TYPES = mujoco.mjtConstraint
+_EQUALITY, _TENDON_END = int(_TYPES.mjCNSTR_EQUALITY), int(_TYPES.mjCNSTR_LIMIT_TENDON)
+_FIRST_CONTACT = int(_TYPES.mjCNSTR_CONTACT_FRICTIONLESS)
 """First of MuJoCo's constraint types that are contacts."""
 MOST_PLAY_RAD = 0.05
 """Range below which a tendon couples its joints, as in the spine (0.02 rad); with a wider one, it only limits them."""

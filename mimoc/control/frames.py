@@ -44,7 +44,6 @@ class Motion:
 class Frame:
     """A site, a camera or a body."""
 
-    name: str
     kind: str
     """Key of `KINDS`."""
     index: int
@@ -83,14 +82,11 @@ def find_frame(name: str, model: mujoco.MjModel) -> Frame:
     for kind, (object_type, bodies, *_) in KINDS.items():
         index = mujoco.mj_name2id(model, object_type, name)
         if index >= 0:
-            return Frame(name, kind, index, int(getattr(model, bodies)[index]) if bodies else index)
-    raise UnknownNameError("site, camera or body of this infant", name, _names(model))
-
-
-def _names(model: mujoco.MjModel) -> list[str]:
+            return Frame(kind, index, int(getattr(model, bodies)[index]) if bodies else index)
     sites = [model.site(index).name for index in range(model.nsite)]
     cameras = [model.camera(index).name for index in range(model.ncam)]
-    return sites + cameras + [model.body(index).name for index in range(1, model.nbody)]
+    names = [*sites, *cameras, *(model.body(index).name for index in range(1, model.nbody))]
+    raise UnknownNameError("site, camera or body of this infant", name, names)
 
 
 def trunk_of(anatomy: AnatomyEntry, model: mujoco.MjModel) -> tuple[int, ...]:

@@ -1,7 +1,6 @@
 """Inverse dynamics: joint torques for several objectives at once, in order of priority."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -17,7 +16,7 @@ from mimoc.control.frames import Motion, find_frame
 from mimoc.control.objectives import Objective
 from mimoc.control.posture import Posture
 from mimoc.control.priorities import LinearDemand, joined, size_of
-from mimoc.control.torque_mapping import map_torques
+from mimoc.control.torque_mapping import find_mapping
 from mimoc.senses.sense import FloatArray, IntArray
 
 BRAKING_PER_S = 20.0
@@ -26,22 +25,22 @@ MARGIN_RAD = 0.02
 """How far from the end it is to stop."""
 
 
-@dataclass(frozen=True, slots=True)
 class Joints:
     """The n hinges that a controller moves."""
 
-    names: tuple[str, ...]
-    """As the model has them."""
-    indices: IntArray
-    """In the model, shape (n,)."""
-    angles: IntArray
-    """Where their angles stand in the state, shape (n,)."""
-    speeds: IntArray
-    """Where their speeds do, shape (n,)."""
-    low_rad: FloatArray
-    """Least angle to stop at, shape (n,); -inf where there is none."""
-    high_rad: FloatArray
-    """Largest angle, shape (n,)."""
+    def __init__(self, names: Sequence[str], model: mujoco.MjModel):
+        """Find hinges by their names in the model."""
+        self.names = tuple(names)
+        self.indices: IntArray = np.array([model.joint(name).id for name in names], np.intp)
+        """In the model, shape (n,)."""
+        self.angles = model.jnt_qposadr[self.indices].astype(np.intp)
+        """Where their angles stand in the state, shape (n,)."""
+        self.speeds = model.jnt_dofadr[self.indices].astype(np.intp)
+        """Where their speeds do, shape (n,)."""
+        low_rad, high_rad = model.jnt_range[self.indices].T
+        limited, margin_rad = model.jnt_limited[self.indices] != 0, np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
+        self._low_rad = np.where(limited, low_rad + margin_rad, -np.inf)
+        self._high_rad = np.where(limited, high_rad - margin_rad, np.inf)
 
     def bounds(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
         """Return the least and the largest acceleration with which each still stops in time, shape (n,) each.
@@ -50,24 +49,8 @@ class Joints:
         """
         angles_rad = data.qpos[self.angles]
         braking = -2.0 * BRAKING_PER_S * data.qvel[self.speeds]
-        least = BRAKING_PER_S**2 * (self.low_rad - angles_rad) + braking
-        return least, BRAKING_PER_S**2 * (self.high_rad - angles_rad) + braking
-
-
-def find_joints(names: Sequence[str], model: mujoco.MjModel) -> Joints:
-    """Return the hinges of some names."""
-    indices = np.array([model.joint(name).id for name in names], np.intp)
-    limited = model.jnt_limited[indices].astype(bool)
-    low_rad, high_rad = model.jnt_range[indices].T
-    margin_rad = np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
-    return Joints(
-        names=tuple(names),
-        indices=indices,
-        angles=model.jnt_qposadr[indices].astype(np.intp),
-        speeds=model.jnt_dofadr[indices].astype(np.intp),
-        low_rad=np.where(limited, low_rad + margin_rad, -np.inf),
-        high_rad=np.where(limited, high_rad - margin_rad, np.inf),
-    )
+        least = BRAKING_PER_S**2 * (self._low_rad - angles_rad) + braking
+        return least, BRAKING_PER_S**2 * (self._high_rad - angles_rad) + braking
 
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -152,8 +135,8 @@ class InverseDynamics:
         self._state = np.empty(mujoco.mj_stateSize(model, STATE))
         actuation = bind_actuation(manifest.actuation, model)
         self._joints = _find_allowed(self._chosen, actuation, model)
-        step_s = ms_to_s(manifest.step_ms)
-        self._torques = map_torques(manifest.actuation.model, actuation, self._joints.indices, model, step_s)
+        mapping, step_s = find_mapping(manifest.actuation.model), ms_to_s(manifest.step_ms)
+        self._torques = mapping(actuation, self._joints.indices, model, step_s)
         self._present_rad = data.qpos[self._joints.angles]
         postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
         objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
@@ -178,19 +161,13 @@ class InverseDynamics:
 
     def _shares(self, now: Dynamics) -> FloatArray:
         """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
-        turning, wanted = self._turning(now), self._wanted(now)
+        turning, wanted = now.joint_limit(self._torques.strength_nm), self._wanted(now)
         linear_demands = [
             self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
             for level in self._levels
         ]
         least, largest = self._joints.bounds(self._data)
         return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
-
-    def _turning(self, now: Dynamics) -> JointLimit:
-        """Return the accelerations of the joints themselves."""
-        strength_nm = self._torques.strength_nm
-        response, drift = now.joint_response()
-        return JointLimit(response * strength_nm, drift, now.unheld_response() * strength_nm)
 
     def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
         """Return the accelerations that a posture demands."""
@@ -217,11 +194,7 @@ class InverseDynamics:
 
 
 def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Posture], Posture]:
-    """Return the objectives by priority, then the posture.
-
-    Raises:
-        ControlError: If that is not the last of them, or the posture of some joints shares its priority.
-    """
+    """Return the objectives by priority, then the posture."""
     if not isinstance(objectives, Sequence):
         raise ControlError("objectives come as a list, the most important first; write [objective] for one")
     levels: list[Any] = [tuple(level) if isinstance(level, list) else level for level in objectives]
@@ -240,13 +213,9 @@ def _is_whole(level: object) -> bool:
 
 
 def _find_allowed(chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel) -> Joints:
-    """Return the joints that may move, of those that actuators move; each once.
-
-    Raises:
-        UnknownNameError: If one is not moved by any.
-    """
+    """Return the joints that may move, of those that actuators move; each once."""
     moved = list(dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0]))
     for name in chosen or ():
         if name not in moved:
             raise UnknownNameError("joint with an actuator", name, moved)
-    return find_joints(moved if chosen is None else chosen, model)
+    return Joints(moved if chosen is None else chosen, model)

@@ -1,8 +1,9 @@
 """Objectives: targets of parts of the body, and the accelerations towards them."""
 
 import math
+import textwrap
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from mimoc.base.errors import ControlError
 from mimoc.control.frames import Motion
 from mimoc.control.posture import Gains
+from mimoc.geometry.rotations import matrix_from_quaternion
 from mimoc.senses.sense import FloatArray
 
 _PARALLEL = 1e-9
@@ -18,13 +20,9 @@ _PARALLEL = 1e-9
 
 
 def rotation_vector(axes: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the rotation vector, shape (3,), [rad], in the world, from one orientation to another.
+    """Return the rotation vector, shape (3,), [rad], in the world, from axes R to wanted ones R*, columns of (3, 3).
 
     It is the logarithm of R* Rᵀ, at most half a turn long.
-
-    Args:
-        axes: Present axes, as columns, shape (3, 3).
-        wanted: Target axes, as columns, shape (3, 3).
     """
     quaternion, turn = np.empty(4), np.empty(3)
     mujoco.mju_mat2Quat(quaternion, (wanted @ axes.T).ravel())
@@ -33,13 +31,9 @@ def rotation_vector(axes: FloatArray, wanted: FloatArray) -> FloatArray:
 
 
 def turn_towards(pointing: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the shortest rotation vector, shape (3,), [rad], from one direction to another.
+    """Return the shortest rotation vector, shape (3,), [rad], from one direction, a unit vector, to another.
 
     It is zero if they are equal, and about an arbitrary perpendicular axis if they are opposite.
-
-    Args:
-        pointing: Present direction, a unit vector, shape (3,).
-        wanted: Target direction, a unit vector, shape (3,).
     """
     across, along = _cross(pointing, wanted), float(pointing @ wanted)
     sine = math.sqrt(across @ across)
@@ -92,10 +86,8 @@ class TaskAcceleration:
 class Objective(Protocol):
     """A target of a part of the body."""
 
-    @property
-    def site(self) -> str:
-        """Name of the controlled site, camera or body."""
-        ...
+    site: str
+    """Name of the controlled site, camera or body."""
 
     def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded accelerations."""
@@ -200,9 +192,13 @@ class OrientationTask:
         if np.shape(orientation) == (3,):
             self._orientation = _unit("direction", orientation)
         elif np.shape(orientation) == (4,):
-            self._orientation = _rotation(_unit("quaternion", orientation))
+            self._orientation = matrix_from_quaternion(_unit("quaternion", orientation).tolist())
         else:
-            self._orientation = _checked_rotation(_finite("orientation", orientation, (3, 3)))
+            matrix = _finite("orientation", orientation, (3, 3))
+            if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+                advice = "its columns must be orthogonal unit vectors"
+                raise ControlError(f"the orientation is not a rotation matrix; {advice}")
+            self._orientation = matrix
 
     def demand(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded angular acceleration; rotation about a target direction is left free."""
@@ -280,7 +276,8 @@ def _finite(what: str, numbers: npt.ArrayLike, shape: tuple[int, ...]) -> FloatA
         array = np.empty(0)
     if array.shape != shape or not np.isfinite(array).all():
         wanted = " x ".join(map(str, shape))
-        raise ControlError(f"the {what} is {_shown(numbers)}; give {wanted} finite numbers")
+        shown = textwrap.shorten(str(numbers), 60, placeholder="...")
+        raise ControlError(f"the {what} is {shown}; give {wanted} finite numbers")
     array.flags.writeable = False
     return array
 
@@ -291,20 +288,3 @@ def _unit(what: str, numbers: npt.ArrayLike) -> FloatArray:
     if length == 0.0:
         raise ControlError(f"the {what} has length zero; give a vector of any other length")
     return vector / length
-
-
-def _rotation(quaternion: FloatArray) -> FloatArray:
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, quaternion)
-    return flat.reshape(3, 3)
-
-
-def _checked_rotation(matrix: FloatArray) -> FloatArray:
-    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
-        raise ControlError("the orientation is not a rotation matrix; its columns must be orthogonal unit vectors")
-    return matrix
-
-
-def _shown(numbers: Any) -> str:
-    text = " ".join(str(numbers).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -58,11 +58,8 @@ def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> Fl
 
     With the response A_k and the null-space projector N_k of the first k demands,
     u_k = u_(k-1) + (A_k N_(k-1))^# (a_k - A_k u_(k-1)), where ^# is a damped inverse. N_k is not damped, so that no
-    demand disturbs those before it, regardless of the damping.
-
-    Args:
-        demands: The demands, the most important first.
-        rest: Demand of the lowest priority, for the remaining freedom; the size of its response is 1.
+    demand disturbs those before it, regardless of the damping. The last demand is for the remaining freedom, and the
+    size of its response is 1.
     """
     count = rest.response.shape[1]
     shares, taken = np.zeros(count), np.zeros((0, count))
@@ -75,11 +72,9 @@ def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> Fl
 
 
 def damped_inverse(values: FloatArray, size: float) -> FloatArray:
-    """Return s / (s² + λ²) of singular values s; λ grows near singularities, so that it stays bounded.
+    """Return s / (s² + λ²) of positive singular values s, shape (k,), of which the size of the demand is a bound.
 
-    Args:
-        values: Positive singular values, shape (k,).
-        size: Size of the demand itself, an upper bound of the values.
+    λ grows near singularities, so that it stays bounded.
     """
     nearness = np.maximum(1.0 - values / (SINGULAR * size), 0.0)
     return values / (values**2 + size**2 * (DAMPING**2 + (SINGULAR_DAMPING * nearness) ** 2))
@@ -94,12 +89,9 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def _singular_values(response: FloatArray, size: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the k singular values of a response above the threshold, shape (k,), and their vectors.
+    """Return the k singular values of a response above the threshold, and their vectors, shapes (m, k) and (k, n).
 
     They are computed from the eigenvalues of its Gram matrix, which for few rows takes a third of the time.
-
-    Returns:
-        The values, the left vectors, shape (m, k), and the right ones, shape (k, n).
     """
     squares, left = np.linalg.eigh(response @ response.T)
     kept = squares > max((RANK * size) ** 2, _TINY)

@@ -1,6 +1,6 @@
 """Reaching: hands go to targets, given or random, the eyes look at one of them, and legs and trunk balance."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -14,7 +14,7 @@ from mimoc.control.frames import Frame, find_frame, joints_between, limb_of, tru
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.objectives import LOOKING, REACHING, GazeTask, OrientationTask, PositionTask
 from mimoc.control.posture import Gains, Posture
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.senses.sense import FloatArray
 
 SHARE = 0.8
 """Fraction of each joint's range, about its middle, from which its angle is drawn."""
@@ -98,53 +98,6 @@ LYING = 0.5
 """Cosine of 60°, the tilt of the chest beyond which an infant counts as lying."""
 
 
-class Balance:
-    """Determines whether an infant lies, sits or stands, and the objectives that keep it stable."""
-
-    def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Find trunk and legs of an infant."""
-        self._model, self._manifest = model, manifest
-        self._trunk = trunk_of(manifest.anatomy, model)
-        actuators = [actuator for actuator in manifest.actuation.actuators if actuator.commanded]
-        self._moved = list(dict.fromkeys(model.joint(actuator.joint).id for actuator in actuators))
-
-    def lies(self, data: mujoco.MjData) -> bool:
-        """Return whether the chest is tilted so far that the infant lies."""
-        return bool(data.xmat[self._trunk[-1]].reshape(3, 3)[2, 2] < LYING)
-
-    def sits_freely(self, data: mujoco.MjData) -> bool:
-        """Return whether the infant is upright and supported only by the ground."""
-        return not self._manifest.constraints.welds and not self.lies(data)
-
-    def objectives(self, data: mujoco.MjData) -> list[Posture | OrientationTask]:
-        """Return the objectives that keep the infant stable: first the posture of its legs, then an upright chest.
-
-        For an infant that lies, these are only the postures of legs and spine, since the ground supports its chest.
-        """
-        model = self._model
-        roots = [model.body(leg.root).id for leg in self._manifest.anatomy.legs]
-        legs = self._joints_on(np.flatnonzero(in_subtrees(model, roots)))
-        if self.lies(data):
-            return [Posture(joints=[*legs, *self._joints_on(np.array(self._trunk, np.intp))])]
-        chest = data.body(self._trunk[-1])
-        return [Posture(joints=legs), OrientationTask(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
-
-    def loose_feet(self, data: mujoco.MjData) -> list[str]:
-        """Return the feet of a sitting infant, which may slide; counted as sticking, they creep until legs cross.
-
-        The feet of a standing infant, whose hip is high above them, stick.
-        """
-        feet = [leg.end for leg in self._manifest.anatomy.legs if leg.end]
-        root_m = data.body(self._manifest.root_body).xpos
-        away_m = [root_m - data.body(foot).xpos for foot in feet]
-        return [foot for foot, way in zip(feet, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
-
-    def _joints_on(self, bodies: IntArray) -> list[str]:
-        """Return the commanded joints of some bodies."""
-        chosen = np.isin(self._model.jnt_bodyid[self._moved], bodies)
-        return [self._model.joint(joint).name for joint, is_on in zip(self._moved, chosen, strict=True) if is_on]
-
-
 @dataclass(frozen=True, slots=True)
 class ReachGains:
     """Gains of hands and eyes."""
@@ -182,26 +135,23 @@ class ReachController:
         Raises:
             ControlError: If the infant has servos, or no commanded hand.
         """
-        self._data, self._balance = data, Balance(model, manifest)
-        self._places = ReachableTargets(model, manifest)
-        self.sits_freely = self._balance.sits_freely(data)
+        self._model, self._data, self._manifest = model, data, manifest
+        self._trunk, self._places = trunk_of(manifest.anatomy, model), ReachableTargets(model, manifest)
+        self.hands = self._places.hands
+        """Bodies of the hands that reach."""
+        self.sits_freely = not manifest.constraints.welds and not self.lies
         """Whether the infant was upright and supported only by the ground when the controller was created."""
         gains = gains or (GAIN_SETS[GENTLE] if self.sits_freely else ReachGains())
-        self._reaches = [PositionTask(hand, data.body(hand).xipos, gains.hands) for hand in self._places.hands]
+        self._reaches = [PositionTask(hand, data.body(hand).xipos, gains.hands) for hand in self.hands]
         self._looks = [GazeTask(eye, self._reaches[0].target, gains=gains.eyes) for eye in self._places.eyes]
-        steady, feet = self._balance.objectives(data), self._balance.loose_feet(data)
+        steady, feet = self._steady(), self._loose_feet()
         self._control = InverseDynamics(model, data, manifest, [*steady, self._reaches, self._looks], loose=feet)
         self._first = sum(isinstance(objective, OrientationTask) for objective in steady)
 
     @property
-    def hands(self) -> tuple[str, ...]:
-        """Bodies of the hands that reach."""
-        return self._places.hands
-
-    @property
     def lies(self) -> bool:
-        """Whether the infant lies now."""
-        return self._balance.lies(self._data)
+        """Whether the chest is tilted so far now that the infant lies."""
+        return bool(self._data.xmat[self._trunk[-1]].reshape(3, 3)[2, 2] < LYING)
 
     def __call__(self) -> npt.NDArray[np.float32]:
         """Return the action for the present state."""
@@ -222,3 +172,31 @@ class ReachController:
         """Return the present errors of the hands, [m], and of the eyes, [rad]."""
         errors = list(self._control.errors()[self._first :])
         return errors[: len(self._reaches)], errors[len(self._reaches) :]
+
+    def _steady(self) -> list[Posture | OrientationTask]:
+        """Return the objectives that keep the infant stable: first the posture of its legs, then an upright chest.
+
+        For an infant that lies, these are only the postures of legs and spine, since the ground supports its chest.
+        """
+        roots = [self._model.body(leg.root).id for leg in self._manifest.anatomy.legs]
+        legs = self._joints_on(np.flatnonzero(in_subtrees(self._model, roots)))
+        if self.lies:
+            return [Posture(joints=[*legs, *self._joints_on(self._trunk)])]
+        chest = self._data.body(self._trunk[-1])
+        return [Posture(joints=legs), OrientationTask(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
+
+    def _loose_feet(self) -> list[str]:
+        """Return the feet of a sitting infant, which may slide; counted as sticking, they creep until legs cross.
+
+        The feet of a standing infant, whose hip is high above them, stick.
+        """
+        feet = [leg.end for leg in self._manifest.anatomy.legs if leg.end]
+        root_m = self._data.body(self._manifest.root_body).xpos
+        away_m = [root_m - self._data.body(foot).xpos for foot in feet]
+        return [foot for foot, way in zip(feet, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
+
+    def _joints_on(self, bodies: Collection[int]) -> list[str]:
+        """Return the commanded joints of some bodies, each once."""
+        actuators = [actuator for actuator in self._manifest.actuation.actuators if actuator.commanded]
+        joints = [self._model.joint(actuator.joint) for actuator in actuators]
+        return list(dict.fromkeys(joint.name for joint in joints if self._model.jnt_bodyid[joint.id] in bodies))

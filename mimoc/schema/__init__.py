@@ -19,11 +19,11 @@ if TYPE_CHECKING:
         validated as validated,
     )
     from mimoc.schema.spec import ControlSpec as ControlSpec
-    from mimoc.senses.proprioception.spec import ProprioceptionSpec as ProprioceptionSpec
+    from mimoc.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
     from mimoc.senses.spec import SensesSpec as SensesSpec
-    from mimoc.senses.touch.spec import TouchSpec as TouchSpec
-    from mimoc.senses.vestibular.spec import VestibularSpec as VestibularSpec
-    from mimoc.senses.vision.spec import AcuitySpec as AcuitySpec, VisionSpec as VisionSpec
+    from mimoc.senses.touch import TouchSpec as TouchSpec
+    from mimoc.senses.vestibular import VestibularSpec as VestibularSpec
+    from mimoc.senses.vision import AcuitySpec as AcuitySpec, VisionSpec as VisionSpec
     from mimoc.tasks.spec_base import TaskSpec as TaskSpec
     from mimoc.toys.spec import ToysSpec as ToysSpec
 
@@ -38,11 +38,11 @@ __getattr__, __dir__, __all__ = names_of(
         "mimoc.schema.body": "BodySpec IndividualSpec PartSpec",
         "mimoc.schema.infant": "InfantSpec as_written read_spec to_data validated",
         "mimoc.schema.spec": "ControlSpec",
-        "mimoc.senses.proprioception.spec": "ProprioceptionSpec",
+        "mimoc.senses.proprioception": "ProprioceptionSpec",
         "mimoc.senses.spec": "SensesSpec",
-        "mimoc.senses.touch.spec": "TouchSpec",
-        "mimoc.senses.vestibular.spec": "VestibularSpec",
-        "mimoc.senses.vision.spec": "AcuitySpec VisionSpec",
+        "mimoc.senses.touch": "TouchSpec",
+        "mimoc.senses.vestibular": "VestibularSpec",
+        "mimoc.senses.vision": "AcuitySpec VisionSpec",
         "mimoc.tasks.spec_base": "TaskSpec",
         "mimoc.toys.spec": "ToysSpec",
     },

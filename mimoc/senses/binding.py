@@ -10,7 +10,7 @@ from mimoc.base.errors import KindError
 from mimoc.base.kinds import function_of
 from mimoc.bundle.io import Bundle
 from mimoc.senses import SENSES
-from mimoc.senses.custom import CustomSense, nothing
+from mimoc.senses.custom import CustomSense, TermSense, Zero
 from mimoc.senses.sense import Sense
 
 NONE: Mapping[str, Any] = MappingProxyType({})
@@ -42,7 +42,7 @@ def bind_senses(
     senses: dict[str, Sense] = {name: kept.get(name) or bind_sense(name, bundle, model) for name in names}
     senses |= {name: CustomSense(name, sense, model, bundle) for name, sense in custom.items()}
     _refuse_same_arrays(senses)
-    return senses or {"nothing": nothing()}
+    return senses or {"nothing": TermSense("nothing", Zero(), ("nothing [0]",), low=0.0, high=1.0)}
 
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:

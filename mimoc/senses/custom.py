@@ -62,16 +62,11 @@ class TermSense(Measure, Vector):
 
 @dataclass(frozen=True)
 class Zero(Term):
-    """A zero, shape (k, 1)."""
+    """A zero, shape (k, 1): what an infant without senses observes, as Gymnasium wants at least one number."""
 
     def __call__(self, worlds: Worlds) -> Any:
         """Return zeros."""
         return worlds.xp.zeros_like(worlds.xpos[:, 0, :1])
-
-
-def nothing() -> TermSense:
-    """Return what an infant without senses observes, a zero: Gymnasium wants at least one number."""
-    return TermSense("nothing", Zero(), layout=("nothing [0]",), low=0.0, high=1.0)
 
 
 class CustomSense(Sense):
@@ -103,7 +98,12 @@ class CustomSense(Sense):
             raise KindError(f"sense '{name}' has no attribute 'space', the gymnasium.spaces.Box of what it returns")
         self._name, self._custom, self._space = name, custom, custom.space
         self.spaces = {name: self._space}
-        self.delay = _delay_of(name, custom, bundle)
+        delay_ms = float(getattr(custom, "delay_ms", 0.0))
+        try:
+            to_steps(delay_ms, bundle.manifest.timestep_ms)
+        except ValueError as error:
+            raise KindError(f"sense '{name}': {error}") from None
+        self.delay = DelayEntry(ms=delay_ms)
 
     @property
     def class_name(self) -> str:
@@ -139,12 +139,3 @@ def by_name(senses: Any) -> dict[str, Any]:
     if not isinstance(senses, Mapping):
         raise KindError(f"senses is {senses!r:.60}; pass a dictionary of objects by the name of their observation")
     return dict(senses)
-
-
-def _delay_of(name: str, custom: Any, bundle: Bundle) -> DelayEntry:
-    delay_ms = float(getattr(custom, "delay_ms", 0.0))
-    try:
-        to_steps(delay_ms, bundle.manifest.timestep_ms)
-    except ValueError as error:
-        raise KindError(f"sense '{name}': {error}") from None
-    return DelayEntry(ms=delay_ms)

@@ -49,11 +49,8 @@ class Sense(ABC):
     None where all are in the head or trunk."""
     term: Term | None = None
     """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
-
-    @property
-    def reads_in_threads(self) -> bool:
-        """Whether samples of several infants can be taken at the same time, in any threads."""
-        return False
+    reads_in_threads: bool = False
+    """Whether samples of several infants can be taken at the same time, in any threads."""
 
     @property
     @abstractmethod

@@ -58,13 +58,7 @@ class Toy:
 
 
 def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
-    """Return a random number of toys; the first n do not depend on the number.
-
-    Args:
-        spec: Ranges of the number and size of toys.
-        seed: Seed of the scene.
-        box: The toys to choose from.
-    """
+    """Return a random number of toys from a box; the first n do not depend on the number."""
     count = whole_between(stream(seed, "toys.count"), *spec.count)
     which, sizes, colours, turns = (
         stream(seed, f"toys.{aspect}") for aspect in ("choice", "size", "colour", "orientation")
@@ -73,14 +67,8 @@ def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
     toys: list[Toy] = []
     for done in range(count):
         box.progress(done, count)
-        toys.append(
-            Toy(
-                model=box.load(pick(which, box.names)),
-                size_m=between(sizes, low_m, high_m),
-                yaw_rad=between(turns, 0.0, 2 * np.pi),
-                colours=_draw_colours(colours),
-            )
-        )
+        model, size_m = box.load(pick(which, box.names)), between(sizes, low_m, high_m)
+        toys.append(Toy(model, size_m, between(turns, 0.0, 2 * np.pi), _draw_colours(colours)))
     return tuple(toys)
 
 
@@ -88,12 +76,8 @@ def _draw_colours(generator: np.random.Generator) -> dict[Tint, Rgba]:
     """Return a random colour, a contrasting one, a near-black and a near-white."""
     hue, saturation, brightness = (between(generator, *ends) for ends in ((0.0, 1.0), SATURATION, BRIGHTNESS))
     other = (hue + between(generator, *ACCENT)) % 1.0
-    return {
-        "main": _rgba(hue, saturation, brightness),
-        "accent": _rgba(other, saturation, brightness),
-        "dark": DARK,
-        "light": LIGHT,
-    }
+    main, accent = (_rgba(turn, saturation, brightness) for turn in (hue, other))
+    return {"main": main, "accent": accent, "dark": DARK, "light": LIGHT}
 
 
 def _rgba(hue: float, saturation: float, brightness: float) -> Rgba:

@@ -4,6 +4,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
@@ -11,7 +12,7 @@ from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.model import Mesh, Solid, solid_volume
+from mimoc.toys.model import UPRIGHT, Mesh, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
@@ -27,24 +28,33 @@ upright except for rounding errors, and a bottle that stood still for seconds wo
 """
 LONGEST_NAME = 40
 """Maximum number of characters of a toy's name in the names of its elements."""
-LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
 """Geom group that MuJoCo does not render by default."""
+LOOKS = ObjectGeom(
+    name="",
+    type="mesh",
+    names=(),
+    sizes=(),
+    pos_m=(0.0, 0.0, 0.0),
+    quat=UPRIGHT,
+    mass_kg=0.0,
+    material="",
+    contype=UNTOUCHED,
+    conaffinity=UNTOUCHED,
+    condim=1,
+    friction=FRICTION,
+    solmix=DOMINANT_SOLMIX,
+    group=1,
+)
+"""A visual geom, without contacts or mass."""
 
 
 def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
-    """Return a toy that stands on the floor.
-
-    Args:
-        toy: The toy.
-        number: Number of the toy in the scene, from 1.
-        place_m: Its position, x and y.
-    """
+    """Return a toy that stands on the floor, at x and y; *number* is its number in the scene, from 1."""
     name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
-    looks = list(_looks(toy, name, number))
-    solids = list(_solids(toy, name, number))
+    pieces = [*_looks(toy, name, number), *_solids(toy, name, number)]
     return FreeObject(
         name=name,
         object=toy.model.name,
@@ -56,9 +66,9 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
         size_m=toy.size_m,
         mass_kg=toy.mass_kg,
         density_kg_m3=toy.model.density_kg_m3,
-        geoms=tuple(geom for geom, _ in (*looks, *solids)),
+        geoms=tuple(geom for geom, _ in pieces),
         materials=tuple(materials.values()),
-        meshes=tuple(mesh for _, mesh in (*looks, *solids) if mesh),
+        meshes=tuple(mesh for _, mesh in pieces if mesh),
     )
 
 
@@ -69,82 +79,43 @@ def mjcf_name(text: str) -> str:
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
-    """Yield the visual geoms of a toy, which have no contacts, and their meshes."""
+    """Yield the visual geoms of a toy, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
-        yield (
-            ObjectGeom(
-                name=f"{name}_looks_{part.tint}",
-                type="mesh",
-                names=(("mesh", mesh.name),),
-                sizes=(),
-                pos_m=(0.0, 0.0, 0.0),
-                quat=(1.0, 0.0, 0.0, 0.0),
-                mass_kg=0.0,
-                material=f"{name}_{part.tint}",
-                contype=UNTOUCHED,
-                conaffinity=UNTOUCHED,
-                condim=1,
-                friction=FRICTION,
-                solmix=DOMINANT_SOLMIX,
-                group=LOOKS_GROUP,
-            ),
-            mesh,
-        )
+        names, material = (("mesh", mesh.name),), f"{name}_{part.tint}"
+        yield replace(LOOKS, name=f"{name}_looks_{part.tint}", names=names, material=material), mesh
 
 
 def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
-    """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes."""
-    volumes = [solid_volume(solid) for solid in toy.model.solids]
-    ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
-    for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
-        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, toy.size_m, "convex") if solid.mesh else None
-        x, y, z = (toy.size_m * offset for offset in solid.pos)
-        yield (
-            ObjectGeom(
-                name=f"{name}_solid{index}",
-                type=solid.type,
-                names=(("mesh", mesh.name),) if mesh else (),
-                sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
-                pos_m=(x, y, z),
-                quat=solid.quat,
-                mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
-                material=f"{name}_{toy.model.parts[0].tint}",
-                contype=SOLID,
-                conaffinity=SOLID,
-                condim=CONDIM[solid.type],
-                friction=FRICTION,
-                solmix=DOMINANT_SOLMIX,
-                group=SOLIDS_GROUP,
-            ),
-            mesh,
+    """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes.
+
+    Ballast is an invisible geom without contacts that moves a toy's centre of mass slightly to one side.
+    """
+    size_m, solids = toy.size_m, toy.model.solids
+    hidden = replace(LOOKS, material=f"{name}_{toy.model.parts[0].tint}", group=SOLIDS_GROUP)
+    volumes = [solid_volume(solid) for solid in solids]
+    ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in solids) else 0.0
+    for index, (solid, volume) in enumerate(zip(solids, volumes, strict=True), start=1):
+        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
+        x, y, z = (size_m * offset for offset in solid.pos)
+        geom = replace(
+            hidden,
+            name=f"{name}_solid{index}",
+            type=solid.type,
+            names=(("mesh", mesh.name),) if mesh else (),
+            sizes=() if mesh else (("size", tuple(size_m * length for length in solid.size)),),
+            pos_m=(x, y, z),
+            quat=solid.quat,
+            mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
+            contype=SOLID,
+            conaffinity=SOLID,
+            condim=CONDIM[solid.type],
         )
+        yield geom, mesh
     if ballast_kg:
-        yield _ballast(toy, name, ballast_kg), None
-
-
-def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
-    """Return an invisible geom without contacts that moves a toy's centre of mass slightly to one side."""
-    return ObjectGeom(
-        name=f"{name}_ballast",
-        type="sphere",
-        names=(),
-        sizes=(("size", (BALLAST_RADIUS * toy.size_m,)),),
-        pos_m=(BALLAST_AT * toy.size_m, 0.0, toy.model.solids[0].pos[2] * toy.size_m),
-        quat=(1.0, 0.0, 0.0, 0.0),
-        mass_kg=mass_kg,
-        material=f"{name}_{toy.model.parts[0].tint}",
-        contype=UNTOUCHED,
-        conaffinity=UNTOUCHED,
-        condim=1,
-        friction=FRICTION,
-        solmix=DOMINANT_SOLMIX,
-        group=SOLIDS_GROUP,
-    )
-
-
-def _scaled(solid: Solid, size_m: float) -> tuple[float, ...]:
-    return tuple(size_m * length for length in solid.size)
+        pos_m, sizes = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m), (("size", (BALLAST_RADIUS * size_m,)),)
+        ballast = replace(hidden, name=f"{name}_ballast", type="sphere", sizes=sizes, pos_m=pos_m, mass_kg=ballast_kg)
+        yield ballast, None
 
 
 def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:

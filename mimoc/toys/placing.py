@@ -65,13 +65,8 @@ def place_toys(
 ) -> FloatArray | None:
     """Return a position for each toy, shape (n, 2), or None if there is no space for one of them.
 
-    Positions are drawn by rejection, so that on the free floor the density of toys is that of *reach*.
-
-    Args:
-        radii_m: Radii of the toys, seen from above.
-        reach: Distribution of the positions.
-        floor: Limits of the positions.
-        generator: Random number generator.
+    Positions are drawn by rejection, so that on the free floor the density of toys, whose radii are seen from above, is
+    that of *reach*.
     """
     taken = list(map(tuple, floor.taken_m))
     places = np.empty((len(radii_m), 2))

@@ -8,8 +8,7 @@ from toys.shaping import egg, lathe, rod, tube
 from toys.solids import capsule, cylinder, ellipsoid, sphere
 from toys.transforms import move, turn
 
-from mimoc.toys.assembling import Looks, assemble
-from mimoc.toys.model import Mesh, ToyModel
+from mimoc.toys.model import Looks, Mesh, ToyModel, assemble
 
 MANY = 24
 """Corners of circles that are seen from close up."""

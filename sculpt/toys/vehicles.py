@@ -7,8 +7,7 @@ from toys.transforms import move, pair, turn
 from toys.wheels import axles, wheels
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.toys.assembling import Looks, assemble
-from mimoc.toys.model import Mesh, ToyModel
+from mimoc.toys.model import Looks, Mesh, ToyModel, assemble
 
 
 def car() -> ToyModel:

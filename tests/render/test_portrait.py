@@ -15,7 +15,7 @@ from mimoc.render.markers import MOST, UNLOADED
 from mimoc.render.opengl import open_context
 from mimoc.render.portrait import ROW_FOVY_DEG, Framing, lineup, portrait
 from mimoc.senses.touch import run
-from mimoc.senses.touch.preview import skin_markers
+from mimoc.senses.touch.run import skin_markers
 
 
 def share_of(picture, colour):

@@ -10,9 +10,8 @@ from mimoc.base.errors import SpecError, UnknownToysError, suggestion
 from mimoc.base.kinds import ToySource
 from mimoc.compiler.explain import explain
 from mimoc.schema.base import Model
-from mimoc.toys.assembling import assemble
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import Mesh, Solid
+from mimoc.toys.model import Mesh, Solid, assemble
 
 SPEC = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"proprioception": {}}}
 

@@ -3,7 +3,7 @@
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
-from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
+from mimoc.senses.proprioception import ProprioceptionEntry, ProprioceptionSpec
 
 
 def build(spec: ProprioceptionSpec, body: BodyTree) -> Placed:

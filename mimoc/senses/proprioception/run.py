@@ -1,6 +1,6 @@
 """Proprioception: the angles and velocities of the joints, their torques and limits, and the state of the actuators."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.custom import TermSense
-from mimoc.senses.proprioception.spec import ProprioceptionEntry
+from mimoc.senses.proprioception import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray
 
 LIMIT_MARGIN_RAD = 0.035
@@ -72,8 +72,8 @@ class Component(NamedTuple):
 
 def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
     """Find the joints, sensors and actuators of *entry* in *model*."""
-    included = [COMPONENTS[name](entry, bundle.manifest.actuation, model) for name in entry.include]
-    components = [_angles(entry, model), *(component for components in included for component in components)]
+    available = _components(entry, bundle.manifest.actuation, model)
+    components = [component for name in ("angle", *entry.include) for component in available[name]]
     high = np.repeat([component.high for component in components], [len(part.layout) for part in components])
     return TermSense(
         "proprioception",
@@ -85,59 +85,35 @@ def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> T
     )
 
 
-def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
-    joints = _ids(model, entry.joints)
-    term = Field("qpos", model.jnt_qposadr[joints].astype(np.intp))
-    return Component(term, 4 * np.pi, _names(entry.joints, "angle", ANGLE_UNIT), model.jnt_bodyid[joints])
-
-
-def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
-    joints = _ids(model, entry.joints)
-    term = Field("qvel", model.jnt_dofadr[joints].astype(np.intp))
-    layout = _names(entry.joints, "velocity", VELOCITY_UNIT)
-    return [Component(term, MAX_SPEED_RAD_S, layout, model.jnt_bodyid[joints])]
-
-
-def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
-    sensors = [model.sensor(name) for name in entry.torque_sensors]
-    addresses = np.concatenate([sensor.adr[0] + np.arange(3) for sensor in sensors])
-    axes = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
-    bodies = np.repeat(model.site_bodyid[[sensor.objid[0] for sensor in sensors]], 3)
-    return [Component(Field("sensordata", addresses), MAX_TORQUE_NM, _names(axes, "torque", "N m"), bodies)]
-
-
-def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
-    joints = _ids(model, entry.joints)
+def _components(
+    entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel
+) -> dict[str, list[Component]]:
+    """Return what can be sensed, by the name with which it is included; angles always are."""
+    joints = np.array([model.joint(name).id for name in entry.joints], np.intp)
+    angles, velocities = model.jnt_qposadr[joints].astype(np.intp), model.jnt_dofadr[joints].astype(np.intp)
     low, high = model.jnt_range[joints].T
-    reach_rad = (high - low) / 2 - LIMIT_MARGIN_RAD
-    term = Limits(model.jnt_qposadr[joints].astype(np.intp), (low + high) / 2, reach_rad)
-    return [Component(term, MAX_LIMIT, _names(entry.joints, "limit", "1 at the limit"), model.jnt_bodyid[joints])]
-
-
-def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
-    """Return what drives each actuator, and the torque that it makes of that."""
+    limits = Limits(angles, (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD)
+    sensors = np.array([model.sensor(name).id for name in entry.torque_sensors], np.intp)
+    axes = [f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz"]
+    loads = Field("sensordata", (model.sensor_adr[sensors][:, None] + np.arange(3)).ravel())
     bound = bind_actuation(all_commanded(actuation), model)
-    names = tuple(actuator.name for actuator in actuation.actuators)
-    bodies = model.jnt_bodyid[model.actuator_trnid[bound.actuators, 0]]
+    actuators = [actuator.name for actuator in actuation.actuators]
     torques = ActuatorTorques(bound.actuators, model.actuator_gear[bound.actuators, 0])
-    return [
-        Component(bound.drive, 1.0, _names(names, bound.drive_name, "1"), bodies),
-        Component(torques, MAX_TORQUE_NM, _names(names, "torque", "N m"), bodies),
-    ]
 
+    def component(term: Term, high: float, names: Sequence[str], quantity: str, unit: str, bodies: Any) -> Component:
+        return Component(term, high, tuple(f"{name} {quantity} [{unit}]" for name in names), bodies)
 
-COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], list[Component]]] = {
-    "velocity": _velocities,
-    "torque": _torques,
-    "limits": _limits,
-    "actuation": _actuation,
-}
-"""What can be sensed besides angles."""
-
-
-def _ids(model: mujoco.MjModel, joints: tuple[str, ...]) -> IntArray:
-    return np.array([model.joint(name).id for name in joints], np.intp)
-
-
-def _names(things: tuple[str, ...], quantity: str, unit: str) -> tuple[str, ...]:
-    return tuple(f"{thing} {quantity} [{unit}]" for thing in things)
+    of_joints, on_sites = model.jnt_bodyid[joints], np.repeat(model.site_bodyid[model.sensor_objid[sensors]], 3)
+    driven = model.jnt_bodyid[model.actuator_trnid[bound.actuators, 0]]
+    return {
+        "angle": [component(Field("qpos", angles), 4 * np.pi, entry.joints, "angle", ANGLE_UNIT, of_joints)],
+        "velocity": [
+            component(Field("qvel", velocities), MAX_SPEED_RAD_S, entry.joints, "velocity", VELOCITY_UNIT, of_joints)
+        ],
+        "torque": [component(loads, MAX_TORQUE_NM, axes, "torque", "N m", on_sites)],
+        "limits": [component(limits, MAX_LIMIT, entry.joints, "limit", "1 at the limit", of_joints)],
+        "actuation": [
+            component(bound.drive, 1.0, actuators, bound.drive_name, "1", driven),
+            component(torques, MAX_TORQUE_NM, actuators, "torque", "N m", driven),
+        ],
+    }

@@ -1,8 +1,62 @@
 """Touch, all over the skin."""
 
+from typing import Annotated, Literal
+
+from pydantic import Field
+
 from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.senses.touch.spec import TouchEntry, TouchSpec
+from mimoc.schema.base import Model
+from mimoc.schema.entries import Body, Length
+from mimoc.schema.names import Groups
+from mimoc.schema.quantities import Real
+
+TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]
+TouchResponse = Literal["linear", "nearest"]
+
+POINTS = "touch/points_m"
+"""Array of the bundle: the skin points of all bodies, one body after the other, shape (n, 3), in the frames of their
+bodies."""
+
+
+class TouchSpec(Model):
+    """Touch, at points all over the skin."""
+
+    density: Annotated[Real, Field(ge=0.1, le=10)] = 1.0
+    """Density of skin points, relative to that derived from infants' two-point discrimination thresholds."""
+    quantity: TouchQuantity = "force_vector"
+    """Measured quantity: force in the frame of the body part (`force_vector`), force in the world frame
+    (`force_vector_global`), or the normal component of the force (`normal`)."""
+    response: TouchResponse = "linear"
+    """Whether the force of a contact is distributed over the skin points around it (`linear`) or assigned to the
+    nearest one (`nearest`)."""
+    regions: Annotated[Groups, Field(min_length=1)] | None = None
+    """Muscle groups whose body parts have skin points; `neck` includes the head. By default, the whole body."""
+
+
+class SkinEntry(Model):
+    """The skin points of one body."""
+
+    body: Body
+    """The body."""
+    points: Annotated[int, Field(ge=0, le=10**7)]
+    """Number of points."""
+    spacing_m: Annotated[Length, Field(ge=1e-5, le=1)]
+    """Distance between neighbouring points."""
+
+
+class TouchEntry(Model):
+    """Touch."""
+
+    kind: Literal["touch"] = "touch"
+    """Name of the sense."""
+    quantity: TouchQuantity
+    """Measured quantity: force in the frame of the body, force in the world frame, or its normal component."""
+    response: TouchResponse
+    """Whether the force of a contact is distributed over the skin points around it or assigned to the nearest one."""
+    skin: tuple[SkinEntry, ...]
+    """Bodies that have skin points, in the order of the model and of the array `touch/points_m`."""
+
 
 KIND = SenseKind(
     name="touch",
@@ -10,7 +64,7 @@ KIND = SenseKind(
     entry=TouchEntry,
     build="mimoc.senses.touch.build",
     run="mimoc.senses.touch.run",
-    many="mimoc.senses.touch.many",
+    many="mimoc.senses.touch.run",
     device="mimoc.runtime.device.touch",
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
     noise=NoiseOption(

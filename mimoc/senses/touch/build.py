@@ -4,8 +4,8 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.mjcf.scene import Placed
+from mimoc.senses.touch import SkinEntry, TouchEntry, TouchSpec
 from mimoc.senses.touch.build_skin_points import skin_points
-from mimoc.senses.touch.spec import SkinEntry, TouchEntry, TouchSpec
 
 SPACING_RULE = "two-point discrimination there at 18 months (MIMo) / sqrt(density), grown with the body's skin"
 

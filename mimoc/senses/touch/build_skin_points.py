@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import permutations
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,43 +28,25 @@ def place(geom: Geom, multiples: FloatArray) -> FloatArray:
         multiples: Of its radii or half edges along x, y and z of its own frame, then of the half length of the axis
             of a capsule, shape (n, 4).
     """
-    local = multiples[:, :3] * _radii_m(geom)
-    local[:, 2] += multiples[:, 3] * _axis_m(geom)
+    radius_m, *half_m = geom.size_m
+    radii_m = geom.size_m if geom.type in ("box", "ellipsoid") else (radius_m, radius_m, radius_m)
+    if geom.type == "cylinder":
+        radii_m = (radius_m, radius_m, half_m[0])
+    local = multiples[:, :3] * np.array(radii_m)
+    if geom.type == "capsule":
+        local[:, 2] += multiples[:, 3] * half_m[0]
     return local @ matrix_from_euler(geom.euler_deg).T + geom.pos_m
 
 
 def depth(geom: Geom, points_m: FloatArray) -> FloatArray:
-    """Return the depth of places inside a geom, shape (n,); outside it is negative, at most the distance.
-
-    Args:
-        geom: The geom.
-        points_m: Shape (n, 3), in the frame of its body.
-    """
+    """Return the depth of places in the frame of a body inside a geom, shape (n,); outside negative, at most so far."""
     return primitives.depths(geom.type, geom.size_m, _local(geom, points_m))
 
 
 def outward(geom: Geom, points_m: FloatArray) -> FloatArray:
-    """Return the directions to the nearest points of a geom's surface from places inside of it, shape (n, 3).
-
-    Args:
-        geom: The geom.
-        points_m: Shape (n, 3), in the frame of its body.
-    """
+    """Return the directions to the nearest points of a geom's surface from places inside of it, shape (n, 3)."""
     ways = primitives.outward(geom.type, geom.size_m, _local(geom, points_m))
     return ways @ matrix_from_euler(geom.euler_deg).T
-
-
-def _radii_m(geom: Geom) -> FloatArray:
-    """Return radii, half axes or half edges along x, y and z."""
-    if geom.type in ("box", "ellipsoid"):
-        return np.array(geom.size_m)
-    radius_m = geom.size_m[0]
-    return np.array((radius_m, radius_m, geom.size_m[1] if geom.type == "cylinder" else radius_m))
-
-
-def _axis_m(geom: Geom) -> float:
-    """Return half the length of the axis that a capsule is drawn around."""
-    return geom.size_m[1] if geom.type == "capsule" else 0.0
 
 
 def _local(geom: Geom, points_m: FloatArray) -> FloatArray:
@@ -141,7 +123,6 @@ def _without_close(geom: Geom, multiples: FloatArray, other: Geom, theirs: Float
 
 
 def _to_surface(geom: Geom, points_m: FloatArray) -> FloatArray:
-    """Return the nearest points of a geom's surface."""
     return points_m + depth(geom, points_m)[:, None] * outward(geom, points_m)
 
 
@@ -175,14 +156,12 @@ class SkinPoints:
     """Distance of neighbours by body."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Patch:
-    """The skin of one body of the average child of 18 months."""
+class _Patch(NamedTuple):
+    """The skin of one body of the average child of 18 months; where its geoms cover each other, the area counts."""
 
     layout: Layout
     spacing_m: float
     area_m2: float
-    """Of the body's geoms, including where they cover each other."""
 
 
 def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> SkinPoints:
@@ -203,10 +182,11 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
             continue
-        parts = (body.name, *(part for part, home in tree.merged if home == body.name))
-        patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
-        points_m[body.name] = _points(body, patch.layout, moved_m)
-        spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
+        parts = (body.name, *(part for part, home in tree.merged if home == body.name))  # In the order of their geoms.
+        joined = [patches[part.removeprefix("left_").removeprefix("right_")] for part in parts]
+        points_m[body.name] = _points(body, tuple(geom for patch in joined for geom in patch.layout), moved_m)
+        growth = _area_m2(body) / math.fsum(patch.area_m2 for patch in joined)
+        spacing_m[body.name] = joined[0].spacing_m * math.sqrt(growth)
     return SkinPoints(points_m, spacing_m)
 
 
@@ -229,23 +209,14 @@ def _patch(body: Body, density: float) -> _Patch:
     return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
 
 
-def _joined(patches: Sequence[_Patch]) -> _Patch:
-    """Return the skin of parts that are joined rigidly, in the order of their geoms; each keeps its points."""
-    layout = tuple(geom for patch in patches for geom in patch.layout)
-    return _Patch(layout, patches[0].spacing_m, math.fsum(patch.area_m2 for patch in patches))
-
-
 def _area_m2(body: Body) -> float:
     return math.fsum(area(geom.type, geom.size_m) for geom in body.geoms)
 
 
 def _points(body: Body, layout: Layout, moved_m: dict[Any, FloatArray]) -> FloatArray:
-    """Return the points of a body; those of a left one mirror those of a right one.
+    """Return the points of a body from its layout at 18 months; those of a left one mirror those of a right one.
 
-    Args:
-        body: The body.
-        layout: Its points at 18 months.
-        moved_m: The points of bodies so far, before they are mirrored, to which those of this one are added.
+    The points of bodies so far, before they are mirrored, are in *moved_m*, to which those of this one are added.
     """
     left = body.name.startswith("left_")
     geoms = [_mirrored(geom) for geom in body.geoms] if left else body.geoms

@@ -4,12 +4,13 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.senses.sense import FloatArray, IntArray
 
 SIGNS = np.array([[-1.0], [1.0]])
 """By side: the normal of a contact points out of its first geom, into its second."""
+FIELDS = ("geom", "efc_address", "frame", "dim", "dist", "pos")
+"""What of `MjData.contact` says where contacts are, and where their forces."""
 AXES = np.arange(3)
 """Of a contact: its normal, then two tangents."""
 
@@ -38,47 +39,19 @@ def skin_body_of_geoms(bodies: IntArray, model: mujoco.MjModel) -> IntArray:
     return np.where(np.isin(geom_bodies, bodies), geom_bodies, 0)
 
 
-def contact_forces(data: mujoco.MjData, body_of_geom: IntArray) -> ContactForces | None:
+def contact_forces(contact: Any, efc_force: FloatArray, body_of_geom: IntArray) -> ContactForces | None:
     """Return the forces of contacts on bodies with skin, or None if nothing touches them.
 
     The cost is in the number of calls of NumPy, of which `take` is the fastest of its kind.
 
     Args:
-        data: A simulation with elliptic friction cones.
-        body_of_geom: What `skin_body_of_geoms` returns.
-    """
-    contact = data.contact
-    arrays = Contacts(contact.geom, contact.efc_address, contact.frame, contact.dim, contact.dist, contact.pos)
-    return forces_of(arrays, data.efc_force, body_of_geom)
-
-
-class Contacts(NamedTuple):
-    """What MuJoCo tells of n contacts."""
-
-    geom: npt.NDArray[np.integer[Any]]
-    """Shape (n, 2)."""
-    efc_address: npt.NDArray[np.integer[Any]]
-    """Of the first of its forces, shape (n,); -1 for geoms that are near each other, but do not touch."""
-    frame: FloatArray
-    """Shape (n, 9)."""
-    dim: npt.NDArray[np.int32]
-    """Shape (n,)."""
-    dist: FloatArray
-    """Shape (n,)."""
-    pos: FloatArray
-    """Shape (n, 3)."""
-
-
-def forces_of(contact: Contacts, efc_force: FloatArray, body_of_geom: IntArray) -> ContactForces | None:
-    """Return the forces of some contacts on bodies with skin, or None if nothing touches them.
-
-    Args:
-        contact: The contacts, of one infant or of many, one after the other.
+        contact: `MjData.contact` of a simulation with elliptic friction cones, or `FIELDS` of that of many, joined; an
+            address of -1 is of geoms that are near each other, but do not touch.
         efc_force: The forces of all constraints that they point at.
         body_of_geom: What `skin_body_of_geoms` returns, of each infant whose geoms they point at.
     """
     bodies, addresses = body_of_geom.take(contact.geom), contact.efc_address
-    if -1 in addresses.tolist():  # These geoms are near each other, but do not touch.
+    if -1 in addresses.tolist():
         bodies[addresses < 0] = 0
     index, side = bodies.nonzero()
     if not index.size:

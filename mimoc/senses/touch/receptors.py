@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.senses.touch.spec import SkinEntry
+from mimoc.senses.touch import SkinEntry
 
 FIELD_RADIUS = 2.0
 """Radius of a receptive field, in spacings of the receptors."""
@@ -85,10 +85,7 @@ class Receptors:
 def bind_receptors(skin: Sequence[SkinEntry], points_m: FloatArray, model: mujoco.MjModel) -> Receptors:
     """Return the receptors of some bodies of a model: body by body, in the order of the model.
 
-    Args:
-        skin: The bodies.
-        points_m: Their points, one body after the other, in the frames of the bodies, shape (n, 3).
-        model: The model that has the bodies.
+    The points are in the frames of the bodies, one body of *skin* after the other, shape (n, 3).
     """
     ends = np.cumsum([part.points for part in skin])
     by_body = zip(skin, np.split(points_m, ends[:-1]), strict=True)
@@ -102,10 +99,8 @@ def bind_receptors(skin: Sequence[SkinEntry], points_m: FloatArray, model: mujoc
 def _receptors(parts: tuple[tuple[int, str, int, float], ...], points: bytes, nbody: int) -> Receptors:
     """Return the receptors of some bodies, which all infants of one bundle share.
 
-    Args:
-        parts: Number and name of each body, how many points it has, and their spacing in [m].
-        points: The points of all of them, as the bytes of an array of shape (n, 3).
-        nbody: Number of bodies of the model.
+    Each body has its number, its name, how many points there are, as bytes of an array of shape (n, 3), and their
+    spacing in [m].
     """
     points_m = np.frombuffer(points).reshape(-1, 3)
     counts = [count for _, _, count, _ in parts]

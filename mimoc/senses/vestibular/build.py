@@ -3,7 +3,7 @@
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
-from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+from mimoc.senses.vestibular import VestibularEntry, VestibularSpec
 
 
 def build(spec: VestibularSpec, body: BodyTree) -> Placed:

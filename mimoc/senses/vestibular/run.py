@@ -6,7 +6,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Field
 from mimoc.senses.custom import TermSense
-from mimoc.senses.vestibular.spec import VestibularEntry
+from mimoc.senses.vestibular import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
 """Bound of the observation; hard knocks of the head reach some hundreds."""

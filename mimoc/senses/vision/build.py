@@ -3,8 +3,8 @@
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
+from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import resolve_acuity
-from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 PROFILES = {
     "tac2": "log2 of acuity = -.1839 ln²t + 1.8235 ln t - .5889 at t months, fitted to Mayer et al. 1995 and Salomão & "

@@ -1,10 +1,11 @@
 """Visual acuity by age: the finest grating that an infant sees."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
-from mimoc.senses.vision.spec import AcuitySpec, VisionSpec
+from mimoc.senses.vision import AcuitySpec, VisionSpec
 
 NEWBORN_CPD = 0.64
 """Acuity at birth on the scale of the TAC II, estimated: the fit of `tac2` begins at one month, with 0.66."""
@@ -16,20 +17,13 @@ TAC2_LOG2_CPD = -0.1839, 1.8235, -0.5889
 Fitted by weight to the monocular acuities of Mayer et al. 1995 and of Salomão & Ventura 1995, lowered by 0.3 octave to
 the scale of the TAC II: what Neijzen et al. 2025, the source of MIMo v2's paper, pools (rms 0.26 octave).
 """
-MAYER_1995_CPD: Mapping[float, float] = {
-    1: 0.94,
-    1.5: 1.11,
-    2.5: 2.16,
-    4: 2.68,
-    6: 5.65,
-    9: 6.79,
-    12: 6.42,
-    18: 8.59,
-    24: 9.57,
-    30: 11.52,
-    36: 21.81,
-    48: 24.81,
-}
+MAYER_1995_CPD: Mapping[float, float] = dict(
+    zip(
+        (1, 1.5, 2.5, 4, 6, 9, 12, 18, 24, 30, 36, 48),
+        (0.94, 1.11, 2.16, 2.68, 5.65, 6.79, 6.42, 8.59, 9.57, 11.52, 21.81, 24.81),
+        strict=True,
+    )
+)
 """Mean monocular acuity by months, Mayer et al. 1995; it falls a little from 9 months to 12."""
 MIMO_V2_CPD: Mapping[float, float] = {
     1: 0.85,
@@ -55,12 +49,7 @@ def resolve_acuity(vision: VisionSpec, age_months: float) -> float | None:
 
 
 def acuity_at(age_months: float, profile: str) -> float:
-    """Return the finest grating seen at an age, in cycles per degree.
-
-    Args:
-        age_months: From birth.
-        profile: A key of `PROFILES`.
-    """
+    """Return the finest grating seen at an age, in cycles per degree, by one of `PROFILES`."""
     return PROFILES[profile](age_months)
 
 
@@ -71,19 +60,15 @@ def _tac2(age_months: float) -> float:
     return float(NEWBORN_CPD + min(age_months / first, 1.0) * (fitted - NEWBORN_CPD))
 
 
-def _mayer_1995(age_months: float) -> float:
-    return _interpolated(age_months, MAYER_1995_CPD)
-
-
-def _mimo_v2(age_months: float) -> float:
-    return _interpolated(age_months, MIMO_V2_CPD)
-
-
-def _interpolated(age_months: float, table_cpd: Mapping[float, float]) -> float:
+def _interpolated(table_cpd: Mapping[float, float], age_months: float) -> float:
     """Return a table's acuity, its logarithm interpolated over that of age; before its first age it is the first's."""
     months, cpd = np.log(list(table_cpd)), np.log(list(table_cpd.values()))
     return float(np.exp(np.interp(np.log(max(age_months, min(table_cpd))), months, cpd)))
 
 
-PROFILES: Mapping[str, Callable[[float], float]] = {"tac2": _tac2, "mayer1995": _mayer_1995, "mimo_v2": _mimo_v2}
+PROFILES: Mapping[str, Callable[[float], float]] = {
+    "tac2": _tac2,
+    "mayer1995": partial(_interpolated, MAYER_1995_CPD),
+    "mimo_v2": partial(_interpolated, MIMO_V2_CPD),
+}
 """Acuity by age, by whose measurements it goes. From birth to 24 months, none but Mayer's ever falls."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
+from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
-from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 SIDES = ("left", "right")
 LAST_MONTH = 36.0
@@ -14,9 +14,6 @@ LAST_MONTH = 36.0
 ROWS = ("acuity", "acuity and foveation")
 """What is compared, as in the paper (López et al. 2025, figure 3)."""
 AS_DRAWN = "not blurred"
-FOVY_DEG = 18.0
-"""Field of view that is drawn: with it, a picture of 256 pixels shows 7 cycles per degree (two pixels a cycle), and
-acuity is lower up to 12 months."""
 DEFAULT_FOVEATION = 5.0
 """Foveation to show where the infant's own eyes have none."""
 SUPERSAMPLE = 2
@@ -73,11 +70,12 @@ def compare_ages(
         )
 
     acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
-    return Comparison(
-        entries=tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
-        rows=ROWS,
-        columns=(*map(_caption, ages_months, acuities_cpd), AS_DRAWN),
-    )
+    captions = [
+        f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"
+        for age_months, acuity_cpd in zip(ages_months, acuities_cpd, strict=True)
+    ]
+    entries = tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation))
+    return Comparison(entries, ROWS, (*captions, AS_DRAWN))
 
 
 def read_ages(text: str) -> tuple[float, ...]:
@@ -93,7 +91,3 @@ def read_ages(text: str) -> tuple[float, ...]:
     if not ages_months or not all(0 <= age_months <= LAST_MONTH for age_months in ages_months):
         raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH:g}, as in 1,2.5,12")
     return ages_months
-
-
-def _caption(age_months: float, acuity_cpd: float) -> str:
-    return f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"

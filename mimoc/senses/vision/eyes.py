@@ -54,6 +54,8 @@ class Eyes:
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
         self._size_px, self._shared = (width_px, height_px * len(cameras)), SHARED.get()
+        self.shares = self._shared is not None
+        """Whether it draws with what other eyes draw with, a renderer in each thread."""
         self._settings = partial(_lean, height_px=height_px)
         self._shown: Shown = shown
         self._assets = b"" if self._shared is None else assets_of(model)
@@ -72,11 +74,6 @@ class Eyes:
                 self._compose(renderer, camera, data)
                 renderer.draw(part)
             return renderer.read().reshape(self._shape)[:, ::-1]
-
-    @property
-    def shares(self) -> bool:
-        """Whether it draws with what other eyes draw with, a renderer in each thread."""
-        return self._shared is not None
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in which cameras and bodies have the same names.
@@ -106,7 +103,9 @@ class Eyes:
         self._groups, self._skin_groups = model.geom_group, model.skin_group
         self.fovy_deg = float(model.cam_fovy[model.camera(self._names[0]).id])
         """Vertical field of view."""
-        self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
+        self._cameras = [mujoco.MjvCamera() for _ in self._names]
+        for camera, name in zip(self._cameras, self._names, strict=True):
+            camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
         self._unseen_skins = [skin for skin in range(model.nskin) if _bones(model, skin) <= set(self._unseen_bodies)]
@@ -126,12 +125,6 @@ def _bones(model: mujoco.MjModel, skin: int) -> set[str]:
     """Return the names of the bodies that move a skin."""
     first = model.skin_boneadr[skin]
     return {model.body(body).name for body in model.skin_bonebodyid[first : first + model.skin_bonenum[skin]]}
-
-
-def _fixed_camera(index: int) -> mujoco.MjvCamera:
-    camera = mujoco.MjvCamera()
-    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, index
-    return camera
 
 
 def _lean(model: mujoco.MjModel, height_px: int) -> tuple[Setting, ...]:

@@ -19,12 +19,7 @@ CELLS_AT_ONCE = 4096
 
 
 def foveate(pictures: Pictures, sources: sparse.csr_array) -> Pictures:
-    """Return warped pictures.
-
-    Args:
-        pictures: Of the size that the sources are for.
-        sources: What `source_weights` returns.
-    """
+    """Return warped pictures, of the size for which `source_weights` returned their sources."""
     *others, height, width, colours = pictures.shape
     flat = pictures.reshape(-1, height * width, colours)
     return np.stack([sources @ picture for picture in flat]).reshape(*others, height, width, colours)
@@ -47,34 +42,10 @@ def to_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, 
     return points_px * np.asarray(special.exprel(share * growth)) / magnification
 
 
-def from_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, radius: str) -> FloatArray:
-    """Return where a warped picture shows points of the picture as it was drawn: the inverse of `to_source`."""
-    share = RADII[radius](points_px, size_px)[..., None]
-    magnification = strength / np.log1p(strength) if strength else 1.0
-    stretched = strength * share
-    return (
-        points_px
-        * magnification
-        * np.divide(np.log1p(stretched), stretched, out=np.ones_like(share), where=stretched > 0)
-    )
-
-
-def _to_border(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.abs(points_px / np.divide(size_px, 2)).max(axis=-1)
-
-
-def _to_corner(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (np.hypot(*size_px) / 2)
-
-
-def _to_edge(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (min(size_px) / 2)
-
-
 RADII: Mapping[str, Callable[[FloatArray, tuple[int, int]], FloatArray]] = {
-    "border": _to_border,
-    "corner": _to_corner,
-    "edge": _to_edge,
+    "border": lambda points_px, size_px: np.abs(points_px / np.divide(size_px, 2)).max(axis=-1),
+    "corner": lambda points_px, size_px: _lengths(points_px) / (np.hypot(*size_px) / 2),
+    "edge": lambda points_px, size_px: _lengths(points_px) / (min(size_px) / 2),
 }
 """How far points are from the centre, as a share of R, by what R reaches to: the border of the picture in the same
 direction, which loses nothing but breaks straight lines at the diagonals; its corners, as in the paper, which loses the
@@ -110,6 +81,10 @@ def source_weights(width_px: int, height_px: int, strength: float, radius: str) 
     return sparse.coo_array(placed, shape=(pixels, pixels)).tocsr()
 
 
+def _lengths(points_px: FloatArray) -> FloatArray:
+    return np.hypot(points_px[..., 0], points_px[..., 1])
+
+
 def _corners(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
     """Return the top left corner of pixels, x and y from the centre of the picture, shape (n, 2)."""
     rows, columns = np.divmod(cells, size_px[0])
@@ -140,10 +115,8 @@ def _overlapping(outlines_px: FloatArray, size_px: tuple[int, int]) -> tuple[Int
 def _areas_within(outlines: FloatArray) -> FloatArray:
     """Return the area that each outline has in common with the square from 0 to 1, shape (n,).
 
-    By Green's theorem: around the outline, the integral of y over x, with x and y kept within the square.
-
-    Args:
-        outlines: Points around each, shape (n, points, 2).
+    By Green's theorem: around the outline, shape (n, points, 2), the integral of y over x, with x and y kept within the
+    square.
     """
     x, y = outlines[..., 0], outlines[..., 1]
     next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
@@ -171,14 +144,10 @@ ROWS_AND_COLUMNS = (-3, -2)
 
 
 def blur(pictures: Pictures, gain: Pictures) -> Pictures:
-    """Return pictures through an eye's contrast sensitivity, not clipped.
+    """Return pictures through an eye's contrast sensitivity, which `contrast_gain` returns; they are not clipped.
 
     A cosine transform continues a picture beyond each border as its mirror image, so no border leaks into the opposite
     one, and the mean stays the same.
-
-    Args:
-        pictures: Of the size that the gain is for.
-        gain: What `contrast_gain` returns.
     """
     spectrum = np.asarray(fft.dctn(pictures, axes=ROWS_AND_COLUMNS))
     spectrum *= gain[..., None]

@@ -1,6 +1,6 @@
 """Preview of what an infant in a pose sees, with several kinds of vision."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 
 import mujoco
@@ -10,9 +10,9 @@ import numpy.typing as npt
 from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
-from mimoc.senses.vision.eyes import Drawn, Eyes
+from mimoc.senses.vision import VisionEntry
+from mimoc.senses.vision.eyes import Eyes
 from mimoc.senses.vision.run import filters, perceive
-from mimoc.senses.vision.spec import VisionEntry
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,14 +58,18 @@ def preview(
     model, data = load_posed(bundle, pose)
     first = entries[0][0]
     (name,) = first.cameras
-    _require("camera of this infant", name, [model.camera(index).name for index in range(model.ncam)])
+    cameras = [model.camera(index).name for index in range(model.ncam)]
+    if name not in cameras:
+        raise UnknownNameError("camera of this infant", name, cameras)
     camera = data.camera(name)
     world_from_eye = camera.xmat.reshape(3, 3).copy()
     camera.xmat = _turned(world_from_eye, _gaze(bundle, data, camera.xpos, world_from_eye, down_deg))
     if fovy_deg is not None:
         model.camera(name).fovy = fovy_deg
-    drawn, fovy_deg = _draw(model, data, first), float(model.camera(name).fovy[0])
-    return [[perceive(drawn, filters(entry, fovy_deg))[0] for entry in row] for row in entries]
+    size_px = first.supersample * first.width_px, first.supersample * first.height_px
+    with closing(Eyes(model, first.cameras, *size_px, first.unseen, first.body)) as eyes:
+        drawn = eyes(data)
+    return [[perceive(drawn, filters(entry, eyes.fovy_deg))[0] for entry in row] for row in entries]
 
 
 def is_blank(picture: npt.NDArray[np.uint8]) -> bool:
@@ -74,25 +78,14 @@ def is_blank(picture: npt.NDArray[np.uint8]) -> bool:
     return bool((most - least).max() <= BLANK_RANGE)
 
 
-def _require(kind: str, name: str, known: Collection[str]) -> None:
-    if name not in known:
-        raise UnknownNameError(kind, name, known)
-
-
-def _draw(model: mujoco.MjModel, data: mujoco.MjData, entry: VisionEntry) -> Drawn:
-    times = entry.supersample
-    size_px = times * entry.width_px, times * entry.height_px
-    with closing(Eyes(model, entry.cameras, *size_px, entry.unseen, entry.body)) as eyes:
-        return eyes(data)
-
-
 def _gaze(
     bundle: Bundle, data: mujoco.MjData, eye_m: FloatArray, world_from_eye: FloatArray, down_deg: float | None
 ) -> FloatArray:
     """Return the direction of gaze, a vector of shape (3,) in the world."""
     _, up, back = world_from_eye.T
     toys = {toy.body: toy.size_m for toy in bundle.manifest.toys}
-    for sizes_m in () if down_deg is not None else (toys, dict.fromkeys(_own(data.model), 1.0)):
+    limbs = [body for body in OWN if mujoco.mj_name2id(data.model, mujoco.mjtObj.mjOBJ_BODY, body) >= 0]
+    for sizes_m in () if down_deg is not None else (toys, dict.fromkeys(limbs, 1.0)):
         offsets_m = {body: data.body(body).xipos - eye_m for body in sizes_m}
         angles = {body: sizes_m[body] / float(np.linalg.norm(offset_m)) for body, offset_m in offsets_m.items()}
         seen = [body for body, offset_m in offsets_m.items() if -(offset_m @ back) > AHEAD * np.linalg.norm(offset_m)]
@@ -100,10 +93,6 @@ def _gaze(
             return offsets_m[max(seen, key=angles.__getitem__)]
     angle = np.radians(DOWN_DEG if down_deg is None else down_deg)
     return -np.cos(angle) * back - np.sin(angle) * up
-
-
-def _own(model: mujoco.MjModel) -> list[str]:
-    return [body for body in OWN if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body) >= 0]
 
 
 def _turned(world_from_eye: FloatArray, gaze: FloatArray) -> FloatArray:

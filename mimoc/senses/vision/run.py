@@ -10,9 +10,9 @@ from gymnasium.spaces import Box
 from mimoc.bundle.io import Bundle
 from mimoc.render.renderer import average_down
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights
-from mimoc.senses.vision.spec import VisionEntry
 
 Filter = Callable[[Pictures], Pictures]
 """From pictures to pictures, shape (..., height, width, colours), 0 to 255."""
@@ -22,15 +22,9 @@ class Vision(Sense):
     """Pictures of both eyes, or of the one there is, shape (eyes, height, width, 3)."""
 
     def __init__(self, eyes: Eyes, filters: Sequence[Filter], entry: VisionEntry, bodies: IntArray):
-        """See with some eyes.
-
-        Args:
-            eyes: The cameras.
-            filters: Applied in this order to what these draw.
-            entry: Names and sizes of the pictures.
-            bodies: The body of each eye, shape (eyes,).
-        """
+        """See with some eyes, each on a body, shape (eyes,); filters are applied in order to what they draw."""
         self.eyes, self.filters, self.bodies, self._entry = eyes, tuple(filters), bodies, entry
+        self.reads_in_threads = eyes.shares
         shape = (entry.height_px, entry.width_px, 3)
         self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
 
@@ -38,11 +32,6 @@ class Vision(Sense):
     def layout(self) -> tuple[str, ...]:
         """What the axes of each picture are, rows from the top; one entry for each eye."""
         return tuple(f"{name} row, column, red green blue [0-255]" for name in self._entry.cameras)
-
-    @property
-    def reads_in_threads(self) -> bool:
-        """Whether each thread draws with an OpenGL context of its own."""
-        return self.eyes.shares
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the pictures of now."""
@@ -77,12 +66,7 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
 
 
 def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
-    """Return the filters between drawing and observation: blur at the size drawn, average down, then warp.
-
-    Args:
-        entry: Sizes, acuity and foveation.
-        fovy_deg: Vertical field of view of their cameras.
-    """
+    """Return the filters between drawing and observation: blur at the size drawn, average down, then warp."""
     chain: list[Filter] = []
     if entry.acuity_cpd is not None:
         drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample

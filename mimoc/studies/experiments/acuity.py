@@ -14,12 +14,12 @@ from mimoc.quantities.child import AGE
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
+from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
 from mimoc.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
 from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.run import filters, perceive
-from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 
 WIDTH_PX, HEIGHT_PX = 8, 2048

@@ -3,7 +3,7 @@
 from functools import cache, partial
 from pathlib import Path
 
-from mimoc.base.errors import ToyError, UnknownToysError
+from mimoc.base.errors import ToyError
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Part, ToyModel
 from mimoc.toys.spec import ToysSpec
@@ -20,12 +20,7 @@ SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
 
 def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyModel:
-    """Return the toy of an object of Toys4K.
-
-    Args:
-        toys: The objects of the folder.
-        name: Name of the object.
-        cache: Cache of processed meshes.
+    """Return the toy of one of the objects of a folder; the cache is of processed meshes.
 
     Raises:
         ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
@@ -72,7 +67,5 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
         UnknownToysError: If some of the selected names do not exist.
     """
     toys = find_toys(dataset.expand_root(str(spec.root), folder))
-    if wrong := dataset.unknown(toys, spec.subset):
-        raise UnknownToysError(wrong)
     notes = () if has_coacd() else (HULLS_ONLY,)
     return Toybox(dataset.choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)

@@ -86,25 +86,18 @@ def _unpacked(content: bytes) -> Shape | None:
     ends = np.cumsum(counts, axis=0)[:-1]
     pairs = zip(np.split(vertices, ends[:, 0]), np.split(faces, ends[:, 1]), strict=True)
     looks, *hulls = (_checked(Mesh(*pair)) for pair in pairs)
-    solids = [_box(row) for row in boxes.tolist()] + [Solid("mesh", (), mesh=mesh) for mesh in hulls]
+    solids = [
+        *(Solid("box", (a, b, c), (x, y, z), (qw, qx, qy, qz)) for a, b, c, x, y, z, qw, qx, qy, qz in boxes.tolist()),
+        *(Solid("mesh", (), mesh=mesh) for mesh in hulls),
+    ]
     whole = len(looks.faces) <= MOST_FACES_SEEN and solids and 0 < volume < np.inf
     return Shape(looks, tuple(solids), float(volume)) if whole else None
 
 
-def _box(row: list[float]) -> Solid:
-    a, b, c, x, y, z, qw, qx, qy, qz = row
-    return Solid("box", (a, b, c), (x, y, z), (qw, qx, qy, qz))
-
-
 def _checked(mesh: Mesh) -> Mesh:
-    """Return a mesh after checking that it is valid.
-
-    Raises:
-        ValueError: If it is not.
-    """
+    """Return a mesh after checking that it is valid; a `ValueError` says that it is not."""
     right = mesh.vertices.shape[1:] == mesh.faces.shape[1:] == (3,) and mesh.faces.dtype.kind == "i"
-    if not (right and len(mesh.faces) and np.isfinite(mesh.vertices).all()):
-        raise ValueError("not a mesh")
-    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+    right = right and len(mesh.faces) and np.isfinite(mesh.vertices).all()
+    if not right or mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
         raise ValueError("not a mesh")
     return mesh

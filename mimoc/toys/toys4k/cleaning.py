@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
-from mimoc.toys.model import FloatArray, IntArray, Mesh
+from mimoc.toys.model import FloatArray, IntArray, Mesh, join
 
 GRID = 2**20 - 1
 """Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""
@@ -49,12 +49,11 @@ def merge(mesh: Mesh) -> Mesh:
 
 def tidy(mesh: Mesh) -> Mesh:
     """Return a mesh without degenerate or duplicate triangles, and without unused vertices."""
+    from trimesh.grouping import unique_rows
+
     faces = mesh.faces[_areas(mesh) > LEAST_AREA]
-    ordered = np.sort(faces, axis=1)
-    order = np.lexsort(ordered.T)
-    repeats = (np.diff(ordered[order], axis=0) == 0).all(axis=1)
-    first = np.sort(order[np.concatenate([np.ones(min(len(faces), 1), bool), ~repeats])])
-    return only_used(mesh.vertices, faces[first])
+    first, _ = unique_rows(np.sort(faces, axis=1))
+    return only_used(mesh.vertices, faces[np.sort(first)])
 
 
 def only_used(vertices: FloatArray, faces: IntArray) -> Mesh:
@@ -93,52 +92,30 @@ class Surface:
 
 def face_outwards(mesh: Mesh) -> Surface:
     """Return a mesh in which the faces of each shell are wound consistently, so that its volume is positive."""
-    edges, ahead = _edges(mesh.faces)
-    first, second, face_pairs = _pairs(edges)
-    count = len(mesh.faces)
-    same = (ahead[first] == ahead[second]).astype(np.intp)
-    a, b = face_pairs.T
+    from trimesh.graph import connected_component_labels
+    from trimesh.grouping import group_rows
+
+    count, starts, ends = len(mesh.faces), mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    keys = np.minimum(starts, ends) * len(mesh.vertices) + np.maximum(starts, ends)
+    edges = np.unique(keys, return_inverse=True)[1]
+    pairs = np.asarray(group_rows(edges, require_count=2))
+    a, b = pairs.T // 3
+    same = np.equal(*(starts < ends)[pairs].T).astype(np.intp)
     links = np.concatenate([np.stack([a, b + count * same], 1), np.stack([a + count, b + count * (1 - same)], 1)])
-    labels = _components(links, 2 * count).reshape(2, count)
+    labels = np.asarray(connected_component_labels(links, node_count=2 * count)).reshape(2, count)
     _, shells = np.unique(labels.min(axis=0), return_inverse=True)
     faces = _flipped(mesh.faces, labels[0] > labels[1])
     faces = _flipped(faces, (_volumes(mesh.vertices, faces, shells) < 0)[shells])
-    open_shells = np.union1d(shells[labels[0] == labels[1]], _open(edges, shells))
+    shell_of_edge = np.repeat(shells, 3)
+    is_border = np.ones(3 * count, bool)
+    is_border[group_rows(shell_of_edge * len(edges) + edges, require_count=2)] = False
+    open_shells = np.union1d(shells[labels[0] == labels[1]], shell_of_edge[is_border])
     return Surface(Mesh(mesh.vertices, faces), shells, ~np.isin(shells, open_shells))
 
 
 def from_both_sides(mesh: Mesh) -> Mesh:
     """Return a mesh joined with a copy wound the other way, since MuJoCo renders triangles from the front only."""
-    faces = np.concatenate([mesh.faces, mesh.faces[:, ::-1] + len(mesh.vertices)])
-    return Mesh(np.concatenate([mesh.vertices, mesh.vertices]), faces)
-
-
-def _edges(faces: IntArray) -> tuple[IntArray, npt.NDArray[np.bool_]]:
-    """Return an index for each of the three edges of each face, edge by edge, and whether its vertex indices rise."""
-    starts, ends = faces.T.ravel(), np.roll(faces, -1, axis=1).T.ravel()
-    keys = np.minimum(starts, ends) * (faces.max() + 1) + np.maximum(starts, ends)
-    return np.unique(keys, return_inverse=True)[1], starts < ends
-
-
-def _pairs(edges: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the two positions of every edge that has exactly two faces, and those faces, shape (n, 2)."""
-    order = np.argsort(edges, kind="stable")
-    counts = np.bincount(edges)
-    first = (np.cumsum(counts) - counts)[counts == 2]
-    places = np.stack([order[first], order[first + 1]], axis=1)
-    return places[:, 0], places[:, 1], places % (len(edges) // 3)
-
-
-def _components(links: IntArray, count: int) -> IntArray:
-    from trimesh.graph import connected_component_labels
-
-    return np.asarray(connected_component_labels(links, node_count=count))
-
-
-def _open(edges: IntArray, shells: IntArray) -> IntArray:
-    """Return the shells that have an edge with one face or more than two."""
-    keys, counts = np.unique(np.tile(shells, 3) * (edges.max() + 1) + edges, return_counts=True)
-    return keys[counts != 2] // (edges.max() + 1)
+    return join([mesh, Mesh(mesh.vertices, mesh.faces[:, ::-1])])
 
 
 def _flipped(faces: IntArray, wrong: npt.NDArray[np.bool_]) -> IntArray:
@@ -219,7 +196,5 @@ def _joined(mesh: Mesh, cells: float) -> Mesh:
 
 
 def _largest(mesh: Mesh, most_faces: int) -> Mesh:
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    kept = np.sort(np.argsort(-areas, kind="stable")[:most_faces])
+    kept = np.sort(np.argsort(-_areas(mesh), kind="stable")[:most_faces])
     return only_used(mesh.vertices, mesh.faces[kept])

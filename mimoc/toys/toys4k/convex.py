@@ -16,8 +16,6 @@ MOST_CORNERS = 64
 """Maximum number of vertices of a part."""
 MOST_FACES = 2000
 """Maximum number of faces of a mesh that is passed to coacd."""
-MOST_SHELLS, LEAST_FACES = 100, 8
-"""A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes."""
 LIMIT_S = 30
 """Limit on coacd's CPU time: it needs 1 s to 10 s."""
 COVER = 0.1
@@ -37,11 +35,6 @@ _FACES: IntArray = np.array([corners for a, b, c, d in _SIDES for corners in ((a
 def has_coacd() -> bool:
     """Return whether coacd is installed, which decomposes meshes; without it, each mesh gets its convex hull."""
     return find_spec("coacd") is not None
-
-
-def is_soup(faces: int, shells: int) -> bool:
-    """Return whether a mesh of so many faces and shells is a soup of triangles, of which only the hull is used."""
-    return shells > MOST_SHELLS and faces < LEAST_FACES * shells
 
 
 def convex_parts(mesh: Mesh, *, simple: bool) -> list[Mesh]:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from mimoc.base.errors import ToyError, suggestion
+from mimoc.base.errors import ToyError, UnknownToysError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
 """Supported formats, in order of preference."""
@@ -77,11 +77,11 @@ def choose(toys: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
     """Return the selected objects, sorted: a subset names categories or single objects, and an empty one means all.
 
     Raises:
-        ToyError: If a name does not exist; the message has a line for each such name.
+        UnknownToysError: If some names do not exist.
+        ToyError: If there are no toys.
     """
-    wrong = unknown(toys, subset)
-    if wrong:
-        raise ToyError("\n".join(wrong.values()), next(iter(wrong)))
+    if wrong := unknown(toys, subset):
+        raise UnknownToysError(wrong)
     if not subset and not toys.objects:
         raise ToyError("\n".join(_linked_away(toys, name) for name in toys.linked_away), next(iter(toys.linked_away)))
     names = {name for chosen in subset for name in toys.categories.get(chosen, (chosen,))}

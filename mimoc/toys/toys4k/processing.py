@@ -11,7 +11,7 @@ from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 from mimoc.toys.model import Mesh, Solid, join
 from mimoc.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
-from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_soup, is_thin, thin_box
+from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
 
 STEADY_DEG = 5.0
@@ -86,6 +86,9 @@ VERSION = 2
 MOST_FACES_SEEN = 5000
 MOST_FACES_READ = 4_000_000
 READING_LIMIT_S = 90
+MOST_SHELLS, LEAST_FACES = 100, 8
+"""A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes: only its
+hull is used."""
 LEAST_FILLED = 0.05
 """Smallest volume of a closed mesh, relative to that of its convex parts: below it, the mesh is a thin shell."""
 
@@ -100,11 +103,9 @@ class Shape:
 
 
 def process(content: bytes, kind: str) -> Shape:
-    """Return the shape of a toy, standing on z = 0 in its most stable upright pose and centred over the origin.
+    """Return the shape of a toy from a mesh file of a format in `mimoc.toys.toys4k.dataset.FORMATS`.
 
-    Args:
-        content: Content of a mesh file.
-        kind: Its format; see `mimoc.toys.toys4k.dataset.FORMATS`.
+    It stands on z = 0 in its most stable upright pose, centred over the origin.
 
     Raises:
         ToyError: If it cannot be used; the message is a predicate without its subject, the mesh.
@@ -119,7 +120,7 @@ def process(content: bytes, kind: str) -> Shape:
     flat = is_thin(looks.vertices)
     if flat:
         parts = [thin_box(looks.vertices)]
-    elif is_soup(len(surface.mesh.faces), int(surface.shells.max()) + 1):
+    elif (shells := surface.shells.max() + 1) > MOST_SHELLS and len(surface.mesh.faces) < LEAST_FACES * shells:
         parts = [hull(decimate(once, MOST_FACES).vertices)]
     else:
         parts = convex_parts(decimate(once, MOST_FACES), simple=whole and not surface.shells.any())

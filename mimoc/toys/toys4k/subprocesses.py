@@ -29,13 +29,9 @@ class WorkerTimeoutError(WorkerError):
 
 
 def run_worker(task: str, content: bytes, *arguments: object, limit_s: int) -> dict[str, npt.NDArray]:
-    """Return the arrays that a task of `mimoc.toys.toys4k.worker` computes from its input.
+    """Return the arrays that a task of `mimoc.toys.toys4k.worker` computes from its input and other arguments.
 
-    Args:
-        task: Name of the task.
-        content: Its input.
-        arguments: Its other arguments.
-        limit_s: Limit on its CPU time, which hardly depends on how busy the machine is.
+    The limit is on its CPU time, which hardly depends on how busy the machine is.
 
     Raises:
         WorkerError: If it rejects its input, crashes, or runs out of time or memory.

@@ -94,13 +94,9 @@ TASKS: Mapping[str, Callable[..., Arrays]] = {"read": read, "decompose": decompo
 
 def _readable(content: bytes, kind: str) -> bytes:
     """Return the content of a text file without non-ASCII characters, which occur only in comments and names."""
-    text = kind == "obj" or (kind == "stl" and len(content) != _binary_length(content))
+    length_of_binary = 84 + 50 * int.from_bytes(content[80:84], "little")  # According to an STL's header.
+    text = kind == "obj" or (kind == "stl" and len(content) != length_of_binary)
     return content.decode("ascii", errors="replace").encode("ascii", errors="replace") if text else content
-
-
-def _binary_length(content: bytes) -> int:
-    """Return the length of a binary STL file according to its header."""
-    return 84 + 50 * int.from_bytes(content[80:84], "little")
 
 
 def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:

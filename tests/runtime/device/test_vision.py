@@ -9,8 +9,8 @@ import mimoc
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.vision.eyes import flat_picture
 from mimoc.runtime.device.vision.reader import Filters, NoVision
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.run import filters, perceive
-from mimoc.senses.vision.spec import VisionEntry
 
 EYES = ("eye_left", "eye_right")
 WIDTH, HEIGHT = 40, 32

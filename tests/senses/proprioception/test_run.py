@@ -1,5 +1,6 @@
 from itertools import combinations
 from types import SimpleNamespace
+from typing import get_args
 
 import mujoco
 import numpy as np
@@ -7,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
-from mimoc.senses.proprioception.run import COMPONENTS, LIMIT_MARGIN_RAD, bind
-from mimoc.senses.proprioception.spec import ProprioceptionEntry
+from mimoc.senses.proprioception import ProprioceptionEntry, ProprioceptiveQuantity
+from mimoc.senses.proprioception.run import LIMIT_MARGIN_RAD, bind
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
 ARM = f"""
@@ -49,7 +50,7 @@ def values_of(env, quantity, observation):
 
 
 def test_what_can_be_sensed_is_what_a_spec_can_include():
-    assert tuple(COMPONENTS) == ORDER
+    assert get_args(ProprioceptiveQuantity) == ORDER
 
 
 @pytest.mark.parametrize("include", SUBSETS, ids="-".join)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from support.touch_oracle import points
 
+from mimoc.senses.touch import POINTS, SkinEntry, TouchEntry
 from mimoc.senses.touch.run import MAX_FORCE_N, Touch, bind
-from mimoc.senses.touch.spec import POINTS, SkinEntry, TouchEntry
 
 G_M_S2 = 9.81
 WORLD = """

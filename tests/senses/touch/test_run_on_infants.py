@@ -14,8 +14,8 @@ from support.touch_oracle import contact_forces, points, touch_loop
 
 import mimoc
 from mimoc.bundle.model import load_model
+from mimoc.senses.touch import TouchQuantity, TouchResponse
 from mimoc.senses.touch.run import QUANTITIES, RESPONSES, Touch, bind
-from mimoc.senses.touch.spec import TouchQuantity, TouchResponse
 
 G_M_S2 = 9.81
 

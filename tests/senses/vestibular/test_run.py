@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
+from mimoc.senses.vestibular import VestibularEntry
 from mimoc.senses.vestibular.run import bind
-from mimoc.senses.vestibular.spec import VestibularEntry
 
 GRAVITY_M_S2 = 9.81
 HEAD = """

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.senses.vision.foveation import RADII, foveate, from_source, source_weights, to_source
+from mimoc.senses.vision.foveation import RADII, foveate, source_weights, to_source
 
 SIZES_PX = [(12, 12), (13, 8), (7, 10)]
 STRENGTHS = [0.5, 5.0, 30.0]
@@ -44,6 +44,14 @@ def slow_source(points: np.ndarray, size_px: tuple[int, int], strength: float, r
     reach = {"border": border, "corner": np.hypot(*half), "edge": half.min()}[radius]
     source = reach * np.expm1(r / reach * np.log1p(strength)) / strength
     return source[..., None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def from_source(points_px, size_px: tuple[int, int], strength: float, radius: str) -> np.ndarray:
+    """Return where a warped picture shows points of the picture as it was drawn: the inverse of `to_source`."""
+    magnification = strength / np.log1p(strength) if strength else 1.0
+    stretched = strength * RADII[radius](points_px, size_px)[..., None]
+    shares = np.divide(np.log1p(stretched), stretched, out=np.ones_like(stretched), where=stretched > 0)
+    return points_px * magnification * shares
 
 
 def warped(picture: np.ndarray, strength: float, radius: str) -> np.ndarray:

@@ -7,9 +7,9 @@ import mimoc
 from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import load_posed
 from mimoc.compiler import building, loading
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.foveation import blur, contrast_gain
 from mimoc.senses.vision.preview import BLANK_RANGE, is_blank, preview
-from mimoc.senses.vision.spec import VisionEntry
 
 PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"
 DRAWN = VisionEntry(

@@ -10,10 +10,10 @@ from mimoc.base.errors import RenderingError
 from mimoc.bundle.model import load_model
 from mimoc.render import opengl, renderer
 from mimoc.render.body_camera import BodyCamera
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import HIDDEN_GROUP
 from mimoc.senses.vision.foveation import blur, contrast_gain, foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
-from mimoc.senses.vision.spec import VisionEntry
 
 AGES = (0, 1.5, 4.5, 9, 15, 24)
 PICTURE = {"width_px": 48, "height_px": 32}

@@ -12,8 +12,8 @@ import warp as wp
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.runtime.device.arrays import to_device
 from mimoc.senses.sense import IntArray
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.senses.vision.spec import VisionEntry
 
 Picture = npt.NDArray[np.uint8]
 """Shape (height, width, channels)."""

@@ -16,8 +16,8 @@ from mimoc.runtime.device.arrays import put_on
 from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
+from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.foveation import contrast_gain, source_weights
-from mimoc.senses.vision.spec import VisionEntry
 
 
 class Filters:
