@@ -393,5 +393,5 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
 
 BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
-BOUND |= {"_living", "_noise", "journal", "closed"}
+BOUND |= {"_living", "_noise", "observer", "closed"}
 """Attributes that are not copied but bound anew."""
