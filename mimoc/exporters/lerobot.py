@@ -28,14 +28,9 @@ STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "
 """Columns with one number a row, with their types."""
 
 
-def export_lerobot(
-    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
-) -> list[str]:
-    """Write a data set of LeRobot's: a row for each control step, with what was observed before it.
-
-    Returns:
-        What it cannot hold.
-    """
+def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
+    """Write a data set of LeRobot's: a row for each control step, with what was observed before it."""
+    episodes = recording.episodes
     ends = list(accumulate(episode.steps for episode in episodes))
     starts = [0, *ends[:-1]]
     task = recording.bundle().manifest.task.kind

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,6 @@ from mimoc.recording.folder import (
     RECORDING,
     TABLE,
     bundle_folder,
-    description_in,
     names_in,
     opened,
     part_stem,
@@ -29,17 +29,11 @@ MOST_PART_BYTES, MOST_COPIED_BYTES = 2**30, 2**33
 """Of a part, which was held in memory before it was written, and of any other file."""
 
 
-def convert(folder: Path, out: Path) -> None:
-    """Write a recording of any version into an empty folder as this version records; small videos are left out.
-
-    Raises:
-        RecordingError: If it is no recording, or damaged.
-        OutputError: If a file cannot be written.
-    """
-    description, names = description_in(folder), names_in(folder)
-    bundles = ReadRecording(folder, description, ())
-    for number, infant in enumerate(description.infants):
-        write_bundle(bundles.bundle(number), bundle_folder(out, infant.bundle))
+def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
+    """Write a recording of any version as this version records; small videos are left out."""
+    folder, names = recording.path, names_in(recording.path)
+    for number, infant in enumerate(recording.description.infants):
+        write_bundle(recording.bundle(number), bundle_folder(out, infant.bundle))
     (out / EPISODES).mkdir()
     for name in names:
         match = FILE.fullmatch(name)
@@ -52,7 +46,8 @@ def convert(folder: Path, out: Path) -> None:
             target = with_extension(stem, match[3])
             with opened(folder / EPISODES / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
-    write_json(out / RECORDING, as_json(description))
+    write_json(out / RECORDING, as_json(recording.description))
+    return []
 
 
 def _rows(path: Path) -> Any:
