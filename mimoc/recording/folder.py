@@ -6,7 +6,7 @@ import os
 import platform
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -14,7 +14,7 @@ from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from mimoc.base.errors import OutputError, RecordingError
+from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
@@ -74,29 +74,16 @@ class RecordingFolder:
     """Content of `recording.json`."""
     handle: int = field(repr=False)
 
-    @property
-    def bundles(self) -> list[str]:
-        """The digest of each infant's bundle."""
-        return [infant.bundle for infant in self.description.infants]
-
     def stem(self, infant: int, number: int) -> Path:
         """Return the path of an episode's files without their extensions."""
         return self.path / EPISODES / _name(infant, number)
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
-        numbers = [0] * len(self.bundles)
-        for episode in self.episodes():
+        numbers = [0] * len(self.description.infants)
+        for episode in episodes_in(self.path, len(numbers)):
             numbers[episode.infant] = max(numbers[episode.infant], episode.number + 1)
         return numbers
-
-    def episodes(self) -> list[EpisodeFiles]:
-        """Return the episodes in it.
-
-        Raises:
-            RecordingError: If one is of an infant that is not recorded here.
-        """
-        return episodes_in(self.path, len(self.bundles))
 
     def mark(self, run: str, steps: int) -> None:
         """Come back to where a run was after some steps, and remove what it has recorded since; or note this place.
@@ -110,7 +97,7 @@ class RecordingFolder:
         places = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
         if places and all(mark.run == run for mark in marks[places[-1] :]):
             marks = marks[: places[-1] + 1]
-            for episode in self.episodes():
+            for episode in episodes_in(self.path, len(self.description.infants)):
                 if episode.number >= marks[-1].episodes[episode.infant]:
                     remove(episode)
         else:
@@ -140,17 +127,12 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
     """
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        make_folder(folder / EPISODES, below=folder)
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
+    busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")
     infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
     new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
-    recording = RecordingFolder(folder, previous or new, handle)
+    recording = RecordingFolder(folder, previous or new, lock_folder(folder, busy))
     try:
-        _lock(handle, folder)
+        make_folder(folder / EPISODES, below=folder)
         for bundle in bundles:
             home = bundle_folder(folder, digest(bundle))
             if not check_unlinked(home, below=folder).exists():
@@ -292,14 +274,12 @@ def digest(bundle: Bundle) -> str:
     return f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"
 
 
-def versions() -> dict[str, str]:
-    """Return the versions of the software here."""
+def versions(libraries: Sequence[str] = LIBRARIES) -> dict[str, str]:
+    """Return the versions of mimoc, Python and those libraries that are installed, and the type of the machine."""
     software = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
-    for name in LIBRARIES:
-        try:
+    for name in libraries:
+        with suppress(PackageNotFoundError):
             software[name] = version(name)
-        except PackageNotFoundError:
-            continue
     return software
 
 
@@ -322,9 +302,21 @@ def part_stem(stem: Path, number: int) -> Path:
     return with_extension(stem, f".{number:04d}") if number else stem
 
 
-def _lock(handle: int, path: Path) -> None:
-    """Lock a folder until its handle is closed or this process ends."""
+def lock_folder(folder: Path, busy: MimocError) -> int:
+    """Make a folder unless it exists, and lock it until the handle that is returned is closed or this process ends.
+
+    Raises:
+        OutputError: If it cannot be made.
+        MimocError: *busy*, if another process has locked it.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise RecordingError(f"{path}: another process is recording here; wait for it or name another folder") from None
+        os.close(handle)
+        raise busy from None
+    return handle
