@@ -67,22 +67,8 @@ MOST_NUMBERS = 2**26
 MOST_NAME = 200
 """Characters of the name of an observation, which is part of the names of files."""
 ACTION = "action"
-
-
-Dtype = Literal[
-    "float16",
-    "float32",
-    "float64",
-    "int8",
-    "int16",
-    "int32",
-    "int64",
-    "uint8",
-    "uint16",
-    "uint32",
-    "uint64",
-    "bool",
-]
+_Whole = Literal["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"]
+Dtype = Literal["float16", "float32", "float64", _Whole, "bool"]
 """NumPy's name of the type of an array of an observation."""
 
 
