@@ -41,31 +41,19 @@ class Writer:
         self._thread.start()
 
     def __call__(self, job: Job) -> None:
-        """Have a job done, unless this process is a fork.
-
-        Raises:
-            MimocError: What one of the jobs before has raised.
-        """
+        """Have a job done, unless this process is a fork; raise what one of the jobs before has raised."""
         self._check()
         if self._thread.is_alive():
             self._jobs.put(job)
 
     def drain(self) -> None:
-        """Wait until all jobs are done.
-
-        Raises:
-            MimocError: What one of them has raised.
-        """
+        """Wait until all jobs are done; raise what one of them has raised."""
         if self._thread.is_alive():
             self._jobs.join()
         self._check()
 
     def close(self) -> None:
-        """Do what is left, and end the thread; closing twice is fine.
-
-        Raises:
-            MimocError: What one of the jobs has raised, unless it was raised before.
-        """
+        """Do what is left, and end the thread, also twice; raise what one of the jobs has raised."""
         if self._thread.is_alive():
             self._jobs.put(None)
             self._thread.join()
@@ -130,7 +118,7 @@ class RecordingObserver(Observer):
         Args:
             infant: The infant.
             writer: What does the writing.
-            stem_of: Returns the path of the files of an episode by its number, without extension.
+            stem_of: Returns the path of an episode's files, without extension, by its number.
             first: Number of the first episode.
             part_rows: Rows of a part of the files of an episode.
             states_every: Control steps from one complete state to the next.
@@ -259,15 +247,6 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
     """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
 
     States become text here, in the writer's thread.
-
-    Args:
-        stem: Path of the files, without extension.
-        block: The rows.
-        described: What their numbers are.
-        sidecar: What their sidecar says.
-
-    Raises:
-        OutputError: If a file cannot be written.
     """
     for reading in described.readings:
         if reading.kind == "picture":

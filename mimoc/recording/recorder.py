@@ -3,9 +3,10 @@
 import math
 import warnings
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
@@ -30,7 +31,7 @@ ROOM_BYTES = 2**28
 """Memory for what is not yet written of all infants together."""
 
 
-class Recording:
+class Recording(AbstractContextManager):
     """Records the episodes of some infants in a folder until it is closed."""
 
     def __init__(
@@ -72,19 +73,11 @@ class Recording:
         return tuple(f"{what} is an object of a script's own ({name}), {advice}" for what, name in objects)
 
     def wait(self) -> None:
-        """Wait until what was handed over to be written is written.
-
-        Raises:
-            OutputError: If something could not be written.
-        """
+        """Wait until what was handed over to be written is written, or raise an OutputError."""
         self._writer.drain()
 
     def mark(self, run: str, steps: int) -> None:
-        """End all episodes here, and remove what the same run has recorded beyond this place before.
-
-        Args:
-            run: Name of the run, from which follows what it does.
-            steps: How far it is.
+        """End all episodes here, and remove what a run of this name has recorded beyond so many steps before.
 
         Raises:
             OutputError: If the folder cannot be written.
@@ -113,10 +106,6 @@ class Recording:
         finally:
             self._folder.close()
 
-    def __enter__(self) -> "Recording":
-        """Return itself."""
-        return self
-
     def __exit__(self, *error: object) -> None:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
@@ -134,7 +123,7 @@ class Recording:
         return journals
 
 
-class _Closing:
+class _Closing(AbstractContextManager):
     """What both wrappers do: they end the recording before they close what they wrap."""
 
     def __init__(self, env: Any, recording: Recording):
@@ -148,10 +137,6 @@ class _Closing:
             self.recording.close()
         finally:
             super().close(**options)  # pyright: ignore[reportAttributeAccessIssue]
-
-    def __enter__(self) -> Self:
-        """Return itself."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close it."""

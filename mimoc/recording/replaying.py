@@ -97,14 +97,11 @@ def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]
     for part, ours in recorded.items():
         theirs = now.get(part)
         if not is_same(ours, theirs):
-            if (
-                isinstance(ours, np.ndarray)
-                and isinstance(theirs, np.ndarray)
-                and ours.shape == theirs.shape
-                and (number := _first(part, ours[None], theirs[None]))
-            ):
-                return Difference(step, "state", f"{part} {number[2]}", *number[3:])
-            return Difference(step, "state", part, np.nan, np.nan)
+            number = None
+            if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray) and ours.shape == theirs.shape:
+                number = _first(part, ours[None], theirs[None])
+            name, values = (f"{part} {number[2]}", number[3:]) if number else (part, (np.nan, np.nan))
+            return Difference(step, "state", name, *values)
     return None
 
 
@@ -113,16 +110,11 @@ def _first(what: str, recorded: Array, now: Array) -> Number | None:
     ours, theirs = (np.ascontiguousarray(array).reshape(len(array), -1) for array in (recorded, now))
     if ours.dtype != theirs.dtype:
         ours, theirs = ours.astype(float), theirs.astype(float)
-    differs = _bits(ours) != _bits(theirs)
+    differs = ours.view(f"u{ours.itemsize}") != theirs.view(f"u{ours.itemsize}")  # -0.0 is not 0.0, and NaN is NaN.
     if not differs.any():
         return None
     row, index = np.argwhere(differs)[0].tolist()
     return row, what, index, float(ours[row, index]), float(theirs[row, index])
-
-
-def _bits(array: Array) -> Array:
-    """Return numbers as whole ones, so that -0.0 is not 0.0 and NaN is NaN."""
-    return np.ascontiguousarray(array).view(f"u{array.itemsize}")
 
 
 def _label(episode: Episode, what: str, index: int) -> str:
@@ -187,14 +179,7 @@ def replay(
     watch: Watch = lambda env, observation: None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Replayed]:
-    """Simulate episodes again, and yield what came of each.
-
-    Args:
-        recording: The recording.
-        open_env: Opens the environments; see `Open`.
-        episodes: Some of its episodes; by default all.
-        watch: Told of everything that is observed.
-        progress: Called with the number of control steps done and their total.
+    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`.
 
     Raises:
         RecordingError: If the recording is damaged, or needs objects that *open_env* does not give.
@@ -335,11 +320,7 @@ def _other_scene(episode: Episode, seed: int) -> bool:
 
 
 def _check_observations(env: InfantEnv, episode: Episode) -> None:
-    """Check that an environment observes what was recorded.
-
-    Raises:
-        RecordingError: If it does not.
-    """
+    """Check that an environment observes what was recorded."""
     observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:
         if observed.get(reading.name) != (reading.shape, reading.dtype):

@@ -92,12 +92,7 @@ def pairs_of(number: Any) -> Any:
 
 
 def check_rows(table: Any, described: Described, first_step: int) -> None:
-    """Check the values of a table that has the columns of its description.
-
-    Args:
-        table: The table.
-        described: Its description.
-        first_step: What its first row must have as `step`.
+    """Check the values of a table that has the columns of its description, whose first row is of some step.
 
     Raises:
         UnusableFileError: If there are nulls, steps that do not follow each other, actions that are no numbers, or
@@ -114,7 +109,11 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
         raise UnusableFileError(f"the column '{ACTION}' has numbers that are not finite")
     for reading in described.readings:
         if reading.kind == "sparse":
-            _check_indices(table, reading)
+            rows, index, _ = sparse_of(table, OBSERVATION + reading.name)
+            is_inside = (index >= 0).all() and (index < reading.size).all()
+            if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
+                name = OBSERVATION + reading.name
+                raise UnusableFileError(f"the column '{name}' has an index that there is not, or one twice")
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -123,15 +122,6 @@ def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
     rows = np.repeat(np.arange(len(column)), np.diff(column.offsets.to_numpy()))
     pairs = column.flatten()
     return rows, pairs.field("index").to_numpy(), pairs.field("value").to_numpy(zero_copy_only=False)
-
-
-def _check_indices(table: Any, reading: Reading) -> None:
-    rows, index, _ = sparse_of(table, OBSERVATION + reading.name)
-    is_inside = (index >= 0).all() and (index < reading.size).all()
-    if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
-        raise UnusableFileError(
-            f"the column '{OBSERVATION}{reading.name}' has an index that there is not, or one twice"
-        )
 
 
 def _has_nulls(array: Any) -> bool:
@@ -161,11 +151,7 @@ SPLIT = ("float", "double")
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
-    """Write the rows of a block, but for pictures.
-
-    Raises:
-        OutputError: If the file cannot be written.
-    """
+    """Write the rows of a block, but for pictures, or raise an OutputError."""
     rows = block.rows
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
     columns[ACTION] = _fixed(block.action[:rows])
@@ -206,15 +192,13 @@ def describe(paths: Sequence[Path]) -> Described:
     Raises:
         RecordingError: If one is damaged, not a recording's, or has other columns than it says.
     """
-    described: Described | None = None
+    descriptions = list[Described]()
     for path in paths:
         with _opened(path) as file:
-            current = described_by(file.schema_arrow)
-            if described not in (None, current):
+            descriptions.append(described_by(file.schema_arrow))
+            if descriptions[-1] != descriptions[0]:
                 raise UnusableFileError("it describes other columns than the part before")
-            described = current
-    assert described is not None
-    return described
+    return descriptions[0]
 
 
 def described_by(schema: Any) -> Described:
@@ -329,11 +313,7 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
 
 
 def _check_packed(numbers: int, most_bytes: int) -> None:
-    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well.
-
-    Raises:
-        UnusableFileError: If it is.
-    """
+    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well."""
     if 8 * numbers > max(SMALL_BYTES, most_bytes):
         raise UnusableFileError("it would unpack to more than it can hold")
 
