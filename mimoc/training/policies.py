@@ -41,12 +41,7 @@ class Archive:
     """The members of a ZIP archive, each unpacked when it is asked for."""
 
     def __init__(self, content: bytes):
-        """Read the list of members.
-
-        Raises:
-            ValueError: If it is no archive, or larger than any policy.
-            zipfile.BadZipFile: If it is damaged.
-        """
+        """Read the list of members; raise a ValueError or BadZipFile if it is no archive, or larger than any policy."""
         self._archive = zipfile.ZipFile(io.BytesIO(content))
         self._members = {member.filename: member for member in self._archive.infolist()}
         if len(self._archive.infolist()) > MOST_MEMBERS:
@@ -58,33 +53,12 @@ class Archive:
         return list(self._members)
 
     def read(self, name: str) -> bytes:
-        """Return the content of a member.
-
-        Raises:
-            ValueError: If it is larger than it can be.
-            KeyError: If there is none of this name.
-        """
+        """Return the content of a member; raise a KeyError if there is none, a ValueError if it is too large."""
         member = self._members[name]
         if member.file_size > max(SMALL_BYTES, MOST_RATIO * member.compress_size) or member.file_size > self._left:
             raise ValueError(f"{name} is larger than it can be")
         self._left -= member.file_size
         return self._archive.read(member)
-
-
-def read_archive(path: Path) -> Archive:
-    """Return the archive in a file.
-
-    Raises:
-        ValueError: If it is not a regular file, or larger than any policy.
-        zipfile.BadZipFile: If it is damaged.
-    """
-    try:
-        content = read_regular_file(path, MOST_BYTES)
-    except UnusableFileError as error:
-        raise ValueError(str(error)) from None
-    if content is None:
-        raise ValueError("it cannot be read")
-    return Archive(content)
 
 
 ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "weights.npz"
@@ -95,8 +69,8 @@ OF_TORCH = "policy.pth"
 VERSION = 2
 """Of what mimoc reads; policies of version 1 had no `weights.npz`."""
 DAMAGED = (
-    *(zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, RuntimeError, RecursionError, MimocError),
-    *(KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
+    *(UnusableFileError, MimocError, zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError),
+    *(RuntimeError, RecursionError, KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
 )
 """Exceptions that reading a file that is not a policy may raise."""
 
@@ -192,7 +166,11 @@ def commanded_actuators(env: InfantEnv) -> list[str]:
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    archive = read_archive(path)
+    """Return description, statistics and weights in a file; raise one of `DAMAGED` if it is no policy."""
+    content = read_regular_file(path, MOST_BYTES)
+    if content is None:
+        raise ValueError("it cannot be read")
+    archive = Archive(content)
     about = json.loads(archive.read(ABOUT))
     if (saved_by := about["policy"]) != VERSION:
         raise _OtherVersionError if type(saved_by) is int else ValueError
@@ -234,17 +212,18 @@ def _bind(
     if not _has_room(hyper, weights, env):
         raise PolicyError(f"{path}: {_DAMAGED}")
     network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
-    names = normalized_names(env.observation_space)
+    names, scale = normalized_names(env.observation_space), dict[str, np.ndarray]()
     try:
         set_weights(network, weights)
-        means = {f"{name}.mean": _statistic(known[f"{name}.mean"], name, env) for name in names}
-        floor = hyper["observation_floor"]
-        variances = {name: np.maximum(_statistic(known[f"{name}.var"], name, env), 0.0) for name in names}
+        for name in names:
+            mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
+            if not mean.shape == variance.shape == _spaces(env)[name].shape:
+                raise ValueError(f"the statistics of '{name}' are of another shape")
+            scale |= {f"{name}.mean": mean, f"{name}.deviation": np.sqrt(variance + hyper["observation_floor"] ** 2)}
     except (KeyError, RuntimeError, ValueError, TypeError, AttributeError):
         raise PolicyError(f"{path}: {_DAMAGED}") from None
-    deviations = {f"{name}.deviation": np.sqrt(variance + floor**2) for name, variance in variances.items()}
     network.set_training_mode(False)
-    scale, limit = {**means, **deviations}, about["settings"].get("steps_per_episode")
+    limit = about["settings"].get("steps_per_episode")
     return TrainedPolicy(network, scale, float(hyper["observation_clip"]), names, limit)
 
 
@@ -260,13 +239,6 @@ def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: 
     width, layers = int(hyper["width"]), int(hyper["layers"])
     inputs = sum(math.prod(space.shape) for space in _spaces(env).values() if len(space.shape) == 1)
     return width * (inputs + width * (layers - 1)) <= sum(array.size for array in weights.values())
-
-
-def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
-    """Return a statistic of an observation, of its shape."""
-    if numbers.shape != _spaces(env)[name].shape:
-        raise ValueError(f"the statistics of '{name}' are of another shape")
-    return numbers
 
 
 def _differing_observations(trained: Mapping[str, Any], current: Mapping[str, Any]) -> list[str]:
