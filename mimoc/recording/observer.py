@@ -155,10 +155,7 @@ class RecordingObserver(Observer):
             self._change("physics", physics_of(self._infant.model, self._infant.data))
 
     def stepped(
-        self,
-        action: npt.NDArray[Any],
-        observation: Observation,
-        judged: tuple[float, bool, bool, Mapping[str, Any]],
+        self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
         """Keep a control step; write a part of the episode if it is due, and the episode if it has ended."""
         episode = self._episode

@@ -123,15 +123,7 @@ def summarize(
     wall_s: float,
     unfinished: Sequence[UnfinishedEpisode] = (),
 ) -> CurvePoint:
-    """Return the row of a learning curve for the given episodes.
-
-    Args:
-        episodes: Episodes that ended since the previous row.
-        steps: Control steps trained for so far.
-        step_s: Duration of a control step.
-        wall_s: Wall time of the training so far.
-        unfinished: Episodes under way.
-    """
+    """Return the row of a learning curve after so many control steps, for the episodes since the previous row."""
     return CurvePoint(
         steps=steps,
         episodes=len(episodes),

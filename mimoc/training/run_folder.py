@@ -103,21 +103,11 @@ def read_run_bundle(path: Path) -> Bundle:
 
 @contextmanager
 def open_run_folder(
-    out: str | Path,
-    settings: TrainingSettings,
-    bundle: Bundle,
-    *,
-    force: bool,
-    origin: Mapping[str, Any] | None = None,
+    out: str | Path, settings: TrainingSettings, bundle: Bundle, *, force: bool, origin: Mapping[str, Any] | None = None
 ) -> Iterator[RunFolder]:
     """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
-    Args:
-        out: The folder.
-        settings: Settings of the training run.
-        bundle: The infant.
-        force: Discard the training run in the folder, even one with other settings.
-        origin: What the run belongs to, such as the name of a cohort and of a job.
+    With *force*, the training run in the folder is discarded, even one with other settings.
 
     Raises:
         TrainingError: If the folder holds anything else, or another process is training in it.
@@ -206,11 +196,7 @@ def _clear(path: Path) -> None:
 
 
 def _write_description(
-    path: Path,
-    previous: RunFile | None,
-    settings: TrainingSettings,
-    bundle: Bundle,
-    origin: Mapping[str, Any] | None,
+    path: Path, previous: RunFile | None, settings: TrainingSettings, bundle: Bundle, origin: Mapping[str, Any] | None
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
     sessions, software = [dict(session) for session in previous.sessions] if previous else [], versions(LIBRARIES)

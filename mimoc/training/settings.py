@@ -241,10 +241,6 @@ def episode_limit(infant: InfantEnv, chosen: int | None) -> int:
 
     If neither says it, it is STEPS_PER_EPISODE, with a warning.
 
-    Args:
-        infant: An infant with its task.
-        chosen: The number that the caller has chosen, if any.
-
     Raises:
         TrainingError: If the task ends episodes before that.
     """

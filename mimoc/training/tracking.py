@@ -28,12 +28,7 @@ ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
 
 @contextmanager
 def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[None]:
-    """Let an agent tell its trackers what Stable-Baselines3 logs: returns, losses, speed.
-
-    Args:
-        agent: The agent, at the step that it goes on from.
-        folder: Folder of the training run.
-        settings: What the run is told apart by, for trackers that keep it.
+    """Let an agent tell its trackers what Stable-Baselines3 logs, with the settings of the run: returns, losses, speed.
 
     Raises:
         MimocError: If one of them cannot begin.
@@ -60,13 +55,7 @@ class _Writer(KVWriter):
     """A tracker that gets numbers by step; if one that may be far away fails, it gets no more, and training goes on."""
 
     def __init__(self, write: Callable[[dict[str, float], int], None], end: Callable[[], None], remote: str = ""):
-        """Begin.
-
-        Args:
-            write: Keeps the numbers of a step.
-            end: Ends the run.
-            remote: Name of a tracker that may be far away.
-        """
+        """Begin with functions that keep the numbers of a step and end the run; *remote* names one that is far away."""
         self._write, self._end, self._remote, self._works = write, end, remote, True
 
     def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
@@ -106,11 +95,7 @@ def _tensorboard(folder: Path, steps: int) -> _Writer:
 
 
 def _remote(name: str, begin: Callable[[], tuple[Callable[..., Any], Callable[..., Any]]]) -> _Writer:
-    """Return a tracker that may be far away.
-
-    Raises:
-        MimocError: If it cannot begin.
-    """
+    """Return a tracker that may be far away, or raise a MimocError if it cannot begin."""
     try:
         write, end = begin()
     except Exception as error:  # Each tracker fails with errors of its own.
@@ -180,15 +165,7 @@ class Recorder(BaseCallback):
         on_row: Callable[[CurvePoint], None],
         watch: RewardWatch,
     ):
-        """Continue the curve of earlier intervals.
-
-        Args:
-            before: Progress at the start of the interval.
-            step_s: Duration of a control step.
-            report: Called at every step with the number of steps taken so far.
-            on_row: Called with each new row of the curve.
-            watch: Looks at the rewards.
-        """
+        """Continue the curve of earlier intervals; *report* gets the steps taken so far, *on_row* each new row."""
         super().__init__()
         self._before, self._step_s, self._report = before, step_s, report
         self._on_row, self._watch = on_row, watch

@@ -1,7 +1,7 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import partial
@@ -187,19 +187,18 @@ def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
     return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
 
 
-def _read_progress(folder: RunFolder) -> Progress:
-    """Return the progress of the training run in a folder."""
-    checkpoint = folder.read_checkpoint()
-    with _naming_checkpoint_of(folder):
-        return Progress() if checkpoint is None else read_progress(checkpoint)
-
-
 def _trained(folder: RunFolder, session: _Session) -> Training:
     """Train until the run in a folder has all its steps."""
-    before = reached = _read_progress(folder)
+    checkpoint = folder.read_checkpoint()
+    with _naming_checkpoint_of(folder):
+        before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
     if before.steps < session.settings.steps:
-        together = _opened(session)
-        with _one_thread(), together as (agent, env), _recorded(session, env) as mark:
+        with ExitStack() as opened:
+            opened.callback(torch.set_num_threads, torch.get_num_threads())
+            torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
+            env = session.open_envs()
+            opened.callback(_close, env)
+            agent, mark = make_agent(env, session.settings), opened.enter_context(_recorded(session, env))
             reached = _train_to_end(folder, session, agent, env, mark)
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps)
@@ -261,18 +260,13 @@ def _plot(progress: Progress) -> bytes:
 def _check_recordable(
     record: str | Path | None, bundle: Bundle, settings: TrainingSettings, processes: bool | None
 ) -> None:
-    """Check that a training can be recorded in a folder, if there is one, before anything is written.
-
-    Raises:
-        TrainingError: If the environments are not all in one process.
-        RecordingError: If the folder holds anything but a recording of these infants.
-    """
-    if record is not None and processes is not None:
-        raise TrainingError(
-            "a training is recorded with all environments together; leave out --processes and --one-process, or the"
-            " recording"
-        )
+    """Check that a training can be recorded in a folder, if there is one, before anything is written."""
     if record is not None:
+        if processes is not None:
+            raise TrainingError(
+                "a training is recorded with all environments together; leave out --processes and --one-process, or the"
+                " recording"
+            )
         check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
 
 
@@ -291,26 +285,9 @@ def _recorded(session: _Session, env: VecNormalize) -> Iterator[Callable[[int], 
         yield partial(recording.mark, session.settings.digest())
 
 
-@contextmanager
-def _opened(session: _Session) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
-    """Open the parallel environments and make the agent."""
-    env = session.open_envs()
-    try:
-        yield make_agent(env, session.settings), env
-    finally:
-        with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
-            env.close()
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Limit torch to one thread: faster for networks this small, and the same result on machines of any size."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
+def _close(env: VecNormalize) -> None:
+    with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
+        env.close()
 
 
 @contextmanager
