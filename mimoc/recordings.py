@@ -65,11 +65,7 @@ def replay_recording(
 
 
 def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int | None) -> Sequence[Episode]:
-    """Return the episodes of an infant, of a number, or all.
-
-    Raises:
-        RecordingError: If there are none.
-    """
+    """Return the episodes of an infant, of a number, or all, or raise a RecordingError if there are none."""
     chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
     if not chosen:
         which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]

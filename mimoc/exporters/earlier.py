@@ -9,7 +9,6 @@ from typing import Any
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording import tables
-from mimoc.recording.description import as_json
 from mimoc.recording.folder import (
     EPISODES,
     RECORDING,
@@ -46,7 +45,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             target = with_extension(stem, match[3])
             with opened(folder / EPISODES / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
-    write_json(out / RECORDING, as_json(recording.description))
+    write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
     return []
 
 

@@ -90,11 +90,7 @@ class Settings:
         return [key for key in self._data if key not in self._read]
 
     def notes(self) -> tuple[Problem, ...]:
-        """Return the notes, by line.
-
-        Raises:
-            SpecError: If there are problems; the error lists all of them.
-        """
+        """Return the notes, by line, or raise a SpecError if there are problems; the error lists all of them."""
         if self._problems:
             raise SpecError(self._problems)
         return tuple(sorted(self._notes))

@@ -36,11 +36,7 @@ class Reading:
 
 
 def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
-    """Return how an array of an observation is kept.
-
-    Raises:
-        RecordingError: If it is not one of numbers.
-    """
+    """Return how an array of an observation is kept, or raise a RecordingError if it is not one of numbers."""
     if array.dtype.kind not in "biuf":
         raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
     is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3

@@ -130,11 +130,7 @@ class Described:
 
     @classmethod
     def from_json(cls, text: bytes) -> "Described":
-        """Return what metadata says.
-
-        Raises:
-            UnusableFileError: If it is not what `json` returns.
-        """
+        """Return what metadata says, or raise an UnusableFileError if it is not what `json` returns."""
         table = parse_json(text, _Table)
         columns = dict(table.columns)
         actions = columns.pop(ACTION, None)

@@ -1,6 +1,6 @@
 """What a recording says of itself in JSON: its description, and the sidecar of each episode or part."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -150,10 +150,6 @@ def read_description(path: Path) -> Description:
 def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
     """Return what the sidecar of an episode says, or what those of its parts say together.
 
-    Args:
-        paths: The sidecars.
-        below: The folder of the recording.
-
     Raises:
         RecordingError: If one is missing or damaged.
     """
@@ -163,13 +159,14 @@ def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
         for number, change in enumerate(part.changes):
             if len(change.kinds) != 1:
                 raise RecordingError(f"{path}: changes.{number}: it must be one change, not {len(change.kinds)}")
-    together = {
-        "rows": sum(part.rows for part in parts),
-        "changes": tuple(change for part in parts for change in part.changes),
-        "states": tuple(state for part in parts for state in part.states),
-        "ended": parts[-1].ended,
-    }
-    return first.model_copy(update=together)
+    return first.model_copy(
+        update={
+            "rows": sum(part.rows for part in parts),
+            "changes": tuple(change for part in parts for change in part.changes),
+            "states": tuple(state for part in parts for state in part.states),
+            "ended": parts[-1].ended,
+        }
+    )
 
 
 def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
@@ -185,8 +182,3 @@ def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
     if data is None:
         raise RecordingError(f"{path}: the file is missing")
     return data
-
-
-def as_json(data: Model) -> Mapping[str, Any]:
-    """Return data as it is written to a file: a change has only the keys that it was given."""
-    return data.model_dump(exclude_unset=True)

@@ -18,7 +18,7 @@ from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
-from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
+from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, read_description
 from mimoc.version import __version__
 
 RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
@@ -105,13 +105,9 @@ class RecordingFolder:
         self.describe(marks=marks)
 
     def describe(self, **changes: Any) -> None:
-        """Write `recording.json`, with some changes.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write `recording.json`, with some changes, or raise an OutputError if it cannot be written."""
         self.description = self.description.model_copy(update=changes)
-        write_json(self.path / RECORDING, as_json(self.description))
+        write_json(self.path / RECORDING, self.description.model_dump(exclude_unset=True))
 
     def close(self) -> None:
         """Unlock the folder."""
@@ -161,17 +157,12 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
     description = description_in(folder)
     recorded, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
     if len(recorded) != len(wanted):
-        raise RecordingError(
-            f"{folder}: the recording here is of {len(recorded)} infants side by side, not {len(wanted)}; name another"
-            " folder"
-        )
-    for infant, (theirs, ours) in enumerate(zip(recorded, wanted, strict=True)):
+        other = f"{len(recorded)} infants side by side, not {len(wanted)}"
+        raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
+    for infant, bundle, theirs, ours in zip(description.infants, bundles, recorded, wanted, strict=True):
         if theirs != ours:
-            name = description.infants[infant].name
-            raise RecordingError(
-                f"{folder}: the recording here is of another bundle ('{name}', {theirs[7:15]}, not"
-                f" '{bundles[infant].manifest.name}', {ours[7:15]}); name another folder"
-            )
+            other = f"another bundle ('{infant.name}', {theirs[7:15]}, not '{bundle.manifest.name}', {ours[7:15]})"
+            raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
     return description
 
 
@@ -219,12 +210,7 @@ def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
 
 @contextmanager
 def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[BinaryIO]:
-    """Open a file of an episode; whatever is wrong with it is one clear line.
-
-    Args:
-        path: The file.
-        most_bytes: The largest size that is read.
-        damage: What is raised if its content is not what it should be.
+    """Open a file of an episode; if its content raises one of *damage*, it is not what it should be.
 
     Raises:
         RecordingError: If it is missing, too large, no regular file or damaged.
@@ -251,11 +237,7 @@ def names_in(folder: Path) -> list[str]:
 
 
 def remove(episode: EpisodeFiles) -> None:
-    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole.
-
-    Raises:
-        OutputError: If one cannot be removed.
-    """
+    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
     home, name = episode.stems[0].parent, episode.stems[0].name
     for path in sorted(home.glob(f"{name}.*"), key=lambda path: path.suffix != ".json"):
         try:
@@ -284,11 +266,7 @@ def versions(libraries: Sequence[str] = LIBRARIES) -> dict[str, str]:
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Write a JSON file atomically.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write a JSON file atomically, or raise an OutputError if it cannot be written."""
     write_file(path, (json.dumps(data, ensure_ascii=False, sort_keys=True) + "\n").encode())
 
 

@@ -191,11 +191,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 
 
 def infants_of(env: Any) -> tuple[InfantEnv, ...]:
-    """Return the infants of an environment.
-
-    Raises:
-        RecordingError: If it has none in this process and on the CPU.
-    """
+    """Return the infants of an environment, or raise a RecordingError if it has none in this process and on the CPU."""
     inside = getattr(env, "unwrapped", None)
     if isinstance(inside, InfantEnv):
         return (inside,)

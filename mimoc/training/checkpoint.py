@@ -78,11 +78,7 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
 
 
 def read_progress(content: bytes) -> Progress:
-    """Return the progress stored in a checkpoint file.
-
-    Raises:
-        TrainingError: If the file is damaged.
-    """
+    """Return the progress stored in a checkpoint file, or raise a TrainingError if the file is damaged."""
     with _opened(content) as archive:
         return _progress(archive)
 
