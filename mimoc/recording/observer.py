@@ -88,6 +88,8 @@ class _Episode:
     number: int
     head: dict[str, Any]
     """What its sidecar says once."""
+    block: Block
+    """The rows since the last part."""
     action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
     """Type of the latest action: they are written in double precision."""
     steps: int = 0
@@ -120,14 +122,13 @@ class RecordingObserver(Observer):
             writer: What does the writing.
             stem_of: Returns the path of an episode's files, without extension, by its number.
             first: Number of the first episode.
-            part_rows: Rows of a part of the files of an episode.
+            part_rows: Rows of a part.
             states_every: Control steps from one complete state to the next.
-            about: What the sidecar of each episode says, such as the number of the `infant`.
+            about: What each sidecar says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
         self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
         self._episode: _Episode | None = None
-        self._block: Block | None = None
         self._before: dict[str, Any] | None = None
         self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
         self._described = _described(infant)
@@ -165,9 +166,11 @@ class RecordingObserver(Observer):
             episode.action_dtype = action.dtype
             self._change("action_dtype", action.dtype.name)
         episode.steps += 1
-        self._put(action, judged, observation)
-        if self._block is not None:
-            self._block.put_measures(self._measures.read(judged[3]))
+        if episode.block.is_full:
+            self._write_part(episode)
+            episode.block = self._new_block(episode.steps)
+        episode.block.put(self._infant.data.time, action, judged, observation)
+        episode.block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
         if episode.steps % self._states_every == 0:
             episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
@@ -190,7 +193,7 @@ class RecordingObserver(Observer):
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""
         if self._episode is not None:
-            self._write_part(ended=how)
+            self._write_part(self._episode, ended=how)
             self._episode = None
 
     def go_on_from(self, number: int) -> None:
@@ -199,33 +202,21 @@ class RecordingObserver(Observer):
 
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
         head = {**self._about, "reset": reset, "start": self._infant.get_state()}
-        self._episode, self._block = _Episode(self._next, head), None
+        self._episode = _Episode(self._next, head, self._new_block(0))
         self._next += 1
-        self._put(None, (*NOTHING_YET, info), observation)
+        self._episode.block.put(self._infant.data.time, None, (*NOTHING_YET, info), observation)
         self._physics = self._physics_now()
 
-    def _put(self, action: Any, judged: tuple[float, bool, bool, Mapping[str, Any]], observation: Observation) -> None:
-        episode, block = self._episode, self._block
-        assert episode is not None
-        if block is not None and block.is_full:
-            self._write_part()
-            block = None
-        if block is None:
-            described = self._described
-            block = self._block = Block(described.readings, len(described.actions), self._part_rows, episode.steps)
-        block.put(self._infant.data.time, action, judged, observation)
+    def _new_block(self, first_step: int) -> Block:
+        return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
 
-    def _write_part(self, **ended: str) -> None:
+    def _write_part(self, episode: _Episode, **ended: str) -> None:
         """Have the rows since the last part written."""
-        episode, block = self._episode, self._block
-        assert episode is not None
-        assert block is not None
-        sidecar = {"changes": episode.changes, "states": episode.states, "rows": block.rows, **ended}
+        sidecar = {"changes": episode.changes, "states": episode.states, "rows": episode.block.rows, **ended}
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
-        self._writer(partial(_write, stem, block, self._described, sidecar))
-        episode.parts += 1
-        episode.changes, episode.states, self._block = [], [], None
+        self._writer(partial(_write, stem, episode.block, self._described, sidecar))
+        episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
         if self._episode is not None:

@@ -69,11 +69,11 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
     """
     with _opened(content) as archive:
         progress = _progress(archive)
-        restore_agent(agent, unpack_arrays(archive.read(WEIGHTS)))
-        set_statistics(env, unpack_arrays(archive.read(SCALE)))
+        restore_agent(agent, unpack_arrays(archive.content(WEIGHTS)))
+        set_statistics(env, unpack_arrays(archive.content(SCALE)))
         agent.num_timesteps = progress.steps
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            _restore_replay_buffer(buffer, unpack_arrays(archive.read(REPLAY)))
+            _restore_replay_buffer(buffer, unpack_arrays(archive.content(REPLAY)))
     return progress
 
 
@@ -88,7 +88,7 @@ def _opened(content: bytes) -> Iterator[Archive]:
     """Open a checkpoint file; whatever is wrong with it is one clear line."""
     try:
         archive = Archive(content)
-        if OF_TORCH not in archive.names():
+        if OF_TORCH not in archive.namelist():
             yield archive
             return
     except DAMAGED:
@@ -97,8 +97,8 @@ def _opened(content: bytes) -> Iterator[Archive]:
 
 
 def _progress(archive: Archive) -> Progress:
-    state = parse_json(archive.read(STATE), _State)
-    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.read(CURVE).decode()))
+    state = parse_json(archive.content(STATE), _State)
+    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.content(CURVE).decode()))
 
 
 def _replay(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:

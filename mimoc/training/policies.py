@@ -37,28 +37,23 @@ MOST_RATIO = 20
 MOST_MEMBERS = 1000
 
 
-class Archive:
-    """The members of a ZIP archive, each unpacked when it is asked for."""
+class Archive(zipfile.ZipFile):
+    """A ZIP archive of which each member is unpacked when it is asked for."""
 
     def __init__(self, content: bytes):
         """Read the list of members; raise a ValueError or BadZipFile if it is no archive, or larger than any policy."""
-        self._archive = zipfile.ZipFile(io.BytesIO(content))
-        self._members = {member.filename: member for member in self._archive.infolist()}
-        if len(self._archive.infolist()) > MOST_MEMBERS:
+        super().__init__(io.BytesIO(content))
+        if len(self.infolist()) > MOST_MEMBERS:
             raise ValueError("an archive of too many members")
         self._left = MOST_BYTES
 
-    def names(self) -> list[str]:
-        """Return the names of all members."""
-        return list(self._members)
-
-    def read(self, name: str) -> bytes:
+    def content(self, name: str) -> bytes:
         """Return the content of a member; raise a KeyError if there is none, a ValueError if it is too large."""
-        member = self._members[name]
+        member = self.getinfo(name)
         if member.file_size > max(SMALL_BYTES, MOST_RATIO * member.compress_size) or member.file_size > self._left:
             raise ValueError(f"{name} is larger than it can be")
         self._left -= member.file_size
-        return self._archive.read(member)
+        return self.read(member)
 
 
 ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "weights.npz"
@@ -80,20 +75,19 @@ class TrainedPolicy:
     """A deterministic policy: the same observation always gives the same action, without exploration."""
 
     network: BasePolicy
-    scale: Mapping[str, np.ndarray]
-    """Mean and standard deviation of each normalised observation, by name."""
+    scale: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    """Mean and standard deviation of each observation that is normalised, by name."""
     clip: float
     """Absolute value at which normalised observations are clipped."""
-    normalized: Sequence[str]
-    """Names of the observations to normalise."""
     steps_per_episode: int | None = None
     """Control steps after which an episode of its training was truncated; None if that is not known."""
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action for an observation, shape (n,); *generator* is not used."""
-        inputs = {
-            name: self._normalize(name, part) if name in self.normalized else part for name, part in observation.items()
-        }
+        inputs = dict(observation)
+        for name, (mean, deviation) in self.scale.items():
+            normalized = (observation[name] - mean) / deviation
+            inputs[name] = np.clip(normalized, -self.clip, self.clip).astype(np.float32)
         try:
             action = self.network.predict(inputs, deterministic=True)[0]
         except ValueError:  # A distribution of numbers that are not finite.
@@ -101,10 +95,6 @@ class TrainedPolicy:
         if not np.isfinite(action).all():
             raise PolicyError("this policy gives commands that are not finite; train it again")
         return action
-
-    def _normalize(self, name: str, part: np.ndarray) -> np.ndarray:
-        normalized = (part - self.scale[f"{name}.mean"]) / self.scale[f"{name}.deviation"]
-        return np.clip(normalized, -self.clip, self.clip).astype(np.float32)
 
 
 def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: InfantEnv) -> bytes:
@@ -171,10 +161,10 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, 
     if content is None:
         raise ValueError("it cannot be read")
     archive = Archive(content)
-    about = json.loads(archive.read(ABOUT))
+    about = json.loads(archive.content(ABOUT))
     if (saved_by := about["policy"]) != VERSION:
         raise _OtherVersionError if type(saved_by) is int else ValueError
-    known, weights = unpack_arrays(archive.read(SCALE)), unpack_arrays(archive.read(WEIGHTS))
+    known, weights = unpack_arrays(archive.content(SCALE)), unpack_arrays(archive.content(WEIGHTS))
     is_finite = all(np.isfinite(array).all() for array in (*known.values(), *weights.values()))
     if not _is_description(about) or not is_finite:
         raise ValueError("it describes itself in a way that mimoc never does")
@@ -212,19 +202,19 @@ def _bind(
     if not _has_room(hyper, weights, env):
         raise PolicyError(f"{path}: {_DAMAGED}")
     network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
-    names, scale = normalized_names(env.observation_space), dict[str, np.ndarray]()
+    scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:
         set_weights(network, weights)
-        for name in names:
+        for name in normalized_names(env.observation_space):
             mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
             if not mean.shape == variance.shape == _spaces(env)[name].shape:
                 raise ValueError(f"the statistics of '{name}' are of another shape")
-            scale |= {f"{name}.mean": mean, f"{name}.deviation": np.sqrt(variance + hyper["observation_floor"] ** 2)}
+            scale[name] = mean, np.sqrt(variance + hyper["observation_floor"] ** 2)
     except (KeyError, RuntimeError, ValueError, TypeError, AttributeError):
         raise PolicyError(f"{path}: {_DAMAGED}") from None
     network.set_training_mode(False)
     limit = about["settings"].get("steps_per_episode")
-    return TrainedPolicy(network, scale, float(hyper["observation_clip"]), names, limit)
+    return TrainedPolicy(network, scale, float(hyper["observation_clip"]), limit)
 
 
 class _OtherVersionError(Exception):
