@@ -130,11 +130,7 @@ class _Version(Model, extra="ignore"):
 
 
 def read_description(path: Path) -> Description:
-    """Return the content of a `recording.json`.
-
-    Raises:
-        RecordingError: If it is missing, damaged or of another version.
-    """
+    """Return the content of a `recording.json`, or raise a RecordingError if it cannot be read."""
     folder = path.parent
     if read_data(path, _Version, below=folder).recording != FORMAT:
         raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
@@ -148,11 +144,7 @@ def read_description(path: Path) -> Description:
 
 
 def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
-    """Return what the sidecar of an episode says, or what those of its parts say together.
-
-    Raises:
-        RecordingError: If one is missing or damaged.
-    """
+    """Return what the sidecars of the parts of an episode say together, or raise a RecordingError if one is damaged."""
     first = read_data(paths[0], Sidecar, below=below)
     parts = (first, *(read_data(path, Part, below=below) for path in paths[1:]))
     for path, part in zip(paths, parts, strict=True):
@@ -170,11 +162,7 @@ def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
 
 
 def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
-    """Return the content of a JSON file of a recording.
-
-    Raises:
-        RecordingError: If it is missing, damaged, not a regular file, or too large.
-    """
+    """Return the content of a JSON file of a recording, or raise a RecordingError if it is missing or damaged."""
     try:
         data = read_json_file(path, kind, MOST_BYTES, below=below)
     except UnusableFileError as error:

@@ -69,11 +69,7 @@ def export_recording(
 
 @contextmanager
 def _staged(out: str | Path) -> Iterator[Path]:
-    """Yield an empty folder, which is put in place of a new or empty one if nothing goes wrong.
-
-    Raises:
-        OutputError: If there is anything else, or it cannot be written.
-    """
+    """Yield an empty folder, which is put in place of a new or empty one, and nothing else, if nothing goes wrong."""
     target = Path(out).expanduser()
     if os.path.lexists(target) and not target.is_dir():
         raise OutputError(f"{target}: this is a file; name a new folder")
@@ -93,11 +89,7 @@ def _staged(out: str | Path) -> Iterator[Path]:
 
 
 def _check_uniform(recording: ReadRecording) -> None:
-    """Check that all episodes have the same observations, number of actuators and control step, and that they have any.
-
-    Raises:
-        RecordingError: If one has not, or if no actuator is commanded, which these formats cannot hold.
-    """
+    """Check that all episodes have the same observations, control step and number of actuators, at least one."""
     first = recording[0]
     if not first.described.actions:
         raise RecordingError(f"{recording.path}: this format holds actions, and this infant has none; export it to csv")

@@ -167,11 +167,7 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
 
 
 def description_in(folder: Path) -> Description:
-    """Return what the `recording.json` of a folder says.
-
-    Raises:
-        RecordingError: If the folder is not that of a recording, or the file is damaged.
-    """
+    """Return the `recording.json` of a folder, or raise a RecordingError if there is none or it is damaged."""
     if not folder.is_dir():
         raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
     path = folder / RECORDING
@@ -210,11 +206,7 @@ def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
 
 @contextmanager
 def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[BinaryIO]:
-    """Open a file of an episode; if its content raises one of *damage*, it is not what it should be.
-
-    Raises:
-        RecordingError: If it is missing, too large, no regular file or damaged.
-    """
+    """Open a file of an episode; turn *damage*, links, pipes and too large files into RecordingErrors."""
     try:
         file = open_regular_file(path, most_bytes, below=path.parents[1])
         if file is None:

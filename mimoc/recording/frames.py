@@ -23,11 +23,7 @@ MOST_BYTES = 2**29
 
 
 def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
-    """Write pictures, shape (n, height, width, 3), as a video without loss.
-
-    Raises:
-        OutputError: If the file cannot be written.
-    """
+    """Write pictures, shape (n, height, width, 3), as a video without loss, or raise an OutputError."""
     try:
         video = Lossless(path, rate_hz)
         for picture in pictures:

@@ -8,7 +8,6 @@ from queue import Queue
 from threading import Thread
 from typing import Any, cast
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -20,7 +19,7 @@ from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import Observer
-from mimoc.runtime.physics_state import STATE, physics_of
+from mimoc.runtime.physics_state import physics_of
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]
@@ -130,9 +129,7 @@ class RecordingObserver(Observer):
         self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
         self._episode: _Episode | None = None
         self._before: dict[str, Any] | None = None
-        self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
-        self._described = _described(infant)
-        self._measures = StepMeasures(infant, "record")
+        self._physics, self._described, self._measures = b"", _described(infant), StepMeasures(infant, "record")
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
@@ -224,11 +221,7 @@ class RecordingObserver(Observer):
             self._physics = self._physics_now()
 
     def _physics_now(self) -> bytes:
-        infant = self._infant
-        if infant.model is not self._model:
-            self._model, self._state = infant.model, physics_of(infant.model, infant.data)
-        mujoco.mj_getState(infant.model, infant.data, self._state, STATE)
-        return self._state.tobytes()
+        return physics_of(self._infant.model, self._infant.data).tobytes()
 
 
 def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:

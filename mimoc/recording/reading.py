@@ -356,11 +356,7 @@ def read_recording(folder: str | Path) -> ReadRecording:
 
 
 def _check(episode: Episode, description: Description) -> None:
-    """Check that an episode is of this recording, and that all its files are there and what it says they are.
-
-    Raises:
-        RecordingError: If not.
-    """
+    """Check that an episode is of this recording, and that all its files are there and what it says they are."""
     sidecar, place = episode.sidecar, episode.files.sidecars[0]
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")

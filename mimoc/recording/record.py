@@ -43,11 +43,7 @@ class VideoFrames:
     """Renders the frames of a video of one environment."""
 
     def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
-        """Open the cameras; see `record`.
-
-        Raises:
-            RenderingError: If OpenGL is not available, or the infant has no eyes.
-        """
+        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes."""
         self._env, vision = env, env.manifest.senses.vision
         self._observed = vision.cameras if eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""

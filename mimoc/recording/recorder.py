@@ -90,11 +90,7 @@ class Recording(AbstractContextManager):
             journal.go_on_from(number)
 
     def close(self) -> None:
-        """Write what is left, and record no more; closing twice is fine.
-
-        Raises:
-            OutputError: If something could not be written.
-        """
+        """Write what is left, or raise an OutputError, and record no more; closing twice is fine."""
         if all(infant.observer is NO_OBSERVER for infant in self._infants):
             return
         for infant in self._infants:

@@ -172,11 +172,7 @@ def write_table(path: Path, table: Any) -> None:
 
 
 def describe(paths: Sequence[Path]) -> Described:
-    """Return what the schemas of all parts of one episode say, which all say the same.
-
-    Raises:
-        RecordingError: If one is damaged, not a recording's, or has other columns than it says.
-    """
+    """Return what the schemas of all parts of one episode say, or raise a RecordingError if one differs."""
     descriptions = list[Described]()
     for path in paths:
         with _opened(path) as file:

@@ -185,12 +185,7 @@ def check_video(file: str | Path) -> Path:
 
 
 def open_video(file: str | Path, rate_hz: Fraction) -> Video:
-    """Return a video to add frames to, in the format of the extension of its file.
-
-    Raises:
-        OutputError: If the file cannot be written.
-        MissingExtraError: If PyAV is not installed, which MP4 needs.
-    """
+    """Return a video to add frames to, in the format of the extension of its file; see `check_video`."""
     path = check_video(file)
     try:
         return FORMATS[path.suffix.lower()](path, rate_hz)

@@ -111,7 +111,7 @@ class Curve:
             TrainingError: If the text is not a learning curve.
         """
         try:
-            return cls(tuple(_possible(_row(cells)) for cells in csv.DictReader(io.StringIO(text))))
+            return cls(tuple(_row(cells) for cells in csv.DictReader(io.StringIO(text))))
         except (KeyError, ValueError, TypeError, csv.Error):
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
@@ -143,17 +143,13 @@ def _mean(values: Iterable[float]) -> float:
     return math.fsum(numbers) / len(numbers) if numbers else math.nan
 
 
-def _possible(row: CurvePoint) -> CurvePoint:
-    """Return a row, if its counts are none below zero or of more than 64 bits, and no mean is infinite."""
-    for value in astuple(row):
-        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
-            raise ValueError(f"{value} is a number that no training has")
-    return row
-
-
 def _row(cells: dict[str, str]) -> CurvePoint:
+    """Return a row; no count is below zero or of more than 64 bits, and no mean is infinite."""
     names = [column.name for column in fields(CurvePoint) if column.name in cells or column.default is MISSING]
     numbers = {name: int(cells[name]) if name in COUNTS else float(cells[name] or "nan") for name in names}
+    for value in numbers.values():
+        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
+            raise ValueError(f"{value} is a number that no training has")
     return CurvePoint(**dict[str, Any](numbers))
 
 

@@ -56,20 +56,12 @@ class RunFolder:
         return content
 
     def write_checkpoint(self, steps: int, policy: bytes, state: bytes) -> None:
-        """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one.
-
-        Raises:
-            OutputError: If a file cannot be written.
-        """
+        """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one."""
         for name, content in ((f"{CHECKPOINTS}/{steps:010d}.zip", policy), (POLICY, policy), (STATE, state)):
             self.write(name, content)
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file: the latest policy, which may be later than the checkpoint, the curve, or its plot.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write a file: the latest policy, which may be later than the checkpoint, the curve, or its plot."""
         write_file(self.path / name, content)
 
 
@@ -90,11 +82,7 @@ def read_training_run(path: Path) -> tuple[RunFile, Curve]:
 
 
 def read_run_bundle(path: Path) -> Bundle:
-    """Return the infant of the training run in a folder.
-
-    Raises:
-        BundleError: If it is not an intact bundle, or a link.
-    """
+    """Return the infant of the training run in a folder, or raise a BundleError if it is damaged or a link."""
     try:
         return read_bundle(check_unlinked(path / BUNDLE, below=path))
     except OutputError as error:
@@ -158,11 +146,7 @@ def _read_run(path: Path) -> RunFile | None:
 
 
 def _content(path: Path) -> bytes | None:
-    """Return the content of a file, None if it does not exist or cannot be read.
-
-    Raises:
-        TrainingError: If it is not a regular file, or larger than any checkpoint.
-    """
+    """Return the content of a regular file no larger than any checkpoint, None if there is none or it is unreadable."""
     try:
         return read_regular_file(path, MOST_BYTES)
     except UnusableFileError as error:

@@ -72,7 +72,14 @@ def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
     known = HYPERPARAMETERS[algo]
     for name in chosen.keys() - known.keys():
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
-    return {name: _checked(name, chosen.get(name, one.default), one) for name, one in sorted(known.items())}
+    values: dict[str, Number] = {}
+    for name, item in sorted(known.items()):
+        value, whole = chosen.get(name, item.default), isinstance(item.default, int)
+        if not item.low <= value <= item.high or (whole and value != int(value)):
+            kind = "an integer" if whole else "a number"
+            raise TrainingError(f"{name}: expected {kind} from {item.low:g} to {item.high:g}, got {value:g}")
+        values[name] = int(value) if whole else float(value)
+    return values
 
 
 def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
@@ -91,14 +98,6 @@ def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
             raise TrainingError(f"'{text}' is not an assignment; write NAME=NUMBER, such as gamma=0.99") from None
     completed = complete(algo, chosen)
     return {name: completed[name] for name in chosen}
-
-
-def _checked(name: str, value: Number, known: Hyperparameter) -> Number:
-    whole = isinstance(known.default, int)
-    if not known.low <= value <= known.high or (whole and value != int(value)):
-        kind = "an integer" if whole else "a number"
-        raise TrainingError(f"{name}: expected {kind} from {known.low:g} to {known.high:g}, got {value:g}")
-    return int(value) if whole else float(value)
 
 
 CHECKPOINT_EVERY = 20_480

@@ -44,6 +44,9 @@ STEPS = 500_000
 ENVS = 8
 PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
+PROCESSES_APART = (
+    "a training is recorded with all environments together; leave out --processes and --one-process, or the recording"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +149,10 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
-        _check_recordable(record, bundle, settings, processes)
+        if record is not None:
+            if processes is not None:
+                raise TrainingError(PROCESSES_APART)
+            check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
         open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
         session = _Session(settings, infant, open_envs, record, progress or _ignore, on_row or _ignore)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
@@ -198,14 +204,18 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
             torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
             env = session.open_envs()
             opened.callback(_close, env)
-            agent, mark = make_agent(env, session.settings), opened.enter_context(_recorded(session, env))
-            reached = _train_to_end(folder, session, agent, env, mark)
+            agent = make_agent(env, session.settings)
+            recording = None
+            if session.record is not None:
+                together: Any = env.unwrapped
+                recording = opened.enter_context(Recording(together.infants.infants, session.record))
+            reached = _train_to_end(folder, session, agent, env, recording)
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
 def _train_to_end(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, mark: Callable[[int], None]
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, recording: Recording | None
 ) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
@@ -216,7 +226,8 @@ def _train_to_end(
     with tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
-            mark(reached.steps)
+            if recording is not None:  # What a killed process has recorded of this interval comes again.
+                recording.mark(settings.digest(), reached.steps)
             reached = _train_interval(folder, session, agent, env, reached)
             policy = pack_policy(agent, env, settings, session.infant)
             folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
@@ -255,34 +266,6 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
-
-
-def _check_recordable(
-    record: str | Path | None, bundle: Bundle, settings: TrainingSettings, processes: bool | None
-) -> None:
-    """Check that a training can be recorded in a folder, if there is one, before anything is written."""
-    if record is not None:
-        if processes is not None:
-            raise TrainingError(
-                "a training is recorded with all environments together; leave out --processes and --one-process, or the"
-                " recording"
-            )
-        check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
-
-
-@contextmanager
-def _recorded(session: _Session, env: VecNormalize) -> Iterator[Callable[[int], None]]:
-    """Record the infants of a training, if there is a folder for it.
-
-    Yield the function to call at the start of each interval with the control steps before it: what was recorded of the
-    interval before its process was killed is replaced, since all of it comes again.
-    """
-    if session.record is None:
-        yield lambda steps: None
-        return
-    together: Any = env.unwrapped
-    with Recording(together.infants.infants, session.record) as recording:
-        yield partial(recording.mark, session.settings.digest())
 
 
 def _close(env: VecNormalize) -> None:

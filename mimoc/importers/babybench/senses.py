@@ -24,8 +24,9 @@ FOVY_DEG = (1.0, 170.0)
 
 def read_senses(settings: Settings) -> dict[str, Any]:
     """Return the section `senses` of a spec."""
-    readers = {"proprioception": _proprioception, "vestibular": _vestibular, "touch": _touch, "vision": _vision}
-    senses = {name: read_sense(settings) for name, read_sense in readers.items()}
+    vestibular = {} if _switch(settings, "vestibular") else None
+    senses = {"proprioception": _proprioception(settings), "vestibular": vestibular}
+    senses |= {"touch": _touch(settings), "vision": _vision(settings)}
     return {name: sense for name, sense in senses.items() if sense is not None}
 
 
@@ -45,10 +46,6 @@ def _proprioception(settings: Settings) -> dict[str, Any] | None:
             settings.note(key, "excluded here; BabyBench's code ignores this key and includes it")
     include = [name for name, wanted in felt.items() if wanted is not False]
     return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
-
-
-def _vestibular(settings: Settings) -> dict[str, Any] | None:
-    return {} if _switch(settings, "vestibular") else None
 
 
 def _touch(settings: Settings) -> dict[str, Any] | None:
