@@ -8,18 +8,9 @@ from typing import Any
 
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.recording import tables
-from mimoc.recording.folder import (
-    EPISODES,
-    RECORDING,
-    TABLE,
-    bundle_folder,
-    names_in,
-    opened,
-    part_stem,
-    with_extension,
-    write_json,
-)
+from mimoc.recording import folder, tables
+from mimoc.recording.description import RECORDING
+from mimoc.recording.folder import EPISODES, part_stem, with_extension
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.tables import STEP, check_rows, pa
 
@@ -30,9 +21,9 @@ MOST_PART_BYTES, MOST_COPIED_BYTES = 2**30, 2**33
 
 def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
     """Write a recording of any version as this version records; small videos are left out."""
-    folder, names = recording.path, names_in(recording.path)
+    home, names = recording.path / EPISODES, folder.names_in(recording.path)
     for number, infant in enumerate(recording.description.infants):
-        write_bundle(recording.bundle(number), bundle_folder(out, infant.bundle))
+        write_bundle(recording.bundle(number), folder.bundle_folder(out, infant.bundle))
     (out / EPISODES).mkdir()
     for name in names:
         match = FILE.fullmatch(name)
@@ -40,18 +31,18 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             continue
         stem = part_stem(out / EPISODES / match[1], int(match[2] or 0))
         if match[3] == ".arrow":
-            tables.write_table(with_extension(stem, TABLE), _rows(folder / EPISODES / name))
+            tables.write_table(with_extension(stem, folder.TABLE), _rows(home / name))
         else:
             target = with_extension(stem, match[3])
-            with opened(folder / EPISODES / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
+            with folder.opened(home / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
-    write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
+    folder.write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
     return []
 
 
 def _rows(path: Path) -> Any:
     """Return the rows of an Arrow stream."""
-    with opened(path, MOST_PART_BYTES, *tables.DAMAGED) as file:
+    with folder.opened(path, MOST_PART_BYTES, *tables.DAMAGED) as file:
         content = pa.py_buffer(file.read())
         for message in pa.ipc.MessageReader.open_stream(pa.BufferReader(content)):
             is_rows = message.type == "record batch"

@@ -74,8 +74,6 @@ def _buffer(episode: Episode) -> dict[str, Any]:
 
 
 def _space(reading: Reading) -> spaces.Box:
-    if reading.dtype == "uint8":
-        return spaces.Box(0, 255, reading.shape, np.uint8)
     kind = np.dtype(reading.dtype)
     if kind.kind == "f":
         return spaces.Box(-np.inf, np.inf, reading.shape, kind.type)

@@ -1,5 +1,6 @@
 """What a recording says of itself in JSON: its description, and the sidecar of each episode or part."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -9,6 +10,7 @@ from mimoc.bundle.regular_files import UnusableFileError, read_json_file
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
 
+RECORDING = "recording.json"
 FORMAT: Literal[1] = 1
 MOST_BYTES = 2**29
 """Of a description or a sidecar, which has all states of an episode; 512 MB."""
@@ -129,9 +131,13 @@ class _Version(Model, extra="ignore"):
     recording: int
 
 
-def read_description(path: Path) -> Description:
-    """Return the content of a `recording.json`, or raise a RecordingError if it cannot be read."""
-    folder = path.parent
+def description_in(folder: Path) -> Description:
+    """Return the `recording.json` of a folder, or raise a RecordingError if there is none or it is damaged."""
+    path = folder / RECORDING
+    if not folder.is_dir():
+        raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
+    if not os.path.lexists(path):
+        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
     if read_data(path, _Version, below=folder).recording != FORMAT:
         raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
     description = read_data(path, Description, below=folder)

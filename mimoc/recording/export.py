@@ -12,7 +12,7 @@ from typing import Any
 from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
 from mimoc.exporters import EARLIER, EXPORTERS
-from mimoc.recording.folder import description_in
+from mimoc.recording.description import description_in
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 
 

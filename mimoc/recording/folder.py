@@ -18,10 +18,10 @@ from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
-from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, read_description
+from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
 from mimoc.version import __version__
 
-RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
+EPISODES, BUNDLES = "episodes", "bundles"
 TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
@@ -164,16 +164,6 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
             other = f"another bundle ('{infant.name}', {theirs[7:15]}, not '{bundle.manifest.name}', {ours[7:15]})"
             raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
     return description
-
-
-def description_in(folder: Path) -> Description:
-    """Return the `recording.json` of a folder, or raise a RecordingError if there is none or it is damaged."""
-    if not folder.is_dir():
-        raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
-    path = folder / RECORDING
-    if not os.path.lexists(path):
-        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
-    return read_description(path)
 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:

@@ -14,8 +14,8 @@ from mimoc.bundle.regular_files import is_regular_file
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
 from mimoc.recording.described import OBSERVATION, Described
-from mimoc.recording.description import Description, Sidecar, read_sidecar
-from mimoc.recording.folder import EpisodeFiles, bundle_folder, description_in, digest, episodes_in
+from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
+from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
 from mimoc.recording.tables import MEASURE, OPTIONAL
 
