@@ -58,7 +58,6 @@ def replay_recording(
                 raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
     def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
-        """Open an environment, with copies of a script's objects of its own."""
         return open_bundle(bundle, other_scenes, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)

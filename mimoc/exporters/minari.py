@@ -84,12 +84,10 @@ def _space(reading: Reading) -> spaces.Box:
 @contextmanager
 def _datasets_in(folder: Path) -> Iterator[None]:
     """Let Minari write into a folder."""
-    before = os.environ.get(HOME)
+    before = {name: value for name, value in os.environ.items() if name == HOME}
     os.environ[HOME] = str(folder)
     try:
         yield
     finally:
-        if before is None:
-            del os.environ[HOME]
-        else:
-            os.environ[HOME] = before
+        del os.environ[HOME]
+        os.environ.update(before)

@@ -21,12 +21,10 @@ Data = TypeVar("Data", bound=Model)
 
 
 class RecordedInfant(Model):
-    """One of the infants that were recorded side by side."""
+    """One of the infants that were recorded side by side, by name and digest of its bundle."""
 
     name: str
-    """Name of its bundle."""
     bundle: Digest
-    """Digest of its bundle."""
 
 
 class Mark(Model):
@@ -89,12 +87,10 @@ class Change(Model):
 
 
 class KeptState(Model):
-    """A complete state."""
+    """A complete state after some control steps, as `to_plain` returns it."""
 
     step: Count
-    """Control steps before it."""
     state: dict[str, Any]
-    """The state, as `to_plain` returns it."""
 
 
 class Part(Model):

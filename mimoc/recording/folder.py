@@ -89,9 +89,6 @@ class RecordingFolder:
         """Come back to where a run was after some steps, and remove what it has recorded since; or note this place.
 
         It comes back only if nothing else was recorded since.
-
-        Raises:
-            OutputError: If the folder cannot be written.
         """
         marks = self.description.marks
         places = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
@@ -99,7 +96,7 @@ class RecordingFolder:
             marks = marks[: places[-1] + 1]
             for episode in episodes_in(self.path, len(self.description.infants)):
                 if episode.number >= marks[-1].episodes[episode.infant]:
-                    remove(episode)
+                    _remove(episode)
         else:
             marks = (*marks, Mark(run=run, steps=steps, episodes=tuple(self.next_numbers())))
         self.describe(marks=marks)
@@ -218,7 +215,7 @@ def names_in(folder: Path) -> list[str]:
         raise RecordingError(f"{folder / EPISODES}: {error}") from None
 
 
-def remove(episode: EpisodeFiles) -> None:
+def _remove(episode: EpisodeFiles) -> None:
     """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
     home, name = episode.stems[0].parent, episode.stems[0].name
     for path in sorted(home.glob(f"{name}.*"), key=lambda path: path.suffix != ".json"):

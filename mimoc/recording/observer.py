@@ -126,7 +126,9 @@ class RecordingObserver(Observer):
             about: What each sidecar says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
-        self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
+        self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
+        self.next_number = first
+        """Number of the next episode."""
         self._episode: _Episode | None = None
         self._before: dict[str, Any] | None = None
         self._physics, self._described, self._measures = b"", _described(infant), StepMeasures(infant, "record")
@@ -193,14 +195,10 @@ class RecordingObserver(Observer):
             self._write_part(self._episode, ended=how)
             self._episode = None
 
-    def go_on_from(self, number: int) -> None:
-        """Begin the next episode with another number, where no episode is being recorded."""
-        self._next = number
-
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
         head = {**self._about, "reset": reset, "start": self._infant.get_state()}
-        self._episode = _Episode(self._next, head, self._new_block(0))
-        self._next += 1
+        self._episode = _Episode(self.next_number, head, self._new_block(0))
+        self.next_number += 1
         self._episode.block.put(self._infant.data.time, None, (*NOTHING_YET, info), observation)
         self._physics = self._physics_now()
 

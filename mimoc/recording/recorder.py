@@ -77,17 +77,13 @@ class Recording(AbstractContextManager):
         self._writer.drain()
 
     def mark(self, run: str, steps: int) -> None:
-        """End all episodes here, and remove what a run of this name has recorded beyond so many steps before.
-
-        Raises:
-            OutputError: If the folder cannot be written.
-        """
+        """End all episodes here, and remove what a run of this name has recorded beyond so many steps before."""
         for journal in self._journals:
             journal.end("reset")
         self._writer.drain()
         self._folder.mark(run, steps)
         for journal, number in zip(self._journals, self._folder.next_numbers(), strict=True):
-            journal.go_on_from(number)
+            journal.next_number = number
 
     def close(self) -> None:
         """Write what is left, or raise an OutputError, and record no more; closing twice is fine."""

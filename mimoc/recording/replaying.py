@@ -135,11 +135,7 @@ def replay(
     watch: Watch = lambda env, observation: None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Replayed]:
-    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`.
-
-    Raises:
-        RecordingError: If the recording is damaged, or needs objects that *open_env* does not give.
-    """
+    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`."""
     chosen = recording.episodes if episodes is None else tuple(episodes)
     total, done = sum(episode.steps for episode in chosen), 0
     for infant in dict.fromkeys(episode.infant for episode in chosen):

@@ -54,11 +54,7 @@ class Video(ABC):
         self.pictures += 1
 
     def save(self) -> Path:
-        """Save the frames added so far, of which there must be at least one, and return the path of the file.
-
-        Raises:
-            OutputError: If the file cannot be written.
-        """
+        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError."""
         try:
             self._finish()
             return files.move_into_place(self._temporary, self.file)
@@ -147,18 +143,13 @@ class Gif(Video):
         self._kept.append(png)
 
     def _finish(self) -> None:
-        palette = self._palette()
-        pictures = (Image.open(png).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept)
-        ends = [round(GIF_TICKS_HZ * number / self.rate_hz) for number in range(self.pictures + 1)]
-        durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in pairwise(ends)]
-        first = next(pictures)
-        first.save(self._temporary, "GIF", save_all=True, append_images=pictures, duration=durations_ms, loop=0)
-
-    def _palette(self) -> Image.Image:
-        """Return an image with the palette of all frames, which preserves small bright objects."""
         samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
         together = np.concatenate([np.asarray(Image.open(png)) for png in samples])
-        return Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)
+        palette = Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)  # Keeps small bright ones.
+        first, *others = (Image.open(png).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept)
+        ends = [round(GIF_TICKS_HZ * number / self.rate_hz) for number in range(self.pictures + 1)]
+        durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in pairwise(ends)]
+        first.save(self._temporary, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
 
 
 FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}

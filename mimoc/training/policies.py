@@ -106,8 +106,7 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
         "infant": env.manifest.name,
         "steps": agent.num_timesteps,
         "settings": settings.data(),
-        "observes": describe_observations(env),
-        "commands": commanded_actuators(env),
+        **_interface(env),
     }
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(ABOUT, json.dumps(about, indent=1))
@@ -145,14 +144,12 @@ def load_policy(path: str | Path) -> PolicyMaker:
     return lambda env: _bind(path, about, hyper, statistics_, network, env)
 
 
-def describe_observations(env: InfantEnv) -> dict[str, Any]:
-    """Return the shape and layout (the meaning of each number; empty for images) of each observation, by name."""
-    return {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in _spaces(env).items()}
-
-
-def commanded_actuators(env: InfantEnv) -> list[str]:
-    """Return the names of the actuators that the action commands, in its order."""
-    return [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
+def _interface(env: InfantEnv) -> dict[str, Any]:
+    """Return shape and layout (empty for images) of each observation, and the actuators that the action commands."""
+    spaces = _spaces(env).items()
+    observes = {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in spaces}
+    commands = [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
+    return {"observes": observes, "commands": commands}
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -193,17 +190,14 @@ def _bind(
     env: InfantEnv,
 ) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit."""
-    differences = [
-        *_differing_observations(about["observes"], describe_observations(env)),
-        *_differing_actuators(about["commands"], commanded_actuators(env)),
-    ]
+    differences = _differences(about, _interface(env))
     if differences:
         raise PolicyError(f"{path}: trained for a different infant, '{about['infant']}': {'; '.join(differences)}")
-    if not _has_room(hyper, weights, env):
-        raise PolicyError(f"{path}: {_DAMAGED}")
-    network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
     scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:
+        if not _has_room(hyper, weights, env):
+            raise ValueError("fewer weights than its layers have")
+        network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
         set_weights(network, weights)
         for name in normalized_names(env.observation_space):
             mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
@@ -231,21 +225,21 @@ def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: 
     return width * (inputs + width * (layers - 1)) <= sum(array.size for array in weights.values())
 
 
-def _differing_observations(trained: Mapping[str, Any], current: Mapping[str, Any]) -> list[str]:
+def _differences(about: Mapping[str, Any], interface: Mapping[str, Any]) -> list[str]:
+    """Return how observations and actuators of the infant in training differ from those of another one."""
+    trained, current = about["observes"], interface["observes"]
     differences = [f"observation '{name}' is missing here" for name in trained.keys() - current.keys()]
     differences += [f"observation '{name}' was not there in training" for name in current.keys() - trained.keys()]
-    for name in sorted(trained.keys() & current.keys()):
+    for name in trained.keys() & current.keys():
         if (then := tuple(trained[name]["shape"])) != (now := tuple(current[name]["shape"])):
             differences.append(f"'{name}' had shape {then} in training and has {now} here")
         else:
             differences += _first_difference(f"'{name}'", trained[name]["layout"], current[name]["layout"])
-    return sorted(differences)
-
-
-def _differing_actuators(trained: Sequence[str], current: Sequence[str]) -> list[str]:
-    if len(trained) != len(current):
-        return [f"the action commanded {len(trained)} actuators in training and commands {len(current)} here"]
-    return _first_difference("the action", trained, current)
+    commanded, commands = about["commands"], interface["commands"]
+    if len(commanded) != len(commands):
+        number = f"{len(commanded)} actuators in training and commands {len(commands)} here"
+        return [*sorted(differences), f"the action commanded {number}"]
+    return [*sorted(differences), *_first_difference("the action", commanded, commands)]
 
 
 def _first_difference(what: str, trained: Sequence[str], current: Sequence[str]) -> list[str]:

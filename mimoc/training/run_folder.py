@@ -105,7 +105,12 @@ def open_run_folder(
     _check_is_run_folder(path)
     previous = _read_run(path)
     if previous is not None and not force:
-        _check_same_run(path, previous, settings, bundle)
+        differences = settings.differences(previous.settings)
+        differences += [] if previous.bundle == digest(bundle) else ["another infant"]
+        if differences:
+            advice = "use the same settings to resume it, name another folder, or start over with --force"
+            others = one_line("; ".join(differences))
+            raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
     busy = TrainingError(f"{path}: another process is training here; wait for it or name another folder")
     handle = lock_folder(path, busy)
     try:
@@ -151,17 +156,6 @@ def _content(path: Path) -> bytes | None:
         return read_regular_file(path, MOST_BYTES)
     except UnusableFileError as error:
         raise TrainingError(f"{path}: {error}") from None
-
-
-def _check_same_run(path: Path, previous: RunFile, settings: TrainingSettings, bundle: Bundle) -> None:
-    """Raise a TrainingError for other settings (except more steps) or another infant than those of the run."""
-    differences = settings.differences(previous.settings)
-    if previous.bundle != digest(bundle):
-        differences.append("another infant")
-    if differences:
-        advice = "use the same settings to resume it, name another folder, or start over with --force"
-        others = one_line("; ".join(differences))
-        raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
 
 
 def _leftovers(folder: Path) -> list[Path]:

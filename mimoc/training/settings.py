@@ -216,11 +216,7 @@ NOTHING = "nothing"
 
 
 def check_learnable(infant: InfantEnv) -> None:
-    """Check that an infant can be trained.
-
-    Raises:
-        TrainingError: If it observes nothing, its images are too small, or its action is empty.
-    """
+    """Check that an infant observes something to learn from, in images that are large enough, and can act."""
     manifest, space = infant.manifest, cast("Dict", infant.observation_space)
     if not any(actuator.commanded for actuator in manifest.actuation.actuators):
         raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")

@@ -28,11 +28,7 @@ ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
 
 @contextmanager
 def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[None]:
-    """Let an agent tell its trackers what Stable-Baselines3 logs, with the settings of the run: returns, losses, speed.
-
-    Raises:
-        MimocError: If one of them cannot begin.
-    """
+    """Let an agent tell its trackers what Stable-Baselines3 logs, or raise a MimocError if one of them cannot begin."""
     with ExitStack() as opened:
         writers = list[KVWriter]()
         for writer in _writers(agent, folder, settings):
@@ -197,14 +193,12 @@ class Recorder(BaseCallback):
         return self.training_env
 
     def _end_row(self) -> None:
-        row = summarize(self._ended, self.num_timesteps, self._step_s, self._wall_s(), self._unfinished())
+        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
+        unfinished = [UnfinishedEpisode(float(reward), int(steps)) for reward, steps in so_far if steps]
+        row = summarize(self._ended, self.num_timesteps, self._step_s, self._wall_s(), unfinished)
         self._rows.append(row)
         self._ended, self._row_start = [], self.num_timesteps
         self._on_row(row)
-
-    def _unfinished(self) -> list[UnfinishedEpisode]:
-        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
-        return [UnfinishedEpisode(float(reward), int(steps)) for reward, steps in so_far if steps]
 
     def _wall_s(self) -> float:
         return round(self._before.wall_s + perf_counter() - self._start_s, 3)

@@ -154,7 +154,8 @@ def train(
                 raise TrainingError(PROCESSES_APART)
             check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
         open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
-        session = _Session(settings, infant, open_envs, record, progress or _ignore, on_row or _ignore)
+        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
+        session = _Session(settings, infant, open_envs, record, report, report_row)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
 
@@ -173,10 +174,6 @@ class _Session:
     report: ProgressCallback
     on_row: RowCallback
     watch: RewardWatch = field(default_factory=RewardWatch)
-
-
-def _ignore(*_: Any) -> None:
-    pass
 
 
 def _open_one(

@@ -71,10 +71,6 @@ class InfantVecEnv(DummyVecEnv):
             last_infos.append(info)
         return observation, rewards.astype(np.float32), done, last_infos
 
-    def seek(self, steps_done: int) -> None:
-        """Let growing infants go on as after a number of control steps of each; a reset must follow."""
-        self.infants.seek(steps_done)
-
     def close(self) -> None:
         """Close all infants; closing twice is fine."""
         self.infants.close()
@@ -120,11 +116,7 @@ class Growth:
 
 
 def growth_of(bundle: Bundle, settings: TrainingSettings) -> Growth | None:
-    """Return how the infants of a training grow, if the settings say so.
-
-    Raises:
-        MimocError: If the infant cannot be built at the first or the last age, or has other parts there.
-    """
+    """Return how the infants of a training grow, if they do, or raise a MimocError if an age cannot be built."""
     if not settings.growth:
         return None
     growth, variants = settings.growth, BundleVariants(bundle)
@@ -140,7 +132,7 @@ def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None
     if not settings.growth:
         return
     if isinstance(env.unwrapped, InfantVecEnv):
-        env.unwrapped.seek(steps_done // settings.envs)
+        env.unwrapped.infants.seek(steps_done // settings.envs)
     else:
         env.env_method("seek", steps_done // settings.envs)
 

@@ -56,7 +56,10 @@ def _touch(settings: Settings) -> dict[str, Any] | None:
         return None
     density = _density(settings)
     quantity = settings.choice("touch_function", "touch_quantity", meanings=QUANTITIES)
-    response = _response(settings)
+    key = settings.find("touch_response", "touch_response_function")
+    response = settings.choice(key, meanings=RESPONSES) if key else None
+    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
+        settings.note(key, NO_RESPONSE[word])
     regions = _skin(settings)
     said = {"density": density, "quantity": quantity, "response": response, "regions": regions}
     given = {key: value for key, value in said.items() if value is not None}
@@ -74,14 +77,6 @@ def _density(settings: Settings) -> float | None:
     limit = "" if lowest <= scale**-2 <= highest else f", mimoc's {'minimum' if scale > 1 else 'maximum'}"
     settings.note(key, f"interpreted as a factor of the distance between skin points: density {density:g}{limit}")
     return density
-
-
-def _response(settings: Settings) -> str | None:
-    key = settings.find("touch_response", "touch_response_function")
-    response = settings.choice(key, meanings=RESPONSES) if key else None
-    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
-        settings.note(key, NO_RESPONSE[word])
-    return response
 
 
 def _skin(settings: Settings) -> list[str] | None:
