@@ -1,6 +1,6 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -44,9 +44,6 @@ STEPS = 500_000
 ENVS = 8
 PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
-PROCESSES_APART = (
-    "a training is recorded with all environments together; leave out --processes and --one-process, or the recording"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,9 +147,7 @@ def train(
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
         if record is not None:
-            if processes is not None:
-                raise TrainingError(PROCESSES_APART)
-            check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
+            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
         open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
         report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
         session = _Session(settings, infant, open_envs, record, report, report_row)
@@ -174,6 +169,14 @@ class _Session:
     report: ProgressCallback
     on_row: RowCallback
     watch: RewardWatch = field(default_factory=RewardWatch)
+
+
+def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, before anything is written."""
+    if processes is not None:
+        advice = "leave out --processes and --one-process, or the recording"
+        raise TrainingError(f"a training is recorded with all environments together; {advice}")
+    check_recordable(folder, bundles)
 
 
 def _open_one(
