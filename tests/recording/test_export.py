@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import av
@@ -12,6 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
+from mimoc import plugins
 from mimoc.base.errors import KindError, MissingExtraError, OutputError, RecordingError, UnknownNameError
 from mimoc.base.kinds import ExporterKind
 from mimoc.exporters import EXPORTERS
@@ -238,3 +240,19 @@ def test_a_format_that_cannot_be_registered_is_refused_in_one_line(record, reaso
     with pytest.raises(KindError, match=reason):
         mimoc.register(record)
     assert "mine" not in EXPORTERS
+
+
+def test_a_format_of_an_installed_package_is_exported_to(recording, tmp_path, monkeypatch):
+    (tmp_path / "mimoc_lengths.py").write_text(
+        "from mimoc.plugin import ExporterKind\n"
+        "def export(recording, folder, progress):\n"
+        "    (folder / 'lengths.txt').write_text(str([episode.steps for episode in recording]))\n"
+        "KIND = ExporterKind('lengths', 'lengths of episodes', 'mimoc_lengths')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    plugins._load(EntryPoint("lengths", "mimoc_lengths:KIND", "mimoc.exporters"))
+    try:
+        assert mimoc.export_recording(recording, "lengths", tmp_path / "out") == ()
+    finally:
+        EXPORTERS.remove("lengths")
+    assert (tmp_path / "out" / "lengths.txt").read_text() == str([STEPS, STEPS - 2])
