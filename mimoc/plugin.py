@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from mimoc.base.kinds import (
         ActuationKind as ActuationKind,
         AgeTable as AgeTable,
+        ExporterKind as ExporterKind,
         NoiseOption as NoiseOption,
         PartKind as PartKind,
         PolicyKind as PolicyKind,
@@ -49,8 +50,8 @@ __getattr__, __dir__, __all__ = names_of(
     __name__,
     {
         "mimoc.actuation.binding": "Actuation effort_of",
-        "mimoc.base.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind "
-        "ToySource",
+        "mimoc.base.kinds": "ActuationKind AgeTable ExporterKind NoiseOption PartKind PolicyKind SceneKind "
+        "SenseKind TaskKind ToySource",
         "mimoc.body.dimensions": "BodyGeometry GeomShape",
         "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
         "mimoc.mjcf.furniture": "Furniture WorldGeom WorldMaterial",

@@ -20,6 +20,7 @@ from mimoc.base.kinds import (
     PLUGINS_VARIABLE,
     ActuationKind,
     Code,
+    ExporterKind,
     Kinds,
     PartKind,
     PolicyKind,
@@ -32,6 +33,7 @@ from mimoc.base.kinds import (
 from mimoc.body.part import ReferencePart
 from mimoc.body.parts import PARTS
 from mimoc.body.parts.checking import check_parts
+from mimoc.exporters import EXPORTERS
 from mimoc.policies import POLICIES
 from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.scenes import SCENES
@@ -41,7 +43,7 @@ from mimoc.senses import SENSES
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 
-Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PartKind | PolicyKind | Quantity
+Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PartKind | PolicyKind | Quantity | ExporterKind
 
 KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.senses": (SenseKind, SENSES),
@@ -52,6 +54,7 @@ KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.parts": (PartKind, PARTS),
     "mimoc.policies": (PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),
+    "mimoc.exporters": (ExporterKind, EXPORTERS),
 }
 """The class and the table of records, by group of entry points."""
 IMPORT_LIMIT_S = 60.0

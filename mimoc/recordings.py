@@ -58,18 +58,13 @@ def replay_recording(
                 raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
     def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
-        """Open an environment, with copies of a script's objects of its own."""
         return open_bundle(bundle, other_scenes, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
 
 
 def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int | None) -> Sequence[Episode]:
-    """Return the episodes of an infant, of a number, or all.
-
-    Raises:
-        RecordingError: If there are none.
-    """
+    """Return the episodes of an infant, of a number, or all, or raise a RecordingError if there are none."""
     chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
     if not chosen:
         which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]

@@ -7,10 +7,12 @@ from collections import Counter
 from pathlib import Path
 
 import gymnasium
+import numpy as np
 import pytest
 import yaml
 
 import mimoc
+from mimoc.exporters import EXPORTERS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
@@ -60,6 +62,18 @@ def test_the_programs_on_growing_work(here):
     for program in blocks("docs/growing.md", "python"):
         exec(program, session)
     assert session["schedule"](0) == 6
+
+
+def test_the_programs_on_recordings_work(here):
+    session: dict[str, object] = {}
+    try:
+        for program in blocks("docs/recording.md", "python"):
+            exec(program, session)
+    finally:
+        EXPORTERS.remove("npz")
+    files = [np.load(file) for file in (here / "out" / "reach_npz").glob("*.npz")]
+    assert sum(len(arrays["actions"]) for arrays in files) == 100
+    assert all(len(arrays["observation.proprioception"]) == len(arrays["actions"]) + 1 for arrays in files)
 
 
 def test_the_program_on_reports_works(here, capsys):

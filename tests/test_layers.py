@@ -47,6 +47,7 @@ KIND_FOLDERS = {
     "scenes": "build",
     "toys": "build",
     "policies": "policies",
+    "exporters": "recording",
 }
 """Folders of kinds, and the layer of a file there whose prefix does not say it."""
 PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}

@@ -190,6 +190,22 @@ class PolicyKind:
     """`bind(env) -> Policy`: from a random number generator and an observation to an action."""
 
 
+@dataclass(frozen=True, slots=True)
+class ExporterKind:
+    """A format that recordings are exported to."""
+
+    name: str
+    """Value of `mimoc export --to`."""
+    about: str
+    """What it is, in a few words for help."""
+    run: Code
+    """`export(recording, folder, progress)`: writes a recording, of which all episodes have control steps, into an
+    empty folder, and returns what the format cannot hold, one line each; `progress(done, total)` shows how far it is.
+    """
+    is_uniform: bool = False
+    """Whether all episodes must have the same observations and number of actuators, at least one, and control step."""
+
+
 class Kind(Protocol):
     """What all records have in common."""
 

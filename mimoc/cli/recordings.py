@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, counted
+from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
 from mimoc.cli.terminal import FAILED_CHECK, printable
+from mimoc.exporters import EXPORTERS
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
@@ -88,7 +90,8 @@ def _check_one_infant(recorded: "ReadRecording", infant: int | None, video: Path
         )
 
 
-FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to convert one that an older mimoc made."
+_OURS = [f"{name} ({EXPORTERS[name].about})" for name in EXPORTERS]
+FORMATS = f"{', '.join((*_OURS, *announced('mimoc.exporters')))}."
 
 
 def export(

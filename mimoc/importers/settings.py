@@ -1,6 +1,6 @@
 """Typed reading of the keys of a flat configuration, and the spec that they are converted into."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, TypeVar
@@ -14,7 +14,6 @@ Meaning = TypeVar("Meaning")
 
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
 """Words that YAML 1.1, used by most systems, reads as true and false; YAML 1.2, used here, has most of them as text."""
-_ONE_OR_THE_OTHER = "true or false"
 
 
 class Settings:
@@ -45,27 +44,15 @@ class Settings:
         meaning = _FLAGS.get(value.lower(), value) if isinstance(value, str) else value
         if meaning in (True, False):
             return bool(meaning)
-        return self._refuse(key, f"is not {_ONE_OR_THE_OTHER}", f"write {_ONE_OR_THE_OTHER}")
+        return self._refuse(key, "is not true or false", "write true or false")
 
     def whole(self, *names: str, low: int, high: int) -> int | None:
         """Return an integer in a range, None if the key is missing."""
-        key = self.find(*names)
-        if key is None:
-            return None
-        value = self._data[key]
-        if type(value) is not int:
-            return self._refuse(key, "is not a whole number", f"give {low} to {high}")
-        return value if self._fits(key, value, low, high) else None
+        return self._number(names, low, high, (int,), "a whole number")
 
     def number(self, *names: str, low: float, high: float) -> float | None:
         """Return a number in a range, None if the key is missing."""
-        key = self.find(*names)
-        if key is None:
-            return None
-        value = self._data[key]
-        if type(value) not in (int, float):
-            return self._refuse(key, "is not a number", f"give {low:g} to {high:g}")
-        return value if self._fits(key, value, low, high) else None
+        return self._number(names, low, high, (int, float), "a number")
 
     def choice(self, *names: str, meanings: Mapping[str, Meaning]) -> Meaning | None:
         """Return the meaning of a word, None if the key is missing; case, spaces and hyphens are ignored."""
@@ -103,20 +90,23 @@ class Settings:
         return [key for key in self._data if key not in self._read]
 
     def notes(self) -> tuple[Problem, ...]:
-        """Return the notes, by line.
-
-        Raises:
-            SpecError: If there are problems; the error lists all of them.
-        """
+        """Return the notes, by line, or raise a SpecError if there are problems; the error lists all of them."""
         if self._problems:
             raise SpecError(self._problems)
         return tuple(sorted(self._notes))
 
-    def _fits(self, key: str, value: float, low: float, high: float) -> bool:
-        if low <= value <= high:
-            return True
-        self._refuse(key, f"is too {'small' if value < low else 'large'}", f"give {low:g} to {high:.16g}")
-        return False
+    def _number(self, names: Iterable[str], low: float, high: float, kinds: Iterable[type], what: str) -> Any:
+        key = self.find(*names)
+        if key is None:
+            return None
+        value, advice = self._data[key], f"give {low:g} to {high:.16g}"
+        if type(value) not in kinds:
+            return self._refuse(key, f"is not {what}", advice)
+        return (
+            value
+            if low <= value <= high
+            else self._refuse(key, f"is too {'small' if value < low else 'large'}", advice)
+        )
 
     def _refuse(self, key: str, what: str, advice: str) -> None:
         value = self._data[key]
@@ -151,15 +141,10 @@ class Imported:
     @property
     def text(self) -> str:
         """The content of the spec's YAML file, with the notes as comments; it has no path of this machine."""
-        return "\n".join((*self._heading(), *(dump({key: value}).rstrip() for key, value in self.spec.items()), ""))
-
-    def _heading(self) -> list[str]:
-        title = f"# Converted from {self.system}'s {_one_line(PurePath(self.file).name)} by `mimoc import`."
-        if not self.notes:
-            return [title]
-        notes = [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]
-        return [title, "# Settings that this spec does not represent, or not exactly:", *notes]
-
-
-def _one_line(text: str) -> str:
-    return text if text.isprintable() else ascii(text)[1:-1]
+        name = PurePath(self.file).name
+        shown_name = name if name.isprintable() else ascii(name)[1:-1]
+        heading = [f"# Converted from {self.system}'s {shown_name} by `mimoc import`."]
+        if self.notes:
+            heading.append("# Settings that this spec does not represent, or not exactly:")
+        heading += [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]
+        return "\n".join((*heading, *(dump({key: value}).rstrip() for key, value in self.spec.items()), ""))

@@ -50,7 +50,9 @@ class ReachPolicy:
         elif step == 0:
             if turn:
                 self._errors_m += self.errors()[0]
-            self._draw_targets(generator, turn)
+            places_m = self._control.draw(generator)
+            if places_m is not None:  # Where there are none to be had, hands keep those that they have.
+                self._control.aim(places_m, turn)
         if self._control.sits_freely and self._fell_after_s is None and self._control.lies:
             self._fell_after_s = ms_to_s(self._steps * self._env.manifest.step_ms)
         self._steps += 1
@@ -80,19 +82,9 @@ class ReachPolicy:
         task: Any = env.manifest.task
         self._ball = env.model.body(task.ball.body).id if task.kind == "reach" else None
 
-    def _draw_targets(self, generator: np.random.Generator, watched: int) -> None:
-        """Draw a target for each hand; where there are none to be had, hands keep those that they have."""
-        places_m = self._control.draw(generator)
-        if places_m is not None:
-            self._control.aim(places_m, watched)
-
 
 def bind(env: InfantEnv) -> ReachPolicy:
-    """Return the policy for an environment.
-
-    Raises:
-        ControlError: If the infant has servos, or no hand that takes commands.
-    """
+    """Return the policy for an environment; see `ReachPolicy`."""
     return ReachPolicy(env)
 
 

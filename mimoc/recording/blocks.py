@@ -36,11 +36,7 @@ class Reading:
 
 
 def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
-    """Return how an array of an observation is kept.
-
-    Raises:
-        RecordingError: If it is not one of numbers.
-    """
+    """Return how an array of an observation is kept, or raise a RecordingError if it is not one of numbers."""
     if array.dtype.kind not in "biuf":
         raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
     is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3
@@ -82,21 +78,11 @@ class Block:
     """Some rows of an episode that follow each other: what was done, what it led to, and what was observed then."""
 
     def __init__(self, readings: Iterable[Reading], actuators: int, rows: int, first_step: int):
-        """Make room.
-
-        Args:
-            readings: The arrays of an observation.
-            actuators: Numbers of an action.
-            rows: Number of rows there is room for.
-            first_step: Control steps before the first row, since the episode began.
-        """
+        """Make room for rows, of which the first comes after *first_step* control steps of its episode."""
         self.readings, self.first_step, self.room, self.rows = tuple(readings), first_step, rows, 0
         self.action = np.empty((rows, actuators))
         self.numbers: dict[str, Array] = {"time_s": np.empty(rows), "reward": np.empty(rows)}
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
-        self._infos: dict[str, Array] = {}
-        self._terms: dict[str, Array] = {}
-        self._measures: dict[str, Array] = {}
         self.dense, self.sparse = dict[str, Array](), dict[str, Sparse]()
         for reading in self.readings:
             if reading.kind == "sparse":
@@ -116,27 +102,17 @@ class Block:
         judged: tuple[float, bool, bool, Mapping[str, Any]],
         observation: Observation,
     ) -> None:
-        """Keep a row.
-
-        Args:
-            time_s: Simulated time.
-            action: The action that was taken; None for what was observed before the first one.
-            judged: Reward, terminated, truncated and info.
-            observation: What was observed then.
-        """
+        """Keep a row: reward, terminated, truncated and info of an action; it is None before the first one."""
         row, numbers = self.rows, self.numbers
         self.action[row] = np.nan if action is None else action
         numbers["time_s"][row] = time_s
         numbers["reward"][row], numbers["terminated"][row], numbers["truncated"][row], info = judged
         for name, value in info.items():
-            column = self._infos.get(name)
-            if column is not None:
-                column[row] = value
-            elif isinstance(value, Mapping):
+            if isinstance(value, Mapping):
                 for term, amount in value.items():
-                    self._column(self._terms, "term", term, amount)[row] = amount
+                    self._column(f"term.{term}", amount)[row] = amount
             else:
-                self._column(self._infos, "info", name, value)[row] = value
+                self._column(f"info.{name}", value)[row] = value
         for name, array in self.dense.items():
             array[row] = observation[name]
         for name, array in self.sparse.items():
@@ -146,12 +122,11 @@ class Block:
     def put_measures(self, measures: Mapping[str, Any]) -> None:
         """Add quantities by name to the row that was put last; in rows without them they are NaN or False."""
         for name, value in measures.items():
-            self._column(self._measures, "measure", name, value)[self.rows - 1] = value
+            self._column(f"measure.{name}", value)[self.rows - 1] = value
 
-    def _column(self, known: dict[str, Array], prefix: str, name: str, value: Any) -> Array:
+    def _column(self, name: str, value: Any) -> Array:
         """Return the array of a number of the info; where there is none, it is NaN or False."""
-        if name not in known:
+        if name not in self.numbers:
             is_flag = isinstance(value, (bool, np.bool_))
-            column = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
-            known[name] = self.numbers[f"{prefix}.{name}"] = column
-        return known[name]
+            self.numbers[name] = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
+        return self.numbers[name]

@@ -67,22 +67,8 @@ MOST_NUMBERS = 2**26
 MOST_NAME = 200
 """Characters of the name of an observation, which is part of the names of files."""
 ACTION = "action"
-
-
-Dtype = Literal[
-    "float16",
-    "float32",
-    "float64",
-    "int8",
-    "int16",
-    "int32",
-    "int64",
-    "uint8",
-    "uint16",
-    "uint32",
-    "uint64",
-    "bool",
-]
+_Whole = Literal["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"]
+Dtype = Literal["float16", "float32", "float64", _Whole, "bool"]
 """NumPy's name of the type of an array of an observation."""
 
 
@@ -144,11 +130,7 @@ class Described:
 
     @classmethod
     def from_json(cls, text: bytes) -> "Described":
-        """Return what metadata says.
-
-        Raises:
-            UnusableFileError: If it is not what `json` returns.
-        """
+        """Return what metadata says, or raise an UnusableFileError if it is not what `json` returns."""
         table = parse_json(text, _Table)
         columns = dict(table.columns)
         actions = columns.pop(ACTION, None)

@@ -1,6 +1,7 @@
 """What a recording says of itself in JSON: its description, and the sidecar of each episode or part."""
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -9,6 +10,7 @@ from mimoc.bundle.regular_files import UnusableFileError, read_json_file
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
 
+RECORDING = "recording.json"
 FORMAT: Literal[1] = 1
 MOST_BYTES = 2**29
 """Of a description or a sidecar, which has all states of an episode; 512 MB."""
@@ -19,12 +21,10 @@ Data = TypeVar("Data", bound=Model)
 
 
 class RecordedInfant(Model):
-    """One of the infants that were recorded side by side."""
+    """One of the infants that were recorded side by side, by name and digest of its bundle."""
 
     name: str
-    """Name of its bundle."""
     bundle: Digest
-    """Digest of its bundle."""
 
 
 class Mark(Model):
@@ -87,12 +87,10 @@ class Change(Model):
 
 
 class KeptState(Model):
-    """A complete state."""
+    """A complete state after some control steps, as `to_plain` returns it."""
 
     step: Count
-    """Control steps before it."""
     state: dict[str, Any]
-    """The state, as `to_plain` returns it."""
 
 
 class Part(Model):
@@ -129,13 +127,13 @@ class _Version(Model, extra="ignore"):
     recording: int
 
 
-def read_description(path: Path) -> Description:
-    """Return the content of a `recording.json`.
-
-    Raises:
-        RecordingError: If it is missing, damaged or of another version.
-    """
-    folder = path.parent
+def description_in(folder: Path) -> Description:
+    """Return the `recording.json` of a folder, or raise a RecordingError if there is none or it is damaged."""
+    path = folder / RECORDING
+    if not folder.is_dir():
+        raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
+    if not os.path.lexists(path):
+        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
     if read_data(path, _Version, below=folder).recording != FORMAT:
         raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
     description = read_data(path, Description, below=folder)
@@ -148,36 +146,25 @@ def read_description(path: Path) -> Description:
 
 
 def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
-    """Return what the sidecar of an episode says, or what those of its parts say together.
-
-    Args:
-        paths: The sidecars.
-        below: The folder of the recording.
-
-    Raises:
-        RecordingError: If one is missing or damaged.
-    """
+    """Return what the sidecars of the parts of an episode say together, or raise a RecordingError if one is damaged."""
     first = read_data(paths[0], Sidecar, below=below)
     parts = (first, *(read_data(path, Part, below=below) for path in paths[1:]))
     for path, part in zip(paths, parts, strict=True):
         for number, change in enumerate(part.changes):
             if len(change.kinds) != 1:
                 raise RecordingError(f"{path}: changes.{number}: it must be one change, not {len(change.kinds)}")
-    together = {
-        "rows": sum(part.rows for part in parts),
-        "changes": tuple(change for part in parts for change in part.changes),
-        "states": tuple(state for part in parts for state in part.states),
-        "ended": parts[-1].ended,
-    }
-    return first.model_copy(update=together)
+    return first.model_copy(
+        update={
+            "rows": sum(part.rows for part in parts),
+            "changes": tuple(change for part in parts for change in part.changes),
+            "states": tuple(state for part in parts for state in part.states),
+            "ended": parts[-1].ended,
+        }
+    )
 
 
 def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
-    """Return the content of a JSON file of a recording.
-
-    Raises:
-        RecordingError: If it is missing, damaged, not a regular file, or too large.
-    """
+    """Return the content of a JSON file of a recording, or raise a RecordingError if it is missing or damaged."""
     try:
         data = read_json_file(path, kind, MOST_BYTES, below=below)
     except UnusableFileError as error:
@@ -185,8 +172,3 @@ def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
     if data is None:
         raise RecordingError(f"{path}: the file is missing")
     return data
-
-
-def as_json(data: Model) -> Mapping[str, Any]:
-    """Return data as it is written to a file: a change has only the keys that it was given."""
-    return data.model_dump(exclude_unset=True)

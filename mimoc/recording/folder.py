@@ -6,7 +6,7 @@ import os
 import platform
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -14,14 +14,14 @@ from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from mimoc.base.errors import OutputError, RecordingError
+from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
-from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
+from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
 from mimoc.version import __version__
 
-RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
+EPISODES, BUNDLES = "episodes", "bundles"
 TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
@@ -74,57 +74,37 @@ class RecordingFolder:
     """Content of `recording.json`."""
     handle: int = field(repr=False)
 
-    @property
-    def bundles(self) -> list[str]:
-        """The digest of each infant's bundle."""
-        return [infant.bundle for infant in self.description.infants]
-
     def stem(self, infant: int, number: int) -> Path:
         """Return the path of an episode's files without their extensions."""
         return self.path / EPISODES / _name(infant, number)
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
-        numbers = [0] * len(self.bundles)
-        for episode in self.episodes():
+        numbers = [0] * len(self.description.infants)
+        for episode in episodes_in(self.path, len(numbers)):
             numbers[episode.infant] = max(numbers[episode.infant], episode.number + 1)
         return numbers
-
-    def episodes(self) -> list[EpisodeFiles]:
-        """Return the episodes in it.
-
-        Raises:
-            RecordingError: If one is of an infant that is not recorded here.
-        """
-        return episodes_in(self.path, len(self.bundles))
 
     def mark(self, run: str, steps: int) -> None:
         """Come back to where a run was after some steps, and remove what it has recorded since; or note this place.
 
         It comes back only if nothing else was recorded since.
-
-        Raises:
-            OutputError: If the folder cannot be written.
         """
         marks = self.description.marks
         places = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
         if places and all(mark.run == run for mark in marks[places[-1] :]):
             marks = marks[: places[-1] + 1]
-            for episode in self.episodes():
+            for episode in episodes_in(self.path, len(self.description.infants)):
                 if episode.number >= marks[-1].episodes[episode.infant]:
-                    remove(episode)
+                    _remove(episode)
         else:
             marks = (*marks, Mark(run=run, steps=steps, episodes=tuple(self.next_numbers())))
         self.describe(marks=marks)
 
     def describe(self, **changes: Any) -> None:
-        """Write `recording.json`, with some changes.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write `recording.json`, with some changes, or raise an OutputError if it cannot be written."""
         self.description = self.description.model_copy(update=changes)
-        write_json(self.path / RECORDING, as_json(self.description))
+        write_json(self.path / RECORDING, self.description.model_dump(exclude_unset=True))
 
     def close(self) -> None:
         """Unlock the folder."""
@@ -140,17 +120,12 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
     """
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        make_folder(folder / EPISODES, below=folder)
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
+    busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")
     infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
     new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
-    recording = RecordingFolder(folder, previous or new, handle)
+    recording = RecordingFolder(folder, previous or new, lock_folder(folder, busy))
     try:
-        _lock(handle, folder)
+        make_folder(folder / EPISODES, below=folder)
         for bundle in bundles:
             home = bundle_folder(folder, digest(bundle))
             if not check_unlinked(home, below=folder).exists():
@@ -179,32 +154,13 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
     description = description_in(folder)
     recorded, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
     if len(recorded) != len(wanted):
-        raise RecordingError(
-            f"{folder}: the recording here is of {len(recorded)} infants side by side, not {len(wanted)}; name another"
-            " folder"
-        )
-    for infant, (theirs, ours) in enumerate(zip(recorded, wanted, strict=True)):
+        other = f"{len(recorded)} infants side by side, not {len(wanted)}"
+        raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
+    for infant, bundle, theirs, ours in zip(description.infants, bundles, recorded, wanted, strict=True):
         if theirs != ours:
-            name = description.infants[infant].name
-            raise RecordingError(
-                f"{folder}: the recording here is of another bundle ('{name}', {theirs[7:15]}, not"
-                f" '{bundles[infant].manifest.name}', {ours[7:15]}); name another folder"
-            )
+            other = f"another bundle ('{infant.name}', {theirs[7:15]}, not '{bundle.manifest.name}', {ours[7:15]})"
+            raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
     return description
-
-
-def description_in(folder: Path) -> Description:
-    """Return what the `recording.json` of a folder says.
-
-    Raises:
-        RecordingError: If the folder is not that of a recording, or the file is damaged.
-    """
-    if not folder.is_dir():
-        raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
-    path = folder / RECORDING
-    if not os.path.lexists(path):
-        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
-    return read_description(path)
 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
@@ -237,16 +193,7 @@ def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
 
 @contextmanager
 def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[BinaryIO]:
-    """Open a file of an episode; whatever is wrong with it is one clear line.
-
-    Args:
-        path: The file.
-        most_bytes: The largest size that is read.
-        damage: What is raised if its content is not what it should be.
-
-    Raises:
-        RecordingError: If it is missing, too large, no regular file or damaged.
-    """
+    """Open a file of an episode; turn *damage*, links, pipes and too large files into RecordingErrors."""
     try:
         file = open_regular_file(path, most_bytes, below=path.parents[1])
         if file is None:
@@ -268,12 +215,8 @@ def names_in(folder: Path) -> list[str]:
         raise RecordingError(f"{folder / EPISODES}: {error}") from None
 
 
-def remove(episode: EpisodeFiles) -> None:
-    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole.
-
-    Raises:
-        OutputError: If one cannot be removed.
-    """
+def _remove(episode: EpisodeFiles) -> None:
+    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
     home, name = episode.stems[0].parent, episode.stems[0].name
     for path in sorted(home.glob(f"{name}.*"), key=lambda path: path.suffix != ".json"):
         try:
@@ -292,23 +235,17 @@ def digest(bundle: Bundle) -> str:
     return f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"
 
 
-def versions() -> dict[str, str]:
-    """Return the versions of the software here."""
+def versions(libraries: Sequence[str] = LIBRARIES) -> dict[str, str]:
+    """Return the versions of mimoc, Python and those libraries that are installed, and the type of the machine."""
     software = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
-    for name in LIBRARIES:
-        try:
+    for name in libraries:
+        with suppress(PackageNotFoundError):
             software[name] = version(name)
-        except PackageNotFoundError:
-            continue
     return software
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Write a JSON file atomically.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write a JSON file atomically, or raise an OutputError if it cannot be written."""
     write_file(path, (json.dumps(data, ensure_ascii=False, sort_keys=True) + "\n").encode())
 
 
@@ -322,9 +259,21 @@ def part_stem(stem: Path, number: int) -> Path:
     return with_extension(stem, f".{number:04d}") if number else stem
 
 
-def _lock(handle: int, path: Path) -> None:
-    """Lock a folder until its handle is closed or this process ends."""
+def lock_folder(folder: Path, busy: MimocError) -> int:
+    """Make a folder unless it exists, and lock it until the handle that is returned is closed or this process ends.
+
+    Raises:
+        OutputError: If it cannot be made.
+        MimocError: *busy*, if another process has locked it.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise RecordingError(f"{path}: another process is recording here; wait for it or name another folder") from None
+        os.close(handle)
+        raise busy from None
+    return handle

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
@@ -24,16 +23,7 @@ MOST_BYTES = 2**29
 
 
 def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
-    """Write pictures as a video without loss.
-
-    Args:
-        path: The file.
-        pictures: Shape (n, height, width, 3).
-        rate_hz: Pictures per second.
-
-    Raises:
-        OutputError: If the file cannot be written.
-    """
+    """Write pictures, shape (n, height, width, 3), as a video without loss, or raise an OutputError."""
     try:
         video = Lossless(path, rate_hz)
         for picture in pictures:
@@ -44,12 +34,7 @@ def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
 
 
 def read_pictures(paths: Sequence[Path], count: int, shape: Sequence[int]) -> Picture:
-    """Return the pictures of videos that follow each other, shape (n, height, width, 3).
-
-    Args:
-        paths: The videos, one for each part of an episode.
-        count: How many pictures there are.
-        shape: Shape of each of them, (height, width, 3).
+    """Return the pictures in the videos of an episode's parts, each of *shape* (height, width, 3), shape (count, ...).
 
     Raises:
         RecordingError: If a file is damaged or missing, far too small for so many pictures, or there are fewer.
@@ -69,44 +54,28 @@ def read_pictures(paths: Sequence[Path], count: int, shape: Sequence[int]) -> Pi
 
 
 def decoded(path: Path, shape: Sequence[int], most: int) -> Iterator[Picture]:
-    """Yield the pictures of a video, one after the other.
+    """Yield the pictures of a video, at most so many, one after the other, each of *shape* (height, width, 3).
 
-    Args:
-        path: The video.
-        shape: Shape of each of them, (height, width, 3).
-        most: How many of them are wanted; a file that is far too large for these is not searched for them.
+    The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open. A file
+    that is far too large for so many pictures is not searched for them.
 
     Raises:
         RecordingError: If the file is damaged or missing, or its pictures are of another shape.
     """
-    with _opened(path, MOST_BYTES + 2 * math.prod(shape) * most) as (container, stream):
-        _check_size(stream, shape)
-        for frame in islice(container.decode(stream), most):
-            _check_size(frame, shape)
-            yield frame.to_ndarray(format="rgb24")
-
-
-@contextmanager
-def _opened(path: Path, most_bytes: int) -> Iterator[tuple[Any, Any]]:
-    """Open a video and its stream; whatever is wrong with it is one clear line.
-
-    The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open.
-    """
-    av = require_av()
+    av, most_bytes = require_av(), MOST_BYTES + 2 * math.prod(shape) * most
     # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
     damage = av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError
     with opened(path, most_bytes, *damage) as file, av.open(file, format=CONTAINER) as container:
         stream = container.streams.video[0]
         if stream.codec_context.name != LOSSLESS:
             raise UnusableFileError(f"its pictures are not encoded by {LOSSLESS}")
-        yield container, stream
+        _check_size(stream, shape)
+        for frame in islice(container.decode(stream), most):
+            _check_size(frame, shape)
+            yield frame.to_ndarray(format="rgb24")
 
 
 def _check_size(pictures: Any, shape: Sequence[int]) -> None:
-    """Check that a frame, or all of a stream, are of some shape, before anything of this size is made.
-
-    Raises:
-        UnusableFileError: If they are not.
-    """
+    """Check that a frame, or all of a stream, are of some shape, before anything of this size is made."""
     if (pictures.height, pictures.width, 3) != tuple(shape):
         raise UnusableFileError(f"its pictures are of another size than {shape[1]} x {shape[0]} pixels")

@@ -8,7 +8,6 @@ from queue import Queue
 from threading import Thread
 from typing import Any, cast
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -20,7 +19,7 @@ from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import Observer
-from mimoc.runtime.physics_state import STATE, physics_of
+from mimoc.runtime.physics_state import physics_of
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]
@@ -41,31 +40,19 @@ class Writer:
         self._thread.start()
 
     def __call__(self, job: Job) -> None:
-        """Have a job done, unless this process is a fork.
-
-        Raises:
-            MimocError: What one of the jobs before has raised.
-        """
+        """Have a job done, unless this process is a fork; raise what one of the jobs before has raised."""
         self._check()
         if self._thread.is_alive():
             self._jobs.put(job)
 
     def drain(self) -> None:
-        """Wait until all jobs are done.
-
-        Raises:
-            MimocError: What one of them has raised.
-        """
+        """Wait until all jobs are done; raise what one of them has raised."""
         if self._thread.is_alive():
             self._jobs.join()
         self._check()
 
     def close(self) -> None:
-        """Do what is left, and end the thread; closing twice is fine.
-
-        Raises:
-            MimocError: What one of the jobs has raised, unless it was raised before.
-        """
+        """Do what is left, and end the thread, also twice; raise what one of the jobs has raised."""
         if self._thread.is_alive():
             self._jobs.put(None)
             self._thread.join()
@@ -100,6 +87,8 @@ class _Episode:
     number: int
     head: dict[str, Any]
     """What its sidecar says once."""
+    block: Block
+    """The rows since the last part."""
     action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
     """Type of the latest action: they are written in double precision."""
     steps: int = 0
@@ -130,20 +119,19 @@ class RecordingObserver(Observer):
         Args:
             infant: The infant.
             writer: What does the writing.
-            stem_of: Returns the path of the files of an episode by its number, without extension.
+            stem_of: Returns the path of an episode's files, without extension, by its number.
             first: Number of the first episode.
-            part_rows: Rows of a part of the files of an episode.
+            part_rows: Rows of a part.
             states_every: Control steps from one complete state to the next.
-            about: What the sidecar of each episode says, such as the number of the `infant`.
+            about: What each sidecar says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
-        self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
+        self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
+        self.next_number = first
+        """Number of the next episode."""
         self._episode: _Episode | None = None
-        self._block: Block | None = None
         self._before: dict[str, Any] | None = None
-        self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
-        self._described = _described(infant)
-        self._measures = StepMeasures(infant, "record")
+        self._physics, self._described, self._measures = b"", _described(infant), StepMeasures(infant, "record")
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
@@ -167,10 +155,7 @@ class RecordingObserver(Observer):
             self._change("physics", physics_of(self._infant.model, self._infant.data))
 
     def stepped(
-        self,
-        action: npt.NDArray[Any],
-        observation: Observation,
-        judged: tuple[float, bool, bool, Mapping[str, Any]],
+        self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
         """Keep a control step; write a part of the episode if it is due, and the episode if it has ended."""
         episode = self._episode
@@ -180,9 +165,11 @@ class RecordingObserver(Observer):
             episode.action_dtype = action.dtype
             self._change("action_dtype", action.dtype.name)
         episode.steps += 1
-        self._put(action, judged, observation)
-        if self._block is not None:
-            self._block.put_measures(self._measures.read(judged[3]))
+        if episode.block.is_full:
+            self._write_part(episode)
+            episode.block = self._new_block(episode.steps)
+        episode.block.put(self._infant.data.time, action, judged, observation)
+        episode.block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
         if episode.steps % self._states_every == 0:
             episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
@@ -205,42 +192,26 @@ class RecordingObserver(Observer):
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""
         if self._episode is not None:
-            self._write_part(ended=how)
+            self._write_part(self._episode, ended=how)
             self._episode = None
-
-    def go_on_from(self, number: int) -> None:
-        """Begin the next episode with another number, where no episode is being recorded."""
-        self._next = number
 
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
         head = {**self._about, "reset": reset, "start": self._infant.get_state()}
-        self._episode, self._block = _Episode(self._next, head), None
-        self._next += 1
-        self._put(None, (*NOTHING_YET, info), observation)
+        self._episode = _Episode(self.next_number, head, self._new_block(0))
+        self.next_number += 1
+        self._episode.block.put(self._infant.data.time, None, (*NOTHING_YET, info), observation)
         self._physics = self._physics_now()
 
-    def _put(self, action: Any, judged: tuple[float, bool, bool, Mapping[str, Any]], observation: Observation) -> None:
-        episode, block = self._episode, self._block
-        assert episode is not None
-        if block is not None and block.is_full:
-            self._write_part()
-            block = None
-        if block is None:
-            described = self._described
-            block = self._block = Block(described.readings, len(described.actions), self._part_rows, episode.steps)
-        block.put(self._infant.data.time, action, judged, observation)
+    def _new_block(self, first_step: int) -> Block:
+        return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
 
-    def _write_part(self, **ended: str) -> None:
+    def _write_part(self, episode: _Episode, **ended: str) -> None:
         """Have the rows since the last part written."""
-        episode, block = self._episode, self._block
-        assert episode is not None
-        assert block is not None
-        sidecar = {"changes": episode.changes, "states": episode.states, "rows": block.rows, **ended}
+        sidecar = {"changes": episode.changes, "states": episode.states, "rows": episode.block.rows, **ended}
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
-        self._writer(partial(_write, stem, block, self._described, sidecar))
-        episode.parts += 1
-        episode.changes, episode.states, self._block = [], [], None
+        self._writer(partial(_write, stem, episode.block, self._described, sidecar))
+        episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
         if self._episode is not None:
@@ -248,26 +219,13 @@ class RecordingObserver(Observer):
             self._physics = self._physics_now()
 
     def _physics_now(self) -> bytes:
-        infant = self._infant
-        if infant.model is not self._model:
-            self._model, self._state = infant.model, physics_of(infant.model, infant.data)
-        mujoco.mj_getState(infant.model, infant.data, self._state, STATE)
-        return self._state.tobytes()
+        return physics_of(self._infant.model, self._infant.data).tobytes()
 
 
 def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
     """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
 
     States become text here, in the writer's thread.
-
-    Args:
-        stem: Path of the files, without extension.
-        block: The rows.
-        described: What their numbers are.
-        sidecar: What their sidecar says.
-
-    Raises:
-        OutputError: If a file cannot be written.
     """
     for reading in described.readings:
         if reading.kind == "picture":

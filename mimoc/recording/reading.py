@@ -14,8 +14,8 @@ from mimoc.bundle.regular_files import is_regular_file
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
 from mimoc.recording.described import OBSERVATION, Described
-from mimoc.recording.description import Description, Sidecar, read_sidecar
-from mimoc.recording.folder import EpisodeFiles, bundle_folder, description_in, digest, episodes_in
+from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
+from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
 from mimoc.recording.tables import MEASURE, OPTIONAL
 
@@ -356,11 +356,7 @@ def read_recording(folder: str | Path) -> ReadRecording:
 
 
 def _check(episode: Episode, description: Description) -> None:
-    """Check that an episode is of this recording, and that all its files are there and what it says they are.
-
-    Raises:
-        RecordingError: If not.
-    """
+    """Check that an episode is of this recording, and that all its files are there and what it says they are."""
     sidecar, place = episode.sidecar, episode.files.sidecars[0]
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")

@@ -9,6 +9,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from PIL import Image
 
 from mimoc.base.errors import RenderingError
 from mimoc.base.units import ms_to_s
@@ -42,17 +43,7 @@ class VideoFrames:
     """Renders the frames of a video of one environment."""
 
     def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
-        """Open the cameras.
-
-        Args:
-            env: The environment.
-            height_px: Height of a frame; the camera image is a third wider than high.
-            eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
-            shown: Whether infants are drawn with their skins, or their solids.
-
-        Raises:
-            RenderingError: If OpenGL is not available, or the infant has no eyes.
-        """
+        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes."""
         self._env, vision = env, env.manifest.senses.vision
         self._observed = vision.cameras if eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
@@ -70,11 +61,7 @@ class VideoFrames:
         self._time_s = 0.0
 
     def frame(self, observation: Observation) -> Picture:
-        """Return a frame of the current state, shape (height, width, 3).
-
-        Args:
-            observation: The current observation.
-        """
+        """Return a frame of the current state and observation, shape (height, width, 3)."""
         self.shot = self._followed()
         self._time_s = self._env.data.time
         outside = self.camera.render(self._env.data, shot=self.shot)
@@ -106,11 +93,7 @@ class VideoFrames:
 
 
 def _sharp_eyes(env: InfantEnv, size_px: int, shown: Shown) -> Eyes:
-    """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way.
-
-    Raises:
-        RenderingError: If it has no eyes.
-    """
+    """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way."""
     model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
         raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
@@ -147,13 +130,9 @@ def _cell_px(height_px: int) -> int:
 
 
 def _fitted(picture: Picture, height_px: int) -> Picture:
-    """Return an image scaled to another height: averaged down if much larger, then by nearest neighbour."""
-    times = max(1, min(picture.shape[0] // height_px, picture.shape[1]))
-    rows, columns = (side // times * times for side in picture.shape[:2])
-    smaller = np.rint(average_down(picture[:rows, :columns].astype(np.float32), times)).astype(np.uint8)
-    height, width = smaller.shape[:2]
-    width_px = max(1, round(width * height_px / height))
-    return smaller[np.arange(height_px) * height // height_px][:, np.arange(width_px) * width // width_px]
+    """Return an image scaled to another height: averaged if larger, by nearest neighbour if smaller."""
+    width_px = max(1, round(picture.shape[1] * height_px / picture.shape[0]))
+    return np.asarray(Image.fromarray(picture).resize((width_px, height_px), Image.Resampling.BOX))
 
 
 RATE_HZ = 25
@@ -255,21 +234,12 @@ def film_of(
         try:
             yield watch
         except KeyboardInterrupt:
-            _save(video)
+            if video:
+                video.save()
             raise
         except BaseException:
             if video:
                 video.discard()
             raise
-        _save(video)
-
-
-def _save(video: Video | None) -> None:
-    """Save a video, or discard it if that fails or is interrupted."""
-    if video is None:
-        return
-    try:
-        video.save()
-    except BaseException:
-        video.discard()
-        raise
+        if video:
+            video.save()

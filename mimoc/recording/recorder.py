@@ -3,9 +3,10 @@
 import math
 import warnings
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
@@ -30,7 +31,7 @@ ROOM_BYTES = 2**28
 """Memory for what is not yet written of all infants together."""
 
 
-class Recording:
+class Recording(AbstractContextManager):
     """Records the episodes of some infants in a folder until it is closed."""
 
     def __init__(
@@ -72,36 +73,20 @@ class Recording:
         return tuple(f"{what} is an object of a script's own ({name}), {advice}" for what, name in objects)
 
     def wait(self) -> None:
-        """Wait until what was handed over to be written is written.
-
-        Raises:
-            OutputError: If something could not be written.
-        """
+        """Wait until what was handed over to be written is written, or raise an OutputError."""
         self._writer.drain()
 
     def mark(self, run: str, steps: int) -> None:
-        """End all episodes here, and remove what the same run has recorded beyond this place before.
-
-        Args:
-            run: Name of the run, from which follows what it does.
-            steps: How far it is.
-
-        Raises:
-            OutputError: If the folder cannot be written.
-        """
+        """End all episodes here, and remove what a run of this name has recorded beyond so many steps before."""
         for journal in self._journals:
             journal.end("reset")
         self._writer.drain()
         self._folder.mark(run, steps)
         for journal, number in zip(self._journals, self._folder.next_numbers(), strict=True):
-            journal.go_on_from(number)
+            journal.next_number = number
 
     def close(self) -> None:
-        """Write what is left, and record no more; closing twice is fine.
-
-        Raises:
-            OutputError: If something could not be written.
-        """
+        """Write what is left, or raise an OutputError, and record no more; closing twice is fine."""
         if all(infant.observer is NO_OBSERVER for infant in self._infants):
             return
         for infant in self._infants:
@@ -112,10 +97,6 @@ class Recording:
             self._writer.close()
         finally:
             self._folder.close()
-
-    def __enter__(self) -> "Recording":
-        """Return itself."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
@@ -134,7 +115,7 @@ class Recording:
         return journals
 
 
-class _Closing:
+class _Closing(AbstractContextManager):
     """What both wrappers do: they end the recording before they close what they wrap."""
 
     def __init__(self, env: Any, recording: Recording):
@@ -148,10 +129,6 @@ class _Closing:
             self.recording.close()
         finally:
             super().close(**options)  # pyright: ignore[reportAttributeAccessIssue]
-
-    def __enter__(self) -> Self:
-        """Return itself."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close it."""
@@ -206,11 +183,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 
 
 def infants_of(env: Any) -> tuple[InfantEnv, ...]:
-    """Return the infants of an environment.
-
-    Raises:
-        RecordingError: If it has none in this process and on the CPU.
-    """
+    """Return the infants of an environment, or raise a RecordingError if it has none in this process and on the CPU."""
     inside = getattr(env, "unwrapped", None)
     if isinstance(inside, InfantEnv):
         return (inside,)

@@ -52,59 +52,16 @@ class Difference:
         return f"step {self.step}: {self.what}{of} was {self.recorded:.9g}, is {self.now:.9g} (by {by:.3g})"
 
 
-class Recorded:
-    """The rows of an episode, taken one part after the other."""
-
-    def __init__(self, episode: Episode):
-        """Begin with its first row."""
-        self._episode, self._taken = episode, 0
-        pictures = [reading for reading in episode.described.readings if reading.kind == "picture"]
-        self._pictures = {reading.name: _frames(episode, reading) for reading in pictures}
-
-    def differs(self, block: Block) -> Difference | None:
-        """Compare the next rows; return the first difference in time, if there is one."""
-        rows = self._episode.table.slice(self._taken, block.rows)
-        first = self._taken
-        self._taken += block.rows
-        numbers = [number for number in self._differences(rows, block) if number is not None]
-        if not numbers:
-            return None
-        row, what, index, recorded, now = min(numbers, key=itemgetter(0))
-        return Difference(first + row, what, _label(self._episode, what, index), recorded, now)
-
-    def _differences(self, rows: Any, block: Block) -> Iterator[Number | None]:
-        for reading in block.readings:
-            name = reading.name
-            if reading.kind == "picture":
-                recorded = np.stack([next(self._pictures[name]) for _ in range(block.rows)])
-            else:
-                recorded = tables.array_of(rows, OBSERVATION + name, reading)
-            is_sparse = reading.kind == "sparse"
-            now = block.sparse[name].dense(block.rows, reading.size) if is_sparse else block.dense[name][: block.rows]
-            yield _first(name, recorded, now)
-        terms = {name for name in rows.column_names if name.startswith("term.")}
-        for name in sorted(block.numbers.keys() | terms):
-            now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
-            known = name in rows.column_names
-            recorded = tables.array_of(rows, name) if known else np.full_like(now, np.nan if now.dtype == float else 0)
-            if name == ALLOWED_LATER:
-                recorded = recorded & now
-            yield _first(name.partition(".")[2] or name, recorded, now)
-
-
 def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]) -> Difference | None:
     """Compare two complete states; return the first part that differs."""
     for part, ours in recorded.items():
         theirs = now.get(part)
         if not is_same(ours, theirs):
-            if (
-                isinstance(ours, np.ndarray)
-                and isinstance(theirs, np.ndarray)
-                and ours.shape == theirs.shape
-                and (number := _first(part, ours[None], theirs[None]))
-            ):
-                return Difference(step, "state", f"{part} {number[2]}", *number[3:])
-            return Difference(step, "state", part, np.nan, np.nan)
+            number = None
+            if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray) and ours.shape == theirs.shape:
+                number = _first(part, ours[None], theirs[None])
+            name, values = (f"{part} {number[2]}", number[3:]) if number else (part, (np.nan, np.nan))
+            return Difference(step, "state", name, *values)
     return None
 
 
@@ -113,16 +70,11 @@ def _first(what: str, recorded: Array, now: Array) -> Number | None:
     ours, theirs = (np.ascontiguousarray(array).reshape(len(array), -1) for array in (recorded, now))
     if ours.dtype != theirs.dtype:
         ours, theirs = ours.astype(float), theirs.astype(float)
-    differs = _bits(ours) != _bits(theirs)
+    differs = ours.view(f"u{ours.itemsize}") != theirs.view(f"u{ours.itemsize}")  # -0.0 is not 0.0, and NaN is NaN.
     if not differs.any():
         return None
     row, index = np.argwhere(differs)[0].tolist()
     return row, what, index, float(ours[row, index]), float(theirs[row, index])
-
-
-def _bits(array: Array) -> Array:
-    """Return numbers as whole ones, so that -0.0 is not 0.0 and NaN is NaN."""
-    return np.ascontiguousarray(array).view(f"u{array.itemsize}")
 
 
 def _label(episode: Episode, what: str, index: int) -> str:
@@ -163,12 +115,8 @@ class Replayed:
     def other_versions(self) -> str:
         """What software has another version now, which may be why; empty if all are the same."""
         software = versions()
-        changed = [
-            f"{name} {then}, now {software.get(name, 'none')}"
-            for name, then in self.episode.versions.items()
-            if software.get(name) != then
-        ]
-        return ", ".join(changed)
+        changed = {name: then for name, then in self.episode.versions.items() if software.get(name) != then}
+        return ", ".join(f"{name} {then}, now {software.get(name, 'none')}" for name, then in changed.items())
 
     def __str__(self) -> str:
         """Return it in one line."""
@@ -187,18 +135,7 @@ def replay(
     watch: Watch = lambda env, observation: None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Replayed]:
-    """Simulate episodes again, and yield what came of each.
-
-    Args:
-        recording: The recording.
-        open_env: Opens the environments; see `Open`.
-        episodes: Some of its episodes; by default all.
-        watch: Told of everything that is observed.
-        progress: Called with the number of control steps done and their total.
-
-    Raises:
-        RecordingError: If the recording is damaged, or needs objects that *open_env* does not give.
-    """
+    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`."""
     chosen = recording.episodes if episodes is None else tuple(episodes)
     total, done = sum(episode.steps for episode in chosen), 0
     for infant in dict.fromkeys(episode.infant for episode in chosen):
@@ -220,18 +157,17 @@ class _Replay:
 
     def __init__(self, env: InfantEnv, episode: Episode, watch: Watch, progress: Callable[[int], None]):
         self._env, self._episode, self._watch, self._progress = env, episode, watch, progress
-        self._recorded = Recorded(episode)
-        self._dtype = np.dtype(ACTION)
-        self._block = self._new_block(0)
+        pictures = [reading for reading in episode.described.readings if reading.kind == "picture"]
+        self._pictures = {reading.name: _frames(episode, reading) for reading in pictures}
+        self._dtype, self._block = np.dtype(ACTION), self._new_block(0)
 
     def __call__(self) -> Difference | None:
         """Return the first difference."""
+        place = self._episode.files.sidecars[0]
         try:
             observation, info = self._begin()
         except (MimocError, ValueError) as error:
-            raise RecordingError(
-                f"{self._episode.files.sidecars[0]}: cannot be begun again: {_in_a_line(error)}"
-            ) from None
+            raise RecordingError(f"{place}: cannot be begun again: {_in_a_line(error)}") from None
         self._watch(self._env, observation)
         difference = state_differs(0, self._episode.start, self._env.get_state())
         difference = self._differs(None, (*NOTHING_YET, info), observation) or difference
@@ -284,10 +220,8 @@ class _Replay:
         with np.errstate(over="ignore", invalid="ignore"):
             given = action.astype(self._dtype)
         if not np.isfinite(given).all():
-            where = self._episode.files.sidecars[0]
-            raise RecordingError(
-                f"{where}: 'action_dtype' is {self._dtype}, which cannot hold the action {action.max()}"
-            )
+            problem = f"'action_dtype' is {self._dtype}, which cannot hold the action {action.max()}"
+            raise RecordingError(f"{self._episode.files.sidecars[0]}: {problem}")
         return given
 
     def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
@@ -296,12 +230,37 @@ class _Replay:
         return self._compared() if self._block.is_full else None
 
     def _compared(self) -> Difference | None:
-        """Compare the rows that were kept since the last comparison."""
+        """Compare the rows that were kept since the last comparison; return the first difference in time."""
         block = self._block
         if not block.rows:
             return None
         self._block = self._new_block(block.first_step + block.rows)
-        return self._recorded.differs(block)
+        rows = self._episode.table.slice(block.first_step, block.rows)
+        numbers = [number for number in self._differences(rows, block) if number is not None]
+        if not numbers:
+            return None
+        row, what, index, recorded, now = min(numbers, key=itemgetter(0))
+        return Difference(block.first_step + row, what, _label(self._episode, what, index), recorded, now)
+
+    def _differences(self, rows: Any, block: Block) -> Iterator[Number | None]:
+        """Yield the first number of each array that differs, if there is one."""
+        for reading in block.readings:
+            name = reading.name
+            if reading.kind == "picture":
+                recorded = np.stack([next(self._pictures[name]) for _ in range(block.rows)])
+            else:
+                recorded = tables.array_of(rows, OBSERVATION + name, reading)
+            is_sparse = reading.kind == "sparse"
+            now = block.sparse[name].dense(block.rows, reading.size) if is_sparse else block.dense[name][: block.rows]
+            yield _first(name, recorded, now)
+        terms = {name for name in rows.column_names if name.startswith("term.")}
+        for name in sorted(block.numbers.keys() | terms):
+            now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
+            known = name in rows.column_names
+            recorded = tables.array_of(rows, name) if known else np.full_like(now, np.nan if now.dtype == float else 0)
+            if name == ALLOWED_LATER:
+                recorded = recorded & now
+            yield _first(name.partition(".")[2] or name, recorded, now)
 
     def _new_block(self, first_step: int) -> Block:
         described = self._episode.described
@@ -314,10 +273,8 @@ def _damage_message(episode: Episode) -> Iterator[None]:
     try:
         yield
     except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
-        place = episode.files.sidecars[0]
-        raise RecordingError(
-            f"{place}: a state or a change is damaged ({type(error).__name__}: {_in_a_line(error)})"
-        ) from None
+        problem = f"a state or a change is damaged ({type(error).__name__}: {_in_a_line(error)})"
+        raise RecordingError(f"{episode.files.sidecars[0]}: {problem}") from None
 
 
 def _in_a_line(error: Exception) -> str:
@@ -335,11 +292,7 @@ def _other_scene(episode: Episode, seed: int) -> bool:
 
 
 def _check_observations(env: InfantEnv, episode: Episode) -> None:
-    """Check that an environment observes what was recorded.
-
-    Raises:
-        RecordingError: If it does not.
-    """
+    """Check that an environment observes what was recorded."""
     observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:
         if observed.get(reading.name) != (reading.shape, reading.dtype):

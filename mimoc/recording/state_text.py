@@ -48,11 +48,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(value: Any) -> Any:
-    """Return what `to_plain` was given; numbers of NumPy's become arrays without axes.
-
-    Raises:
-        RecordingError: If the data is damaged.
-    """
+    """Return what `to_plain` was given, numbers of NumPy's as arrays, or raise a RecordingError if it is damaged."""
     if isinstance(value, list):
         return [from_plain(item) for item in value]
     if not isinstance(value, dict):

@@ -38,11 +38,7 @@ _SHOWN = 60
 
 
 def check_schema(schema: Any, described: Described) -> None:
-    """Check that a table has the columns of its description, of exactly their types, and otherwise only optional ones.
-
-    Raises:
-        UnusableFileError: If it has not.
-    """
+    """Check that a table has the columns of its description, of exactly their types, and else only optional ones."""
     names, wanted = schema.names, columns_of(described)
     if missing := [name for name in wanted if name not in names]:
         raise UnusableFileError(f"the column {_shown(missing[0])} is missing")
@@ -59,45 +55,32 @@ def check_schema(schema: Any, described: Described) -> None:
 
 
 def columns_of(described: Described) -> Mapping[str, Any]:
-    """Return the Arrow type of each column that a table with a description has; none of them has nulls."""
-    actions = len(described.actions)
-    columns = {STEP: pa.int32(), ACTION: lists_of(pa.float64(), actions)}
+    """Return the Arrow type of each column that a table with a description has; none of them has nulls.
+
+    Lists without numbers, such as the actions of an infant whose joints are all locked, have no column: with a type
+    that admits no nulls, writing them ends Python with pyarrow 26.
+    """
+    columns = {STEP: pa.int32()}
+    if described.actions:
+        columns[ACTION] = _lists_of(pa.float64(), len(described.actions))
     columns |= dict.fromkeys(NUMBERS, pa.float64()) | dict.fromkeys(FLAGS, pa.bool_())
     for reading in described.readings:
-        if reading.kind != "picture":
-            number = pa.from_numpy_dtype(np.dtype(reading.dtype))
-            is_sparse = reading.kind == "sparse"
-            columns[OBSERVATION + reading.name] = pairs_of(number) if is_sparse else lists_of(number, reading.size)
-    return {name: kind for name, kind in columns.items() if has_numbers(kind)}
+        number = pa.from_numpy_dtype(np.dtype(reading.dtype))
+        if reading.kind == "sparse":
+            pair = [pa.field("index", pa.int32(), nullable=False), pa.field("value", number, nullable=False)]
+            columns[OBSERVATION + reading.name] = _lists_of(pa.struct(pair))
+        elif reading.kind == "dense" and reading.size:
+            columns[OBSERVATION + reading.name] = _lists_of(number, reading.size)
+    return columns
 
 
-def has_numbers(kind: Any) -> bool:
-    """Return whether a column of this type is written: lists without numbers are not.
-
-    Such are the actions of an infant whose joints are all locked. Parquet as pyarrow 26 writes it has no such lists:
-    with a type that admits no nulls, writing them ends Python.
-    """
-    return not (pa.types.is_fixed_size_list(kind) and kind.list_size == 0)
-
-
-def lists_of(number: Any, size: int) -> Any:
-    """Return the type of lists of one length."""
-    return pa.list_(pa.field("element", number, nullable=False), size)
-
-
-def pairs_of(number: Any) -> Any:
-    """Return the type of lists of the index and the value of numbers that are not zero."""
-    pair = pa.struct([pa.field("index", pa.int32(), nullable=False), pa.field("value", number, nullable=False)])
-    return pa.list_(pa.field("element", pair, nullable=False))
+def _lists_of(element: Any, size: int = -1) -> Any:
+    """Return the type of lists of one length, or of any."""
+    return pa.list_(pa.field("element", element, nullable=False), size)
 
 
 def check_rows(table: Any, described: Described, first_step: int) -> None:
-    """Check the values of a table that has the columns of its description.
-
-    Args:
-        table: The table.
-        described: Its description.
-        first_step: What its first row must have as `step`.
+    """Check the values of a table that has the columns of its description, whose first row is of some step.
 
     Raises:
         UnusableFileError: If there are nulls, steps that do not follow each other, actions that are no numbers, or
@@ -114,7 +97,11 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
         raise UnusableFileError(f"the column '{ACTION}' has numbers that are not finite")
     for reading in described.readings:
         if reading.kind == "sparse":
-            _check_indices(table, reading)
+            rows, index, _ = sparse_of(table, OBSERVATION + reading.name)
+            is_inside = (index >= 0).all() and (index < reading.size).all()
+            if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
+                name = OBSERVATION + reading.name
+                raise UnusableFileError(f"the column '{name}' has an index that there is not, or one twice")
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -123,15 +110,6 @@ def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
     rows = np.repeat(np.arange(len(column)), np.diff(column.offsets.to_numpy()))
     pairs = column.flatten()
     return rows, pairs.field("index").to_numpy(), pairs.field("value").to_numpy(zero_copy_only=False)
-
-
-def _check_indices(table: Any, reading: Reading) -> None:
-    rows, index, _ = sparse_of(table, OBSERVATION + reading.name)
-    is_inside = (index >= 0).all() and (index < reading.size).all()
-    if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
-        raise UnusableFileError(
-            f"the column '{OBSERVATION}{reading.name}' has an index that there is not, or one twice"
-        )
 
 
 def _has_nulls(array: Any) -> bool:
@@ -161,21 +139,18 @@ SPLIT = ("float", "double")
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
-    """Write the rows of a block, but for pictures.
-
-    Raises:
-        OutputError: If the file cannot be written.
-    """
-    rows = block.rows
+    """Write the rows of a block, but for pictures, or raise an OutputError."""
+    rows, kinds = block.rows, columns_of(described)
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
-    columns[ACTION] = _fixed(block.action[:rows])
+    if ACTION in kinds:
+        columns[ACTION] = _fixed(block.action[:rows], kinds[ACTION])
     columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
     for reading in block.readings:
-        if reading.kind == "dense":
-            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
-        elif reading.kind == "sparse":
-            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
-    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
+        name = OBSERVATION + reading.name
+        if reading.kind == "sparse":
+            columns[name] = _listed(block.sparse[reading.name], rows, kinds[name])
+        elif name in kinds:
+            columns[name] = _fixed(block.dense[reading.name][:rows], kinds[name])
     fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
     write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
 
@@ -187,11 +162,7 @@ def _metadata(column: str) -> dict[str, str] | None:
 
 
 def write_table(path: Path, table: Any) -> None:
-    """Write a table as one file of Parquet, whole or not at all.
-
-    Raises:
-        OutputError: If the file cannot be written.
-    """
+    """Write a table as one file of Parquet, whole or not at all, or raise an OutputError."""
     leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
     split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
     how: dict[str, Any] = {"use_dictionary": False, "write_statistics": False, "column_encoding": split}
@@ -201,28 +172,18 @@ def write_table(path: Path, table: Any) -> None:
 
 
 def describe(paths: Sequence[Path]) -> Described:
-    """Return what the schemas of all parts of one episode say, which all say the same.
-
-    Raises:
-        RecordingError: If one is damaged, not a recording's, or has other columns than it says.
-    """
-    described: Described | None = None
+    """Return what the schemas of all parts of one episode say, or raise a RecordingError if one differs."""
+    descriptions = list[Described]()
     for path in paths:
         with _opened(path) as file:
-            current = described_by(file.schema_arrow)
-            if described not in (None, current):
+            descriptions.append(described_by(file.schema_arrow))
+            if descriptions[-1] != descriptions[0]:
                 raise UnusableFileError("it describes other columns than the part before")
-            described = current
-    assert described is not None
-    return described
+    return descriptions[0]
 
 
 def described_by(schema: Any) -> Described:
-    """Return what the schema of a file says of its columns, which it must have.
-
-    Raises:
-        UnusableFileError: If it is not a recording's, or has other columns than it says.
-    """
+    """Return what the schema of a file says of its columns, or raise an UnusableFileError if it has other ones."""
     described = Described.from_json((schema.metadata or {}).get(KEY, b""))
     check_schema(schema, described)
     return described
@@ -266,20 +227,15 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
     return dense.reshape(len(column), *reading.shape)
 
 
-def _listed(kept: Sparse, rows: int) -> Any:
+def _listed(kept: Sparse, rows: int, kind: Any) -> Any:
     """Return rows of index and value of the numbers that are not zero."""
-    end = kept.ends[rows]
-    index, value = pa.array(kept.index[:end]), pa.array(kept.value[:end])
-    kind = pairs_of(value.type)
-    pairs = pa.StructArray.from_arrays([index, value], fields=list(kind.value_type))
+    end, pair = kept.ends[rows], kind.value_type
+    pairs = pa.StructArray.from_arrays([pa.array(kept.index[:end]), pa.array(kept.value[:end])], fields=list(pair))
     return pa.ListArray.from_arrays(pa.array(kept.ends[: rows + 1]), pairs, type=kind)
 
 
-def _fixed(array: Array) -> Any:
+def _fixed(array: Array, kind: Any) -> Any:
     """Return an array of rows as lists of one length."""
-    kind = lists_of(pa.from_numpy_dtype(array.dtype), int(np.prod(array.shape[1:])))
-    if not has_numbers(kind):
-        return pa.array([[]] * len(array), kind)
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
 
 
@@ -329,11 +285,7 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
 
 
 def _check_packed(numbers: int, most_bytes: int) -> None:
-    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well.
-
-    Raises:
-        UnusableFileError: If it is.
-    """
+    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well."""
     if 8 * numbers > max(SMALL_BYTES, most_bytes):
         raise UnusableFileError("it would unpack to more than it can hold")
 

@@ -54,17 +54,13 @@ class Video(ABC):
         self.pictures += 1
 
     def save(self) -> Path:
-        """Save the frames added so far, of which there must be at least one, and return the path of the file.
-
-        Raises:
-            OutputError: If the file cannot be written.
-        """
+        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError."""
         try:
             self._finish()
-        except OSError as error:
+            return files.move_into_place(self._temporary, self.file)
+        except BaseException as error:
             self.discard()
-            raise files.write_error(self.file, error) from None
-        return files.move_into_place(self._temporary, self.file)
+            raise files.write_error(self.file, error) if isinstance(error, OSError) else error from None
 
     def discard(self) -> None:
         """Remove the temporary file."""
@@ -135,7 +131,7 @@ class Gif(Video):
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
         self._temporary.touch()
-        self._kept: list[bytes] = []
+        self._kept: list[io.BytesIO] = []
 
     def _write(self, picture: Picture) -> None:
         if self.pictures == MAX_GIF_FRAMES:
@@ -144,24 +140,16 @@ class Gif(Video):
             )
         png = io.BytesIO()
         Image.fromarray(picture).save(png, "PNG", compress_level=1)
-        self._kept.append(png.getvalue())
+        self._kept.append(png)
 
     def _finish(self) -> None:
-        palette = self._palette()
-        first, *others = (
-            Image.open(io.BytesIO(png)).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept
-        )
+        samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
+        together = np.concatenate([np.asarray(Image.open(png)) for png in samples])
+        palette = Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)  # Keeps small bright ones.
+        first, *others = (Image.open(png).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept)
         ends = [round(GIF_TICKS_HZ * number / self.rate_hz) for number in range(self.pictures + 1)]
         durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in pairwise(ends)]
         first.save(self._temporary, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
-
-    def _palette(self) -> Image.Image:
-        """Return an image with the palette of all frames."""
-        samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
-        together = np.concatenate([np.asarray(Image.open(io.BytesIO(png))) for png in samples])
-        return Image.fromarray(together).quantize(
-            GIF_COLOURS, Image.Quantize.FASTOCTREE
-        )  # Preserves small bright objects.
 
 
 FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}
@@ -188,16 +176,7 @@ def check_video(file: str | Path) -> Path:
 
 
 def open_video(file: str | Path, rate_hz: Fraction) -> Video:
-    """Return a video to add frames to.
-
-    Args:
-        file: The file; its extension determines the format.
-        rate_hz: Frames per second.
-
-    Raises:
-        OutputError: If the file cannot be written.
-        MissingExtraError: If PyAV is not installed, which MP4 needs.
-    """
+    """Return a video to add frames to, in the format of the extension of its file; see `check_video`."""
     path = check_video(file)
     try:
         return FORMATS[path.suffix.lower()](path, rate_hz)

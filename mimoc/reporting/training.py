@@ -39,7 +39,7 @@ from mimoc.reporting.page import (
     table,
 )
 from mimoc.training.curve import Curve
-from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
+from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
 from mimoc.training.settings import HYPERPARAMETERS, TrainingSettings
 from mimoc.version import __version__
 
@@ -69,7 +69,7 @@ def training_page(folder: Path) -> Page:
         BundleError: If its infant is damaged.
         ModelError: If MuJoCo rejects its model.
     """
-    run = read_training_run(folder)
+    run, curve = read_training_run(folder)
     bundle = read_run_bundle(folder)
     sources = Sources(bundle)
     size, body, senses = infant_sections(bundle, load_model(bundle), sources)
@@ -77,15 +77,15 @@ def training_page(folder: Path) -> Page:
     return Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
-        lead=(_summary(run), *lead),
-        sections=(_curves(run.curve), _settings(run), size, body, senses, sources.section()),
+        lead=(_summary(run, curve), *lead),
+        sections=(_curves(curve), _settings(run), size, body, senses, sources.section()),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )
 
 
-def _summary(run: TrainingRun) -> str:
-    done, wanted = run.curve.steps, run.settings.steps
+def _summary(run: RunFile, curve: Curve) -> str:
+    done, wanted = curve.steps, run.settings.steps
     state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
     return f"Trained for {done:,} control steps. {state}."
 
@@ -157,13 +157,13 @@ def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]
     return [point for point in points if isfinite(point[1])]
 
 
-def _settings(run: TrainingRun) -> Section:
+def _settings(run: RunFile) -> Section:
     settings = run.settings
     known = {name: value for name, value in settings.data().items() if value is not None}
     rows = [(Cell(words.sentence(about)), Cell(_text(known[name]))) for name, about in NAMES.items() if name in known]
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
-    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in run.origin.items()]
+    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in (run.origin or {}).items()]
     blocks: list[Block] = [
         table(("setting", "value"), rows),
         Details("Hyperparameters", (table(("hyperparameter", "value", "default"), _hyper_rows(settings)),)),
@@ -181,7 +181,7 @@ def _hyper_rows(settings: TrainingSettings) -> Iterator[tuple[Cell, ...]]:
         yield Cell(name, "code"), number(_text(value)), number(default)
 
 
-def _versions(run: TrainingRun) -> Block:
+def _versions(run: RunFile) -> Block:
     names = sorted({name for session in run.sessions for name in session})
     headings = ("", *(f"session {index}" for index in range(1, len(run.sessions) + 1)))
     return table(headings, ((Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)) for name in names))

@@ -38,14 +38,7 @@ def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
 
 
 def make_policy(algo: str, hyper: Mapping[str, Number], observation_space: Any, action_space: Any) -> BasePolicy:
-    """Return the policy network of an algorithm, randomly initialised.
-
-    Args:
-        algo: The algorithm.
-        hyper: Its hyperparameters.
-        observation_space: Gymnasium's dictionary space of the observations.
-        action_space: Gymnasium's space of the actions.
-    """
+    """Return the policy network of an algorithm for Gymnasium's spaces, randomly initialised."""
     spaces = {
         name: VecTransposeImage.transpose_space(space, name) if is_image_space(space) else space
         for name, space in observation_space.spaces.items()
@@ -87,11 +80,7 @@ def weights_of(module: torch.nn.Module) -> dict[str, np.ndarray]:
 
 
 def set_weights(module: torch.nn.Module, weights: Mapping[str, np.ndarray]) -> None:
-    """Set the weights of a network.
-
-    Raises:
-        RuntimeError: If they are those of another network.
-    """
+    """Set the weights of a network, or raise a RuntimeError if they are those of another one."""
     module.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in weights.items()})
 
 
@@ -113,11 +102,7 @@ def agent_state(agent: BaseAlgorithm) -> dict[str, np.ndarray]:
 
 
 def restore_agent(agent: BaseAlgorithm, state: Mapping[str, np.ndarray]) -> None:
-    """Restore what `agent_state` has returned.
-
-    Raises:
-        KeyError, RuntimeError, ValueError: If it is the state of another agent.
-    """
+    """Restore what `agent_state` has returned; raise a Key-, Runtime- or ValueError if it is of another agent."""
     modules, variables = _learnt(agent)
     for name, module in modules.items():
         part = {key.removeprefix(f"{name}/"): array for key, array in state.items() if key.startswith(f"{name}/")}

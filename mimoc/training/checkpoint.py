@@ -3,7 +3,8 @@
 import io
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.bundle.regular_files import UnusableFileError, parse_json
+from mimoc.bundle.regular_files import parse_json
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import agent_state, restore_agent
@@ -66,46 +67,38 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
     Raises:
         TrainingError: If the file is damaged or belongs to another agent.
     """
-    archive = _opened(content)
-    try:
+    with _opened(content) as archive:
         progress = _progress(archive)
-        restore_agent(agent, unpack_arrays(archive.read(WEIGHTS)))
-        set_statistics(env, unpack_arrays(archive.read(SCALE)))
+        restore_agent(agent, unpack_arrays(archive.content(WEIGHTS)))
+        set_statistics(env, unpack_arrays(archive.content(SCALE)))
         agent.num_timesteps = progress.steps
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            _restore_replay_buffer(buffer, unpack_arrays(archive.read(REPLAY)))
-    except (*DAMAGED, UnusableFileError):
-        raise TrainingError(UNUSABLE) from None
+            _restore_replay_buffer(buffer, unpack_arrays(archive.content(REPLAY)))
     return progress
 
 
 def read_progress(content: bytes) -> Progress:
-    """Return the progress stored in a checkpoint file.
-
-    Raises:
-        TrainingError: If the file is damaged.
-    """
-    archive = _opened(content)
-    try:
+    """Return the progress stored in a checkpoint file, or raise a TrainingError if the file is damaged."""
+    with _opened(content) as archive:
         return _progress(archive)
-    except (*DAMAGED, UnusableFileError):
-        raise TrainingError(UNUSABLE) from None
 
 
-def _opened(content: bytes) -> Archive:
-    """Return the archive of a checkpoint file."""
+@contextmanager
+def _opened(content: bytes) -> Iterator[Archive]:
+    """Open a checkpoint file; whatever is wrong with it is one clear line."""
     try:
         archive = Archive(content)
+        if OF_TORCH not in archive.namelist():
+            yield archive
+            return
     except DAMAGED:
         raise TrainingError(UNUSABLE) from None
-    if OF_TORCH in archive.names():
-        raise TrainingError(OUTDATED)
-    return archive
+    raise TrainingError(OUTDATED)
 
 
 def _progress(archive: Archive) -> Progress:
-    state = parse_json(archive.read(STATE), _State)
-    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.read(CURVE).decode()))
+    state = parse_json(archive.content(STATE), _State)
+    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.content(CURVE).decode()))
 
 
 def _replay(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:

@@ -111,7 +111,7 @@ class Curve:
             TrainingError: If the text is not a learning curve.
         """
         try:
-            return cls(tuple(_possible(_row(cells)) for cells in csv.DictReader(io.StringIO(text))))
+            return cls(tuple(_row(cells) for cells in csv.DictReader(io.StringIO(text))))
         except (KeyError, ValueError, TypeError, csv.Error):
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
@@ -123,15 +123,7 @@ def summarize(
     wall_s: float,
     unfinished: Sequence[UnfinishedEpisode] = (),
 ) -> CurvePoint:
-    """Return the row of a learning curve for the given episodes.
-
-    Args:
-        episodes: Episodes that ended since the previous row.
-        steps: Control steps trained for so far.
-        step_s: Duration of a control step.
-        wall_s: Wall time of the training so far.
-        unfinished: Episodes under way.
-    """
+    """Return the row of a learning curve after so many control steps, for the episodes since the previous row."""
     return CurvePoint(
         steps=steps,
         episodes=len(episodes),
@@ -151,17 +143,13 @@ def _mean(values: Iterable[float]) -> float:
     return math.fsum(numbers) / len(numbers) if numbers else math.nan
 
 
-def _possible(row: CurvePoint) -> CurvePoint:
-    """Return a row, if its counts are none below zero or of more than 64 bits, and no mean is infinite."""
-    for value in astuple(row):
-        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
-            raise ValueError(f"{value} is a number that no training has")
-    return row
-
-
 def _row(cells: dict[str, str]) -> CurvePoint:
+    """Return a row; no count is below zero or of more than 64 bits, and no mean is infinite."""
     names = [column.name for column in fields(CurvePoint) if column.name in cells or column.default is MISSING]
     numbers = {name: int(cells[name]) if name in COUNTS else float(cells[name] or "nan") for name in names}
+    for value in numbers.values():
+        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
+            raise ValueError(f"{value} is a number that no training has")
     return CurvePoint(**dict[str, Any](numbers))
 
 

@@ -37,54 +37,23 @@ MOST_RATIO = 20
 MOST_MEMBERS = 1000
 
 
-class Archive:
-    """The members of a ZIP archive, each unpacked when it is asked for."""
+class Archive(zipfile.ZipFile):
+    """A ZIP archive of which each member is unpacked when it is asked for."""
 
     def __init__(self, content: bytes):
-        """Read the list of members.
-
-        Raises:
-            ValueError: If it is no archive, or larger than any policy.
-            zipfile.BadZipFile: If it is damaged.
-        """
-        self._archive = zipfile.ZipFile(io.BytesIO(content))
-        self._members = {member.filename: member for member in self._archive.infolist()}
-        if len(self._archive.infolist()) > MOST_MEMBERS:
+        """Read the list of members; raise a ValueError or BadZipFile if it is no archive, or larger than any policy."""
+        super().__init__(io.BytesIO(content))
+        if len(self.infolist()) > MOST_MEMBERS:
             raise ValueError("an archive of too many members")
         self._left = MOST_BYTES
 
-    def names(self) -> list[str]:
-        """Return the names of all members."""
-        return list(self._members)
-
-    def read(self, name: str) -> bytes:
-        """Return the content of a member.
-
-        Raises:
-            ValueError: If it is larger than it can be.
-            KeyError: If there is none of this name.
-        """
-        member = self._members[name]
+    def content(self, name: str) -> bytes:
+        """Return the content of a member; raise a KeyError if there is none, a ValueError if it is too large."""
+        member = self.getinfo(name)
         if member.file_size > max(SMALL_BYTES, MOST_RATIO * member.compress_size) or member.file_size > self._left:
             raise ValueError(f"{name} is larger than it can be")
         self._left -= member.file_size
-        return self._archive.read(member)
-
-
-def read_archive(path: Path) -> Archive:
-    """Return the archive in a file.
-
-    Raises:
-        ValueError: If it is not a regular file, or larger than any policy.
-        zipfile.BadZipFile: If it is damaged.
-    """
-    try:
-        content = read_regular_file(path, MOST_BYTES)
-    except UnusableFileError as error:
-        raise ValueError(str(error)) from None
-    if content is None:
-        raise ValueError("it cannot be read")
-    return Archive(content)
+        return self.read(member)
 
 
 ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "weights.npz"
@@ -95,8 +64,8 @@ OF_TORCH = "policy.pth"
 VERSION = 2
 """Of what mimoc reads; policies of version 1 had no `weights.npz`."""
 DAMAGED = (
-    *(zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, RuntimeError, RecursionError, MimocError),
-    *(KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
+    *(UnusableFileError, MimocError, zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError),
+    *(RuntimeError, RecursionError, KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
 )
 """Exceptions that reading a file that is not a policy may raise."""
 
@@ -106,20 +75,19 @@ class TrainedPolicy:
     """A deterministic policy: the same observation always gives the same action, without exploration."""
 
     network: BasePolicy
-    scale: Mapping[str, np.ndarray]
-    """Mean and standard deviation of each normalised observation, by name."""
+    scale: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    """Mean and standard deviation of each observation that is normalised, by name."""
     clip: float
     """Absolute value at which normalised observations are clipped."""
-    normalized: Sequence[str]
-    """Names of the observations to normalise."""
     steps_per_episode: int | None = None
     """Control steps after which an episode of its training was truncated; None if that is not known."""
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action for an observation, shape (n,); *generator* is not used."""
-        inputs = {
-            name: self._normalize(name, part) if name in self.normalized else part for name, part in observation.items()
-        }
+        inputs = dict(observation)
+        for name, (mean, deviation) in self.scale.items():
+            normalized = (observation[name] - mean) / deviation
+            inputs[name] = np.clip(normalized, -self.clip, self.clip).astype(np.float32)
         try:
             action = self.network.predict(inputs, deterministic=True)[0]
         except ValueError:  # A distribution of numbers that are not finite.
@@ -127,10 +95,6 @@ class TrainedPolicy:
         if not np.isfinite(action).all():
             raise PolicyError("this policy gives commands that are not finite; train it again")
         return action
-
-    def _normalize(self, name: str, part: np.ndarray) -> np.ndarray:
-        normalized = (part - self.scale[f"{name}.mean"]) / self.scale[f"{name}.deviation"]
-        return np.clip(normalized, -self.clip, self.clip).astype(np.float32)
 
 
 def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: InfantEnv) -> bytes:
@@ -142,8 +106,7 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
         "infant": env.manifest.name,
         "steps": agent.num_timesteps,
         "settings": settings.data(),
-        "observes": describe_observations(env),
-        "commands": commanded_actuators(env),
+        **_interface(env),
     }
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(ABOUT, json.dumps(about, indent=1))
@@ -181,22 +144,24 @@ def load_policy(path: str | Path) -> PolicyMaker:
     return lambda env: _bind(path, about, hyper, statistics_, network, env)
 
 
-def describe_observations(env: InfantEnv) -> dict[str, Any]:
-    """Return the shape and layout (the meaning of each number; empty for images) of each observation, by name."""
-    return {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in _spaces(env).items()}
-
-
-def commanded_actuators(env: InfantEnv) -> list[str]:
-    """Return the names of the actuators that the action commands, in its order."""
-    return [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
+def _interface(env: InfantEnv) -> dict[str, Any]:
+    """Return shape and layout (empty for images) of each observation, and the actuators that the action commands."""
+    spaces = _spaces(env).items()
+    observes = {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in spaces}
+    commands = [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
+    return {"observes": observes, "commands": commands}
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    archive = read_archive(path)
-    about = json.loads(archive.read(ABOUT))
+    """Return description, statistics and weights in a file; raise one of `DAMAGED` if it is no policy."""
+    content = read_regular_file(path, MOST_BYTES)
+    if content is None:
+        raise ValueError("it cannot be read")
+    archive = Archive(content)
+    about = json.loads(archive.content(ABOUT))
     if (saved_by := about["policy"]) != VERSION:
         raise _OtherVersionError if type(saved_by) is int else ValueError
-    known, weights = unpack_arrays(archive.read(SCALE)), unpack_arrays(archive.read(WEIGHTS))
+    known, weights = unpack_arrays(archive.content(SCALE)), unpack_arrays(archive.content(WEIGHTS))
     is_finite = all(np.isfinite(array).all() for array in (*known.values(), *weights.values()))
     if not _is_description(about) or not is_finite:
         raise ValueError("it describes itself in a way that mimoc never does")
@@ -225,27 +190,25 @@ def _bind(
     env: InfantEnv,
 ) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit."""
-    differences = [
-        *_differing_observations(about["observes"], describe_observations(env)),
-        *_differing_actuators(about["commands"], commanded_actuators(env)),
-    ]
+    differences = _differences(about, _interface(env))
     if differences:
         raise PolicyError(f"{path}: trained for a different infant, '{about['infant']}': {'; '.join(differences)}")
-    if not _has_room(hyper, weights, env):
-        raise PolicyError(f"{path}: {_DAMAGED}")
-    network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
-    names = normalized_names(env.observation_space)
+    scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:
+        if not _has_room(hyper, weights, env):
+            raise ValueError("fewer weights than its layers have")
+        network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
         set_weights(network, weights)
-        means = {f"{name}.mean": _statistic(known[f"{name}.mean"], name, env) for name in names}
-        floor = hyper["observation_floor"]
-        variances = {name: np.maximum(_statistic(known[f"{name}.var"], name, env), 0.0) for name in names}
+        for name in normalized_names(env.observation_space):
+            mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
+            if not mean.shape == variance.shape == _spaces(env)[name].shape:
+                raise ValueError(f"the statistics of '{name}' are of another shape")
+            scale[name] = mean, np.sqrt(variance + hyper["observation_floor"] ** 2)
     except (KeyError, RuntimeError, ValueError, TypeError, AttributeError):
         raise PolicyError(f"{path}: {_DAMAGED}") from None
-    deviations = {f"{name}.deviation": np.sqrt(variance + floor**2) for name, variance in variances.items()}
     network.set_training_mode(False)
-    scale, limit = {**means, **deviations}, about["settings"].get("steps_per_episode")
-    return TrainedPolicy(network, scale, float(hyper["observation_clip"]), names, limit)
+    limit = about["settings"].get("steps_per_episode")
+    return TrainedPolicy(network, scale, float(hyper["observation_clip"]), limit)
 
 
 class _OtherVersionError(Exception):
@@ -262,28 +225,21 @@ def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: 
     return width * (inputs + width * (layers - 1)) <= sum(array.size for array in weights.values())
 
 
-def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
-    """Return a statistic of an observation, of its shape."""
-    if numbers.shape != _spaces(env)[name].shape:
-        raise ValueError(f"the statistics of '{name}' are of another shape")
-    return numbers
-
-
-def _differing_observations(trained: Mapping[str, Any], current: Mapping[str, Any]) -> list[str]:
+def _differences(about: Mapping[str, Any], interface: Mapping[str, Any]) -> list[str]:
+    """Return how observations and actuators of the infant in training differ from those of another one."""
+    trained, current = about["observes"], interface["observes"]
     differences = [f"observation '{name}' is missing here" for name in trained.keys() - current.keys()]
     differences += [f"observation '{name}' was not there in training" for name in current.keys() - trained.keys()]
-    for name in sorted(trained.keys() & current.keys()):
+    for name in trained.keys() & current.keys():
         if (then := tuple(trained[name]["shape"])) != (now := tuple(current[name]["shape"])):
             differences.append(f"'{name}' had shape {then} in training and has {now} here")
         else:
             differences += _first_difference(f"'{name}'", trained[name]["layout"], current[name]["layout"])
-    return sorted(differences)
-
-
-def _differing_actuators(trained: Sequence[str], current: Sequence[str]) -> list[str]:
-    if len(trained) != len(current):
-        return [f"the action commanded {len(trained)} actuators in training and commands {len(current)} here"]
-    return _first_difference("the action", trained, current)
+    commanded, commands = about["commands"], interface["commands"]
+    if len(commanded) != len(commands):
+        number = f"{len(commanded)} actuators in training and commands {len(commands)} here"
+        return [*sorted(differences), f"the action commanded {number}"]
+    return [*sorted(differences), *_first_difference("the action", commanded, commands)]
 
 
 def _first_difference(what: str, trained: Sequence[str], current: Sequence[str]) -> list[str]:

@@ -1,28 +1,24 @@
 """The folder of a training run: settings, checkpoints, policy and learning curve, each written atomically."""
 
-import fcntl
 import json
 import os
-import platform
 import shlex
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
 from mimoc.base.errors import BundleError, MimocError, OutputError, TrainingError
-from mimoc.bundle.files import check_unlinked, make_folder, remove, write_file
+from mimoc.bundle.files import check_unlinked, discard, make_folder, remove, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
+from mimoc.recording.folder import digest, lock_folder, versions
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded
 from mimoc.training.curve import Curve
 from mimoc.training.policies import MOST_BYTES
 from mimoc.training.settings import TrainingSettings
-from mimoc.version import __version__
 
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
@@ -60,40 +56,17 @@ class RunFolder:
         return content
 
     def write_checkpoint(self, steps: int, policy: bytes, state: bytes) -> None:
-        """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one.
-
-        Raises:
-            OutputError: If a file cannot be written.
-        """
+        """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one."""
         for name, content in ((f"{CHECKPOINTS}/{steps:010d}.zip", policy), (POLICY, policy), (STATE, state)):
             self.write(name, content)
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file: the latest policy, which may be later than the checkpoint, the curve, or its plot.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write a file: the latest policy, which may be later than the checkpoint, the curve, or its plot."""
         write_file(self.path / name, content)
 
 
-@dataclass(frozen=True, slots=True)
-class TrainingRun:
-    """What is in the folder of a training run, besides its policies."""
-
-    settings: TrainingSettings
-    command: str
-    """Command that trains another infant with these settings."""
-    sessions: tuple[Mapping[str, str], ...]
-    """Versions of the software of each session with other ones than the session before."""
-    origin: Mapping[str, Any]
-    """What the run belongs to, such as the name of a cohort and of a job."""
-    curve: Curve
-    """Empty before the first checkpoint."""
-
-
-def read_training_run(path: Path) -> TrainingRun:
-    """Return what is in the folder of a training run, which may still be going on.
+def read_training_run(path: Path) -> tuple[RunFile, Curve]:
+    """Return what is in the folder of a training run, which may still be going on; the curve may be empty yet.
 
     Raises:
         TrainingError: If it is not such a folder, or its files are damaged.
@@ -103,18 +76,13 @@ def read_training_run(path: Path) -> TrainingRun:
         raise TrainingError(f"{path}: not the folder of a training run; name one written by 'mimoc train -o'")
     try:
         csv = _content(path / CURVE)
-        curve = Curve() if csv is None else Curve.from_csv(csv.decode())
+        return run, Curve() if csv is None else Curve.from_csv(csv.decode())
     except (ValueError, TrainingError):
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
-    return TrainingRun(run.settings, run.command, run.sessions, run.origin or {}, curve)
 
 
 def read_run_bundle(path: Path) -> Bundle:
-    """Return the infant of the training run in a folder.
-
-    Raises:
-        BundleError: If it is not an intact bundle, or a link.
-    """
+    """Return the infant of the training run in a folder, or raise a BundleError if it is damaged or a link."""
     try:
         return read_bundle(check_unlinked(path / BUNDLE, below=path))
     except OutputError as error:
@@ -123,21 +91,11 @@ def read_run_bundle(path: Path) -> Bundle:
 
 @contextmanager
 def open_run_folder(
-    out: str | Path,
-    settings: TrainingSettings,
-    bundle: Bundle,
-    *,
-    force: bool,
-    origin: Mapping[str, Any] | None = None,
+    out: str | Path, settings: TrainingSettings, bundle: Bundle, *, force: bool, origin: Mapping[str, Any] | None = None
 ) -> Iterator[RunFolder]:
     """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
-    Args:
-        out: The folder.
-        settings: Settings of the training run.
-        bundle: The infant.
-        force: Discard the training run in the folder, even one with other settings.
-        origin: What the run belongs to, such as the name of a cohort and of a job.
+    With *force*, the training run in the folder is discarded, even one with other settings.
 
     Raises:
         TrainingError: If the folder holds anything else, or another process is training in it.
@@ -147,16 +105,18 @@ def open_run_folder(
     _check_is_run_folder(path)
     previous = _read_run(path)
     if previous is not None and not force:
-        _check_same_run(path, previous, settings, bundle)
+        differences = settings.differences(previous.settings)
+        differences += [] if previous.bundle == digest(bundle) else ["another infant"]
+        if differences:
+            advice = "use the same settings to resume it, name another folder, or start over with --force"
+            others = one_line("; ".join(differences))
+            raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
+    busy = TrainingError(f"{path}: another process is training here; wait for it or name another folder")
+    handle = lock_folder(path, busy)
     try:
-        path.mkdir(parents=True, exist_ok=True)
-        handle = os.open(path, os.O_RDONLY)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
-    try:
-        _lock(handle, path)
         make_folder(path / CHECKPOINTS, below=path)
-        _remove_leftovers(path)
+        for leftover in (*_leftovers(path), *_leftovers(path / CHECKPOINTS)):
+            discard(leftover)
         if force:
             _clear(path)
         _write_description(path, previous if not force else None, settings, bundle, origin)
@@ -191,41 +151,11 @@ def _read_run(path: Path) -> RunFile | None:
 
 
 def _content(path: Path) -> bytes | None:
-    """Return the content of a file, None if it does not exist or cannot be read.
-
-    Raises:
-        TrainingError: If it is not a regular file, or larger than any checkpoint.
-    """
+    """Return the content of a regular file no larger than any checkpoint, None if there is none or it is unreadable."""
     try:
         return read_regular_file(path, MOST_BYTES)
     except UnusableFileError as error:
         raise TrainingError(f"{path}: {error}") from None
-
-
-def _check_same_run(path: Path, previous: RunFile, settings: TrainingSettings, bundle: Bundle) -> None:
-    """Raise a TrainingError for other settings (except more steps) or another infant than those of the run."""
-    differences = settings.differences(previous.settings)
-    if previous.bundle != _digest(bundle):
-        differences.append("another infant")
-    if differences:
-        advice = "use the same settings to resume it, name another folder, or start over with --force"
-        others = one_line("; ".join(differences))
-        raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
-
-
-def _lock(handle: int, path: Path) -> None:
-    """Lock a folder until its handle is closed or this process ends."""
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise TrainingError(f"{path}: another process is training here; wait for it or name another folder") from None
-
-
-def _remove_leftovers(path: Path) -> None:
-    """Remove temporary files of a run that was killed."""
-    for leftover in _leftovers(path) + _leftovers(path / CHECKPOINTS):
-        with suppress(OSError):
-            leftover.unlink()
 
 
 def _leftovers(folder: Path) -> list[Path]:
@@ -234,11 +164,9 @@ def _leftovers(folder: Path) -> list[Path]:
 
 def _clear(path: Path) -> None:
     """Remove a training run; raise an OutputError if something in it cannot be removed."""
+    files = [path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)]
     try:
-        for file in (
-            *(path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)),
-            *(path / CHECKPOINTS).glob("*.zip"),
-        ):
+        for file in (*files, *(path / CHECKPOINTS).glob("*.zip")):
             file.unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from None
@@ -246,23 +174,19 @@ def _clear(path: Path) -> None:
 
 
 def _write_description(
-    path: Path,
-    previous: RunFile | None,
-    settings: TrainingSettings,
-    bundle: Bundle,
-    origin: Mapping[str, Any] | None,
+    path: Path, previous: RunFile | None, settings: TrainingSettings, bundle: Bundle, origin: Mapping[str, Any] | None
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
-    sessions = [dict(session) for session in previous.sessions] if previous else []
-    if not sessions or sessions[-1] != _versions():
-        sessions = [*sessions, _versions()]
+    sessions, software = [dict(session) for session in previous.sessions] if previous else [], versions(LIBRARIES)
+    if software not in sessions[-1:]:
+        sessions.append(software)
     if previous:  # A finished run may be called again with fewer steps.
         settings = replace(settings, steps=max(settings.steps, previous.settings.steps))
     run = {
         "run": 1,
         "command": shlex.join(["mimoc", "train", BUNDLE, "-o", "NEW", *settings.options()]),
         "settings": settings.data(),
-        "bundle": _digest(bundle),
+        "bundle": digest(bundle),
         "sessions": sessions,
         **({"origin": dict(origin)} if origin else {}),
     }
@@ -270,12 +194,3 @@ def _write_description(
     if not (check_unlinked(path / BUNDLE, below=path) / LOCK).exists():
         remove(path / BUNDLE)
         write_bundle(bundle, path / BUNDLE)
-
-
-def _digest(bundle: Bundle) -> str:
-    return f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"
-
-
-def _versions() -> dict[str, str]:
-    libraries = {name: version(name) for name in LIBRARIES}
-    return {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine(), **libraries}

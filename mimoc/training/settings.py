@@ -72,7 +72,14 @@ def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
     known = HYPERPARAMETERS[algo]
     for name in chosen.keys() - known.keys():
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
-    return {name: _checked(name, chosen.get(name, one.default), one) for name, one in sorted(known.items())}
+    values: dict[str, Number] = {}
+    for name, item in sorted(known.items()):
+        value, whole = chosen.get(name, item.default), isinstance(item.default, int)
+        if not item.low <= value <= item.high or (whole and value != int(value)):
+            kind = "an integer" if whole else "a number"
+            raise TrainingError(f"{name}: expected {kind} from {item.low:g} to {item.high:g}, got {value:g}")
+        values[name] = int(value) if whole else float(value)
+    return values
 
 
 def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
@@ -91,14 +98,6 @@ def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
             raise TrainingError(f"'{text}' is not an assignment; write NAME=NUMBER, such as gamma=0.99") from None
     completed = complete(algo, chosen)
     return {name: completed[name] for name in chosen}
-
-
-def _checked(name: str, value: Number, known: Hyperparameter) -> Number:
-    whole = isinstance(known.default, int)
-    if not known.low <= value <= known.high or (whole and value != int(value)):
-        kind = "an integer" if whole else "a number"
-        raise TrainingError(f"{name}: expected {kind} from {known.low:g} to {known.high:g}, got {value:g}")
-    return int(value) if whole else float(value)
 
 
 CHECKPOINT_EVERY = 20_480
@@ -217,11 +216,7 @@ NOTHING = "nothing"
 
 
 def check_learnable(infant: InfantEnv) -> None:
-    """Check that an infant can be trained.
-
-    Raises:
-        TrainingError: If it observes nothing, its images are too small, or its action is empty.
-    """
+    """Check that an infant observes something to learn from, in images that are large enough, and can act."""
     manifest, space = infant.manifest, cast("Dict", infant.observation_space)
     if not any(actuator.commanded for actuator in manifest.actuation.actuators):
         raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
@@ -240,10 +235,6 @@ def episode_limit(infant: InfantEnv, chosen: int | None) -> int:
     """Return after how many control steps the episodes of a training end: as was chosen, or as the task says.
 
     If neither says it, it is STEPS_PER_EPISODE, with a warning.
-
-    Args:
-        infant: An infant with its task.
-        chosen: The number that the caller has chosen, if any.
 
     Raises:
         TrainingError: If the task ends episodes before that.

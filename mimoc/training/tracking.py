@@ -28,16 +28,7 @@ ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
 
 @contextmanager
 def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[None]:
-    """Let an agent tell its trackers what Stable-Baselines3 logs: returns, losses, speed.
-
-    Args:
-        agent: The agent, at the step that it goes on from.
-        folder: Folder of the training run.
-        settings: What the run is told apart by, for trackers that keep it.
-
-    Raises:
-        MimocError: If one of them cannot begin.
-    """
+    """Let an agent tell its trackers what Stable-Baselines3 logs, or raise a MimocError if one of them cannot begin."""
     with ExitStack() as opened:
         writers = list[KVWriter]()
         for writer in _writers(agent, folder, settings):
@@ -60,13 +51,7 @@ class _Writer(KVWriter):
     """A tracker that gets numbers by step; if one that may be far away fails, it gets no more, and training goes on."""
 
     def __init__(self, write: Callable[[dict[str, float], int], None], end: Callable[[], None], remote: str = ""):
-        """Begin.
-
-        Args:
-            write: Keeps the numbers of a step.
-            end: Ends the run.
-            remote: Name of a tracker that may be far away.
-        """
+        """Begin with functions that keep the numbers of a step and end the run; *remote* names one that is far away."""
         self._write, self._end, self._remote, self._works = write, end, remote, True
 
     def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
@@ -106,11 +91,7 @@ def _tensorboard(folder: Path, steps: int) -> _Writer:
 
 
 def _remote(name: str, begin: Callable[[], tuple[Callable[..., Any], Callable[..., Any]]]) -> _Writer:
-    """Return a tracker that may be far away.
-
-    Raises:
-        MimocError: If it cannot begin.
-    """
+    """Return a tracker that may be far away, or raise a MimocError if it cannot begin."""
     try:
         write, end = begin()
     except Exception as error:  # Each tracker fails with errors of its own.
@@ -180,15 +161,7 @@ class Recorder(BaseCallback):
         on_row: Callable[[CurvePoint], None],
         watch: RewardWatch,
     ):
-        """Continue the curve of earlier intervals.
-
-        Args:
-            before: Progress at the start of the interval.
-            step_s: Duration of a control step.
-            report: Called at every step with the number of steps taken so far.
-            on_row: Called with each new row of the curve.
-            watch: Looks at the rewards.
-        """
+        """Continue the curve of earlier intervals; *report* gets the steps taken so far, *on_row* each new row."""
         super().__init__()
         self._before, self._step_s, self._report = before, step_s, report
         self._on_row, self._watch = on_row, watch
@@ -220,14 +193,12 @@ class Recorder(BaseCallback):
         return self.training_env
 
     def _end_row(self) -> None:
-        row = summarize(self._ended, self.num_timesteps, self._step_s, self._wall_s(), self._unfinished())
+        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
+        unfinished = [UnfinishedEpisode(float(reward), int(steps)) for reward, steps in so_far if steps]
+        row = summarize(self._ended, self.num_timesteps, self._step_s, self._wall_s(), unfinished)
         self._rows.append(row)
         self._ended, self._row_start = [], self.num_timesteps
         self._on_row(row)
-
-    def _unfinished(self) -> list[UnfinishedEpisode]:
-        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
-        return [UnfinishedEpisode(float(reward), int(steps)) for reward, steps in so_far if steps]
 
     def _wall_s(self) -> float:
         return round(self._before.wall_s + perf_counter() - self._start_s, 3)

@@ -1,7 +1,7 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import partial
@@ -146,9 +146,11 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
-        _check_recordable(record, bundle, settings, processes)
+        if record is not None:
+            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
         open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
-        session = _Session(settings, infant, open_envs, record, progress or _ignore, on_row or _ignore)
+        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
+        session = _Session(settings, infant, open_envs, record, report, report_row)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
 
@@ -169,8 +171,12 @@ class _Session:
     watch: RewardWatch = field(default_factory=RewardWatch)
 
 
-def _ignore(*_: Any) -> None:
-    pass
+def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, before anything is written."""
+    if processes is not None:
+        advice = "leave out --processes and --one-process, or the recording"
+        raise TrainingError(f"a training is recorded with all environments together; {advice}")
+    check_recordable(folder, bundles)
 
 
 def _open_one(
@@ -187,26 +193,29 @@ def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
     return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
 
 
-def _read_progress(folder: RunFolder) -> Progress:
-    """Return the progress of the training run in a folder."""
-    checkpoint = folder.read_checkpoint()
-    with _naming_checkpoint_of(folder):
-        return Progress() if checkpoint is None else read_progress(checkpoint)
-
-
 def _trained(folder: RunFolder, session: _Session) -> Training:
     """Train until the run in a folder has all its steps."""
-    before = reached = _read_progress(folder)
+    checkpoint = folder.read_checkpoint()
+    with _naming_checkpoint_of(folder):
+        before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
     if before.steps < session.settings.steps:
-        together = _opened(session)
-        with _one_thread(), together as (agent, env), _recorded(session, env) as mark:
-            reached = _train_to_end(folder, session, agent, env, mark)
+        with ExitStack() as opened:
+            opened.callback(torch.set_num_threads, torch.get_num_threads())
+            torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
+            env = session.open_envs()
+            opened.callback(_close, env)
+            agent = make_agent(env, session.settings)
+            recording = None
+            if session.record is not None:
+                together: Any = env.unwrapped
+                recording = opened.enter_context(Recording(together.infants.infants, session.record))
+            reached = _train_to_end(folder, session, agent, env, recording)
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
 def _train_to_end(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, mark: Callable[[int], None]
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, recording: Recording | None
 ) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
@@ -217,7 +226,8 @@ def _train_to_end(
     with tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
-            mark(reached.steps)
+            if recording is not None:  # What a killed process has recorded of this interval comes again.
+                recording.mark(settings.digest(), reached.steps)
             reached = _train_interval(folder, session, agent, env, reached)
             policy = pack_policy(agent, env, settings, session.infant)
             folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
@@ -258,59 +268,9 @@ def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
 
 
-def _check_recordable(
-    record: str | Path | None, bundle: Bundle, settings: TrainingSettings, processes: bool | None
-) -> None:
-    """Check that a training can be recorded in a folder, if there is one, before anything is written.
-
-    Raises:
-        TrainingError: If the environments are not all in one process.
-        RecordingError: If the folder holds anything but a recording of these infants.
-    """
-    if record is not None and processes is not None:
-        raise TrainingError(
-            "a training is recorded with all environments together; leave out --processes and --one-process, or the"
-            " recording"
-        )
-    if record is not None:
-        check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
-
-
-@contextmanager
-def _recorded(session: _Session, env: VecNormalize) -> Iterator[Callable[[int], None]]:
-    """Record the infants of a training, if there is a folder for it.
-
-    Yield the function to call at the start of each interval with the control steps before it: what was recorded of the
-    interval before its process was killed is replaced, since all of it comes again.
-    """
-    if session.record is None:
-        yield lambda steps: None
-        return
-    together: Any = env.unwrapped
-    with Recording(together.infants.infants, session.record) as recording:
-        yield partial(recording.mark, session.settings.digest())
-
-
-@contextmanager
-def _opened(session: _Session) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
-    """Open the parallel environments and make the agent."""
-    env = session.open_envs()
-    try:
-        yield make_agent(env, session.settings), env
-    finally:
-        with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
-            env.close()
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Limit torch to one thread: faster for networks this small, and the same result on machines of any size."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
+def _close(env: VecNormalize) -> None:
+    with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
+        env.close()
 
 
 @contextmanager

@@ -9,13 +9,12 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
-from gymnasium.wrappers import TimeLimit
+from gymnasium.wrappers import TimeLimit, TransformReward
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
     SubprocVecEnv,
     VecEnv,
-    VecEnvWrapper,
     VecMonitor,
     VecNormalize,
     VecTransposeImage,
@@ -48,7 +47,6 @@ class InfantVecEnv(DummyVecEnv):
         assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
         self.infants, self.envs = infants, list[gymnasium.Env](infants.infants)
         VecEnv.__init__(self, infants.num_envs, infants.single_observation_space, infants.single_action_space)
-        self._actions: npt.NDArray[Any] = np.zeros(infants.action_space.shape or (), np.float32)
 
     def reset(self) -> VecEnvObs:
         """Reset all infants with the seeds and options that were set, and return what they observe."""
@@ -59,27 +57,19 @@ class InfantVecEnv(DummyVecEnv):
         self._reset_options()
         return observation
 
-    def step_async(self, actions: npt.NDArray[Any]) -> None:
-        """Take the actions of the next step."""
-        self._actions = actions
-
     def step_wait(self) -> VecEnvStepReturn:
         """Make the step; rewards are in single precision."""
-        observation, rewards, terminated, truncated, infos = self.infants.step_each(self._actions)
+        observation, rewards, terminated, truncated, infos = self.infants.step_each(self.actions)
         done = terminated | truncated
         last_infos = []
         for infant in range(self.num_envs):
             info = infos[infant]
             if done[infant]:
-                final, info, self.reset_infos[infant] = _taken_apart(info)
-                info["terminal_observation"] = final
+                final, last = info.pop("final_obs"), info.pop("final_info")
+                self.reset_infos[infant], info = info, {**last, "terminal_observation": final}
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
             last_infos.append(info)
         return observation, rewards.astype(np.float32), done, last_infos
-
-    def seek(self, steps_done: int) -> None:
-        """Let growing infants go on as after a number of control steps of each; a reset must follow."""
-        self.infants.seek(steps_done)
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""
@@ -95,24 +85,12 @@ def monitored(infants: BatchEnv) -> VecMonitor:
     return VecMonitor(InfantVecEnv(infants))
 
 
-def _taken_apart(info: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """Return what was observed last, the info of the last step and that of the reset after it."""
-    final, last = info["final_obs"], dict(info["final_info"])
-    return final, last, {name: value for name, value in info.items() if name not in ("final_obs", "final_info")}
-
-
 GROWN = "grown"
 """The schedule if none is given."""
 
 
 def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, steps: int) -> dict[str, Any]:
-    """Return the settings of growth: none without a range of ages.
-
-    Args:
-        grow: The youngest and the oldest age in months, such as `6:12`; None if the infant does not grow.
-        schedule: In which order it has these ages.
-        grow_steps: Control steps that growth takes, summed over all environments; None is the whole training.
-        steps: Control steps of the training.
+    """Return the settings of growth, see `train`: none without a range of ages.
 
     Raises:
         MimocError: If this is no range of ages, no schedule, or no number of steps.
@@ -138,15 +116,7 @@ class Growth:
 
 
 def growth_of(bundle: Bundle, settings: TrainingSettings) -> Growth | None:
-    """Return how the infants of a training grow, if the settings say so.
-
-    Args:
-        bundle: The infant.
-        settings: Settings of the training run.
-
-    Raises:
-        MimocError: If the infant cannot be built at the first or the last age, or has other parts there.
-    """
+    """Return how the infants of a training grow, if they do, or raise a MimocError if an age cannot be built."""
     if not settings.growth:
         return None
     growth, variants = settings.growth, BundleVariants(bundle)
@@ -162,22 +132,9 @@ def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None
     if not settings.growth:
         return
     if isinstance(env.unwrapped, InfantVecEnv):
-        env.unwrapped.seek(steps_done // settings.envs)
+        env.unwrapped.infants.seek(steps_done // settings.envs)
     else:
         env.env_method("seek", steps_done // settings.envs)
-
-
-class SinglePrecisionRewards(VecEnvWrapper):
-    """Rewards in single precision, as Stable-Baselines3 has them in one process but not in several."""
-
-    def reset(self) -> VecEnvObs:
-        """Reset all environments and return their observations."""
-        return self.venv.reset()
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the result of a step."""
-        observations, rewards, dones, infos = self.venv.step_wait()
-        return observations, rewards.astype(np.float32), dones, infos
 
 
 def make_vector_env(
@@ -187,37 +144,26 @@ def make_vector_env(
     threads: int | None,
     processes: bool | None,
 ) -> VecNormalize:
-    """Return the parallel environments of a training run.
-
-    Args:
-        open_env: Opens one environment.
-        settings: Settings of the training run.
-        growth: How the infants grow, if they do.
-        threads: Threads that share the work; None is as many as there may be. The result of the training is the same.
-        processes: Whether to run each environment in a process of its own, or one after another; None is all together.
-            The result is the same.
-    """
+    """Return the parallel environments of a training run; see `train` for *threads* and *processes*."""
     openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
     limit = settings.steps_per_episode
-    together = processes is None
-    envs = _together(openers, growth, threads, limit) if together else _apart(openers, growth, processes, limit)
+    if processes is None:
+        schedule = growth and growth.schedule
+        envs: VecEnv = InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
+    else:
+        alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
+        envs = SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
     envs = VecMonitor(envs)
+    spaces: Any = envs.observation_space
+    if any(map(is_image_space, spaces.values())):  # SAC stores what comes before the normalisation.
+        envs = VecTransposeImage(envs)
     return VecNormalize(
-        _channels_first(envs),
+        envs,
         gamma=settings.hyper["gamma"],
         clip_obs=settings.hyper["observation_clip"],
         epsilon=settings.hyper["observation_floor"] ** 2,
-        norm_obs_keys=normalized_names(envs.observation_space),
+        norm_obs_keys=normalized_names(spaces),
     )
-
-
-def _channels_first(envs: VecEnv) -> VecEnv:
-    """Return environments whose images begin with the channels, as networks take them.
-
-    Stable-Baselines3 would wrap the normalised environments; SAC stores what comes before the normalisation.
-    """
-    space: Any = envs.observation_space
-    return VecTransposeImage(envs) if any(map(is_image_space, space.spaces.values())) else envs
 
 
 def normalized_names(space: Any) -> list[str]:
@@ -250,21 +196,8 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _together(
-    openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
-) -> VecEnv:
-    schedule = growth and growth.schedule
-    return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
-
-
-def _apart(
-    openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, processes: bool, limit: int | None
-) -> VecEnv:
-    alone: list[Callable[[], Any]] = [partial(_open_alone, open_env, growth, limit) for open_env in openers]
-    return SinglePrecisionRewards(SubprocVecEnv(alone) if processes else DummyVecEnv(alone))
-
-
 def _open_alone(open_env: Callable[[], InfantEnv], growth: Growth | None, limit: int | None) -> gymnasium.Env:
-    infant = open_env()
-    limited = infant if limit is None else TimeLimit(infant, limit)
-    return GrowthWrapper(limited, growth.schedule) if growth else limited
+    """Open one environment, with rewards in single precision, as Stable-Baselines3 has them in one process."""
+    env: gymnasium.Env = open_env()
+    env = env if limit is None else TimeLimit(env, limit)
+    return TransformReward(GrowthWrapper(env, growth.schedule) if growth else env, np.float32)

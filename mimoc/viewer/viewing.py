@@ -135,7 +135,7 @@ def view(
 
 def is_recording(path: str | Path) -> bool:
     """Return whether this is the folder of a recording."""
-    from mimoc.recording.folder import RECORDING
+    from mimoc.recording.description import RECORDING
 
     return (Path(path).expanduser() / RECORDING).is_file()
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import av
@@ -12,7 +13,10 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
-from mimoc.base.errors import MissingExtraError, OutputError, RecordingError, UnknownNameError
+from mimoc import plugins
+from mimoc.base.errors import KindError, MissingExtraError, OutputError, RecordingError, UnknownNameError
+from mimoc.base.kinds import ExporterKind
+from mimoc.exporters import EXPORTERS
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.replaying import replay
 
@@ -163,3 +167,92 @@ def test_an_infant_without_actions_is_recorded_and_exported_as_text_only(tmp_pat
     for name in ("minari", "lerobot"):
         with pytest.raises(RecordingError, match="this format holds actions, and this infant has none"):
             mimoc.export_recording(recording, name, tmp_path / name)
+
+
+def write_returns(recording: ReadRecording, folder: Path, progress) -> list[str]:
+    """Write a line with the return of each episode."""
+    for done, episode in enumerate(recording):
+        progress(done, len(recording))
+        (folder / f"{done}.txt").write_text(str(episode.rewards.sum()))
+    return ["all but the return is left out"]
+
+
+def test_a_format_from_outside_is_exported_to_from_python_and_by_the_command(recording, registered, invoke, tmp_path):
+    """A generator's lines count, and to return nothing is to lose nothing."""
+
+    def lazy(recording, folder, progress):
+        (folder / "steps.txt").write_text(str([episode.steps for episode in recording]))
+        yield "steps only"
+
+    with registered(ExporterKind("returns", "returns", write_returns)):
+        assert mimoc.export_recording(recording, "returns", tmp_path / "a") == ("all but the return is left out",)
+        code, out, err = invoke("export", recording.path, "--to", "returns", "-o", tmp_path / "b")
+    with registered(ExporterKind("lazy", "steps", lazy)):
+        assert mimoc.export_recording(recording, "lazy", tmp_path / "c") == ("steps only",)
+    with registered(ExporterKind("silent", "nothing", lambda recording, folder, progress: None)):
+        assert mimoc.export_recording(recording, "silent", tmp_path / "d") == ()
+    assert (code, out, err) == (0, f"{tmp_path / 'b'}\n", "note: all but the return is left out\n")
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        assert float((folder / "1.txt").read_text()) == pytest.approx(recording[1].rewards.sum())
+    assert (tmp_path / "c" / "steps.txt").read_text() == str([STEPS, STEPS - 2])
+
+
+def test_a_format_of_one_kind_of_episodes_refuses_others(registered, tmp_path):
+    spec = {"mimoc": 1, "name": "cast", "age_months": 3}
+    locked = {"actuation": {"locked": ["trunk", "arms", "eyes", "legs", "neck", "hands"]}}
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec | locked)), tmp_path / "still") as env:
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+    uniform = registered(ExporterKind("returns", "returns", write_returns, is_uniform=True))
+    with uniform, pytest.raises(RecordingError, match="this format holds actions, and this infant has none"):
+        mimoc.export_recording(tmp_path / "still", "returns", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("run", "error", "reason"),
+    [
+        (lambda recording, folder, progress: 5, KindError, r"the exporter 'bad' returned \[5\]; let it return lines"),
+        (lambda recording, folder, progress: [recording], KindError, "the exporter 'bad' returned"),
+        (lambda recording, folder, progress: (folder / "no" / "such").touch(), OutputError, "out: cannot be written"),
+        (lambda recording: [], TypeError, "takes 1 positional argument"),
+        ("wave", KindError, "the plug-in module 'wave' has no usable function 'export'"),
+    ],
+)
+def test_a_format_from_outside_that_fails_leaves_nothing(recording, registered, tmp_path, run, error, reason):
+    with registered(ExporterKind("bad", "fails", run)), pytest.raises(error, match=reason):
+        mimoc.export_recording(recording, "bad", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("record", "reason"),
+    [
+        (ExporterKind("csv", "mine", write_returns), "there is a format of recordings 'csv' already, from mimoc"),
+        (ExporterKind("recording", "mine", write_returns), "there is a format of recordings 'recording' already"),
+        (ExporterKind("my format", "mine", write_returns), "'my format' cannot name a format of recordings"),
+        (ExporterKind("mine", "mine", 5), "ExporterKind.run is 5"),
+        (ExporterKind("mine", "mine", "no_such_module"), "names the module 'no_such_module', which does not exist"),
+        (ExporterKind("mine", "mine", write_returns, "no"), "ExporterKind.is_uniform is 'no'"),
+    ],
+)
+def test_a_format_that_cannot_be_registered_is_refused_in_one_line(record, reason):
+    with pytest.raises(KindError, match=reason):
+        mimoc.register(record)
+    assert "mine" not in EXPORTERS
+
+
+def test_a_format_of_an_installed_package_is_exported_to(recording, tmp_path, monkeypatch):
+    (tmp_path / "mimoc_lengths.py").write_text(
+        "from mimoc.plugin import ExporterKind\n"
+        "def export(recording, folder, progress):\n"
+        "    (folder / 'lengths.txt').write_text(str([episode.steps for episode in recording]))\n"
+        "KIND = ExporterKind('lengths', 'lengths of episodes', 'mimoc_lengths')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    plugins._load(EntryPoint("lengths", "mimoc_lengths:KIND", "mimoc.exporters"))
+    try:
+        assert mimoc.export_recording(recording, "lengths", tmp_path / "out") == ()
+    finally:
+        EXPORTERS.remove("lengths")
+    assert (tmp_path / "out" / "lengths.txt").read_text() == str([STEPS, STEPS - 2])

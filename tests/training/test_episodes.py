@@ -10,7 +10,7 @@ from gymnasium.spaces import Box
 import mimoc
 from mimoc.base.errors import TrainingError
 from mimoc.runtime.rollout import Run
-from mimoc.training.settings import STEPS_PER_EPISODE
+from mimoc.training.settings import STEPS_PER_EPISODE, TrainingSettings
 
 FREE = {"kind": "free"}
 EVERY = 128
@@ -125,9 +125,9 @@ def test_a_policy_keeps_the_limit_of_its_training(learn, built):
 
 
 def test_without_a_number_checkpoints_leave_room_for_an_episode_of_each_environment():
-    chosen = mimoc.training.trainer.TrainingSettings.choose("ppo", 10**6, 0, 64, None, {}, steps_per_episode=1000)
+    chosen = TrainingSettings.choose("ppo", 10**6, 0, 64, None, {}, steps_per_episode=1000)
     assert chosen.checkpoint_every == 64_000
-    assert mimoc.training.trainer.TrainingSettings.choose("ppo", 10**6, 0, 8, None, {}).checkpoint_every == 20_480
+    assert TrainingSettings.choose("ppo", 10**6, 0, 8, None, {}).checkpoint_every == 20_480
 
 
 # Episodes that have not ended.

@@ -45,14 +45,9 @@ def note_unmatched(settings: Settings) -> None:
         message = f"mimoc has no reward for '{shown(word)}'; write yours as a task (docs/own_reward.md)"
         settings.note(behavior, f"no counterpart; {message}")
     for key in settings.unread_keys():
-        settings.note(key, f"no counterpart; {_advice(key)}")
-
-
-def _advice(key: str) -> str:
-    if key in ADVICE:
-        return ADVICE[key]
-    similar = suggestion(key[:80], KNOWN)
-    return f"unknown key; {similar}" if similar.startswith("did you mean") else "unknown key"
+        similar = suggestion(key[:80], KNOWN)
+        advice = f"unknown key; {similar}" if similar.startswith("did you mean") else "unknown key"
+        settings.note(key, f"no counterpart; {ADVICE.get(key, advice)}")
 
 
 CONFIGURATION = FileKind("configuration", "behavior, scene and actuation_model", "scene: base")

@@ -45,13 +45,26 @@ class Switch:
     region: Region
 
 
-def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> list[Switch]:
-    """Return the switches of regions with a prefix, and add notes on unknown regions.
+def read_groups(
+    settings: Settings,
+    prefix: str,
+    states: tuple[str, str],
+    *,
+    default: bool = True,
+    merge: Callable[[Iterable[bool]], bool] = any,
+    beside: Iterable[str] = (),
+    always: frozenset[str] = frozenset(),
+) -> tuple[list[Switch], frozenset[str]]:
+    """Return the switches of regions and the single groups that these enable; add notes on what has no counterpart.
 
     Args:
         settings: The configuration.
         prefix: Prefix of the keys, such as `act_`.
+        states: Description of a disabled and of an enabled group.
+        default: Value of a group without a switch.
+        merge: How to combine the switches of a group's parts: `any` or `all`.
         beside: Keys with the same prefix that are not switches.
+        always: Groups that are enabled whatever the switches are.
     """
     switched = []
     for key in settings.keys(prefix):
@@ -62,21 +75,14 @@ def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> lis
             settings.note(key, f"no counterpart; mimoc has no region '{shown(name)}', {suggestion(name, REGIONS)}")
         elif (on := settings.flag(key)) is not None:
             switched.append(Switch(key, on, REGIONS[name]))
-    return switched
-
-
-def enabled_groups(
-    switched: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]
-) -> frozenset[str]:
-    """Return the single groups that are enabled by switches.
-
-    Args:
-        switched: The switches.
-        default: Value of a group without a switch.
-        merge: How to combine the switches of a group's parts: `any` or `all`.
-    """
-    switched = tuple(switched)
-    return frozenset(group for group in SINGLE_GROUPS if merge(_values(group, switched, default)))
+    enabled = always | {group for group in SINGLE_GROUPS if merge(_values(group, switched, default))}
+    for switch in switched:
+        against = [group for group in switch.region.groups if (group in enabled) != switch.on]
+        if against and switch.region.rank == 0:
+            group, word = " and ".join(named(against)), "true" if switch.on else "false"
+            message = f"has no counterpart; in mimoc this is part of '{group}', {states[not switch.on]}"
+            settings.note(switch.key, f"{word} {message}")
+    return switched, enabled
 
 
 def named(groups: Iterable[str]) -> list[str]:
@@ -88,26 +94,6 @@ def named(groups: Iterable[str]) -> list[str]:
             left -= set(sides)
             names.add(pair)
     return [name for name in STRENGTH_GROUPS if name in names | left]
-
-
-def note_coarser_groups(
-    settings: Settings, switched: Iterable[Switch], on: frozenset[str], whats: dict[bool, str]
-) -> None:
-    """Add a note for each region whose switch differs from the value of the group that contains it.
-
-    Args:
-        settings: The configuration.
-        switched: The switches.
-        on: The enabled groups.
-        whats: Description of an enabled and of a disabled group.
-    """
-    for switch in switched:
-        against = [group for group in switch.region.groups if (group in on) != switch.on]
-        if against and switch.region.rank == 0:
-            group = " and ".join(named(against))
-            said = "true" if switch.on else "false"
-            message = f"{said} has no counterpart; in mimoc this is part of '{group}', {whats[not switch.on]}"
-            settings.note(switch.key, message)
 
 
 def _values(group: str, switched: Iterable[Switch], default: bool) -> list[bool]:
@@ -131,8 +117,8 @@ def _regions() -> dict[str, Region]:
             for name in names:
                 regions[name] = Region(PAIRED_GROUPS.get(group, (group,)), rank)
                 if group in PAIRED_GROUPS:
-                    sided = {form: (f"{side}_{group.removesuffix('s')}",) for form, side in _sides_of(name).items()}
-                    regions |= {form: Region(groups, 2 * rank) for form, groups in sided.items()}
+                    for form, side in _sides_of(name).items():
+                        regions[form] = Region((f"{side}_{group.removesuffix('s')}",), 2 * rank)
     return regions
 
 

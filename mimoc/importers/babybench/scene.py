@@ -3,13 +3,7 @@
 from typing import Any
 
 from mimoc.base.errors import suggestion
-from mimoc.importers.babybench.regions import (
-    SINGLE_GROUPS,
-    enabled_groups,
-    named,
-    note_coarser_groups,
-    switches,
-)
+from mimoc.importers.babybench.regions import SINGLE_GROUPS, named, read_groups
 from mimoc.importers.settings import Settings, plain
 from mimoc.schema.names import single_groups
 
@@ -39,14 +33,7 @@ SCENE_NOTES = {
     "degrees, with trunk, hips and knees locked and a head that can only turn",
 }
 """Differences from BabyBench's scene."""
-POSES = {
-    "prone": "prone",
-    "sit": "sitting",
-    "sitting": "sitting",
-    "stand": "standing",
-    "standing": "standing",
-    "supine": "supine",
-}
+POSES = {"sit": "sitting", "stand": "standing", **{pose: pose for pose in ("prone", "sitting", "standing", "supine")}}
 HANDS = {
     **dict.fromkeys(("1", "v1", "mimo_v1", "mitten"), "mitten"),
     **dict.fromkeys(("2", "v2", "mimo_v2", "five_finger"), "five_finger"),
@@ -82,13 +69,6 @@ def read_scene(settings: Settings) -> dict[str, Any]:
     return {**scene, **{name: value for name, value in extra.items() if value is not None}}
 
 
-def scene_locks(settings: Settings) -> frozenset[str]:
-    """Return the muscle groups that a scene always locks."""
-    key = settings.find("scene")
-    groups = SCENE_LOCKS.get(plain(settings.value(key)), ()) if key else ()
-    return frozenset(single_groups(groups))
-
-
 def read_control(settings: Settings) -> dict[str, Any]:
     """Return the section `control` of a spec."""
     skipped = settings.whole("frame_skip", low=1, high=LONGEST_STEP_MS // PHYSICS_STEP_MS)
@@ -101,17 +81,9 @@ def read_task(settings: Settings) -> dict[str, Any]:
     return {} if steps is None else {"kind": "free", "steps": steps}
 
 
-MODELS = {
-    "spring_damper": "torque",
-    "torque": "torque",
-    "muscle": "muscle",
-    "muscles": "muscle",
-    "position": "position",
-    "positional": "position",
-}
+MODELS = {model: model for model in ("torque", "muscle", "position")}
+MODELS |= {"spring_damper": "torque", "muscles": "muscle", "positional": "position"}
 """The actuation model of mimoc by its name in BabyBench, MIMo or mimoc."""
-
-
 ORDER = "the action is ordered by limb in mimoc and by region in BabyBench"
 COMMANDS = {
     "torque": "",
@@ -127,17 +99,16 @@ def read_actuation(settings: Settings) -> dict[str, Any]:
     model = settings.choice(key, meanings=MODELS) if key else None
     if key and model:
         settings.note(key, f"{ORDER}{COMMANDS[model]}")
-    locking, acting = switches(settings, "lock_"), switches(settings, "act_")
-    by_scene = scene_locks(settings)
-    locked = enabled_groups(locking, default=False, merge=all) | by_scene
-    acts = enabled_groups(acting, default=True, merge=any)
-    note_coarser_groups(settings, locking, locked, {True: "which is locked", False: "which is not locked"})
-    note_coarser_groups(settings, acting, acts, {True: "which is actuated", False: "which is not actuated"})
+    scene = settings.find("scene")
+    always = single_groups(SCENE_LOCKS.get(plain(settings.value(scene)), ()) if scene else ())
+    locks = "which is not locked", "which is locked"
+    _, locked = read_groups(settings, "lock_", locks, default=False, merge=all, always=frozenset(always))
+    acting, acts = read_groups(settings, "act_", ("which is not actuated", "which is actuated"))
     for switch in acting:
-        if switch.on and locked & set(switch.region.groups):
-            groups = " and ".join(named(locked & set(switch.region.groups)))
+        if switch.on and (groups := locked & set(switch.region.groups)):
+            names = " and ".join(named(groups))
             settings.note(
-                switch.key, f"true has no counterpart; '{groups}' is locked, and locked joints are not actuated"
+                switch.key, f"true has no counterpart; '{names}' is locked, and locked joints are not actuated"
             )
     section: dict[str, Any] = {"model": model} if model else {}
     if acts - locked != set(SINGLE_GROUPS) - locked:

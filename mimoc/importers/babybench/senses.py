@@ -2,13 +2,7 @@
 
 from typing import Any
 
-from mimoc.importers.babybench.regions import (
-    SINGLE_GROUPS,
-    enabled_groups,
-    named,
-    note_coarser_groups,
-    switches,
-)
+from mimoc.importers.babybench.regions import SINGLE_GROUPS, named, read_groups
 from mimoc.importers.settings import Settings, plain
 
 PROPRIOCEPTION = ("velocity", "torque", "limits", "actuation")
@@ -19,12 +13,7 @@ QUANTITIES = {
     "normal": "normal",
     "normal_force": "normal",
 }
-RESPONSES = {
-    "linear": "linear",
-    "nearest": "nearest",
-    "spread_linear": "linear",
-    "spread_exponential": "linear",
-}
+RESPONSES = {"linear": "linear", "nearest": "nearest", "spread_linear": "linear", "spread_exponential": "linear"}
 """MIMo's response functions."""
 NO_RESPONSE = {"spread_exponential": "no counterpart; converted to spread_linear"}
 DENSITIES = (0.1, 10.0)
@@ -35,13 +24,9 @@ FOVY_DEG = (1.0, 170.0)
 
 def read_senses(settings: Settings) -> dict[str, Any]:
     """Return the section `senses` of a spec."""
-    readers = {
-        "proprioception": _proprioception,
-        "vestibular": _vestibular,
-        "touch": _touch,
-        "vision": _vision,
-    }
-    senses = {name: read_sense(settings) for name, read_sense in readers.items()}
+    vestibular = {} if _switch(settings, "vestibular") else None
+    senses = {"proprioception": _proprioception(settings), "vestibular": vestibular}
+    senses |= {"touch": _touch(settings), "vision": _vision(settings)}
     return {name: sense for name, sense in senses.items() if sense is not None}
 
 
@@ -63,10 +48,6 @@ def _proprioception(settings: Settings) -> dict[str, Any] | None:
     return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
 
 
-def _vestibular(settings: Settings) -> dict[str, Any] | None:
-    return {} if _switch(settings, "vestibular") else None
-
-
 def _touch(settings: Settings) -> dict[str, Any] | None:
     on = _switch(settings, "touch")
     scale = settings.find("touch_scale")
@@ -75,7 +56,10 @@ def _touch(settings: Settings) -> dict[str, Any] | None:
         return None
     density = _density(settings)
     quantity = settings.choice("touch_function", "touch_quantity", meanings=QUANTITIES)
-    response = _response(settings)
+    key = settings.find("touch_response", "touch_response_function")
+    response = settings.choice(key, meanings=RESPONSES) if key else None
+    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
+        settings.note(key, NO_RESPONSE[word])
     regions = _skin(settings)
     said = {"density": density, "quantity": quantity, "response": response, "regions": regions}
     given = {key: value for key, value in said.items() if value is not None}
@@ -95,22 +79,12 @@ def _density(settings: Settings) -> float | None:
     return density
 
 
-def _response(settings: Settings) -> str | None:
-    key = settings.find("touch_response", "touch_response_function")
-    response = settings.choice(key, meanings=RESPONSES) if key else None
-    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
-        settings.note(key, NO_RESPONSE[word])
-    return response
-
-
 def _skin(settings: Settings) -> list[str] | None:
     """Return the groups with skin, None if all have skin."""
     beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
     beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
-    regions = switches(settings, "touch_", beside)
-    bare = enabled_groups(regions, default=True, merge=any)
-    note_coarser_groups(settings, regions, bare, {True: "which has skin", False: "which has none"})
-    return named(bare) if regions and bare != set(SINGLE_GROUPS) else None
+    regions, with_skin = read_groups(settings, "touch_", ("which has none", "which has skin"), beside=beside)
+    return named(with_skin) if regions and with_skin != set(SINGLE_GROUPS) else None
 
 
 def _vision(settings: Settings) -> dict[str, Any] | None:
@@ -118,13 +92,11 @@ def _vision(settings: Settings) -> dict[str, Any] | None:
     if on is False:
         settings.ignore("vision_")
         return None
-    size_px = settings.whole("vision_resolution", "vision_size", low=1, high=MAX_PX)
-    width_px = settings.whole("vision_width", low=1, high=MAX_PX)
-    height_px = settings.whole("vision_height", low=1, high=MAX_PX)
-    said = {
-        "width_px": width_px or size_px,
-        "height_px": height_px or size_px,
-        "fovy_deg": settings.number("vision_fovy", "vision_fov", low=FOVY_DEG[0], high=FOVY_DEG[1]),
-    }
+    size_px, width_px, height_px = (
+        settings.whole(*keys, low=1, high=MAX_PX)
+        for keys in (("vision_resolution", "vision_size"), ("vision_width",), ("vision_height",))
+    )
+    fovy_deg = settings.number("vision_fovy", "vision_fov", low=FOVY_DEG[0], high=FOVY_DEG[1])
+    said = {"width_px": width_px or size_px, "height_px": height_px or size_px, "fovy_deg": fovy_deg}
     given = {key: value for key, value in said.items() if value is not None}
     return {**given, "acuity": "off"} if on or given else None

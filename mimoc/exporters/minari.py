@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,14 +19,8 @@ HOME = "MINARI_DATASETS_PATH"
 """Environment variable that says where Minari's data sets are."""
 
 
-def export_minari(
-    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
-) -> list[str]:
-    """Write the data set `mimoc/<name>-v0`; with this folder as MINARI_DATASETS_PATH, Minari loads it by this name.
-
-    Returns:
-        What it cannot hold.
-    """
+def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
+    """Write the data set `mimoc/<name>-v0`; with this folder as MINARI_DATASETS_PATH, Minari loads it by this name."""
     try:
         import minari
         from minari.data_collector import EpisodeBuffer
@@ -35,14 +29,14 @@ def export_minari(
     bundle = recording.bundle()
     name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
-    readings = episodes[0].described.readings
+    readings = recording[0].described.readings
 
     def buffers() -> Iterator[EpisodeBuffer]:
-        for number, episode in enumerate(episodes):
-            progress(number, len(episodes))
+        for number, episode in enumerate(recording):
+            progress(number, len(recording))
             yield EpisodeBuffer(id=number, **_buffer(episode))
 
-    versions = episodes[-1].versions
+    versions = recording[-1].versions
     with _datasets_in(out), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
         minari.create_dataset_from_buffers(
@@ -54,7 +48,7 @@ def export_minari(
             jpeg_encoding=False,
             description=f"Recorded with mimoc {versions.get('mimoc', '')} and MuJoCo {versions.get('mujoco', '')}",
         )
-    cut = sum(not (episode.terminated[-1] or episode.truncated[-1]) for episode in episodes)
+    cut = sum(not (episode.terminated[-1] or episode.truncated[-1]) for episode in recording)
     return [
         f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",
         *([f"{counted(cut, 'episode')} cut short: marked as truncated"] if cut else []),
@@ -80,8 +74,6 @@ def _buffer(episode: Episode) -> dict[str, Any]:
 
 
 def _space(reading: Reading) -> spaces.Box:
-    if reading.dtype == "uint8":
-        return spaces.Box(0, 255, reading.shape, np.uint8)
     kind = np.dtype(reading.dtype)
     if kind.kind == "f":
         return spaces.Box(-np.inf, np.inf, reading.shape, kind.type)
@@ -92,12 +84,10 @@ def _space(reading: Reading) -> spaces.Box:
 @contextmanager
 def _datasets_in(folder: Path) -> Iterator[None]:
     """Let Minari write into a folder."""
-    before = os.environ.get(HOME)
+    before = {name: value for name, value in os.environ.items() if name == HOME}
     os.environ[HOME] = str(folder)
     try:
         yield
     finally:
-        if before is None:
-            del os.environ[HOME]
-        else:
-            os.environ[HOME] = before
+        del os.environ[HOME]
+        os.environ.update(before)

@@ -2,25 +2,15 @@
 
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.recording import tables
-from mimoc.recording.description import as_json
-from mimoc.recording.folder import (
-    EPISODES,
-    RECORDING,
-    TABLE,
-    bundle_folder,
-    description_in,
-    names_in,
-    opened,
-    part_stem,
-    with_extension,
-    write_json,
-)
+from mimoc.recording import folder, tables
+from mimoc.recording.description import RECORDING
+from mimoc.recording.folder import EPISODES, part_stem, with_extension
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.tables import STEP, check_rows, pa
 
@@ -29,17 +19,11 @@ MOST_PART_BYTES, MOST_COPIED_BYTES = 2**30, 2**33
 """Of a part, which was held in memory before it was written, and of any other file."""
 
 
-def convert(folder: Path, out: Path) -> None:
-    """Write a recording of any version into an empty folder as this version records; small videos are left out.
-
-    Raises:
-        RecordingError: If it is no recording, or damaged.
-        OutputError: If a file cannot be written.
-    """
-    description, names = description_in(folder), names_in(folder)
-    bundles = ReadRecording(folder, description, ())
-    for number, infant in enumerate(description.infants):
-        write_bundle(bundles.bundle(number), bundle_folder(out, infant.bundle))
+def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
+    """Write a recording of any version as this version records; small videos are left out."""
+    home, names = recording.path / EPISODES, folder.names_in(recording.path)
+    for number, infant in enumerate(recording.description.infants):
+        write_bundle(recording.bundle(number), folder.bundle_folder(out, infant.bundle))
     (out / EPISODES).mkdir()
     for name in names:
         match = FILE.fullmatch(name)
@@ -47,17 +31,18 @@ def convert(folder: Path, out: Path) -> None:
             continue
         stem = part_stem(out / EPISODES / match[1], int(match[2] or 0))
         if match[3] == ".arrow":
-            tables.write_table(with_extension(stem, TABLE), _rows(folder / EPISODES / name))
+            tables.write_table(with_extension(stem, folder.TABLE), _rows(home / name))
         else:
             target = with_extension(stem, match[3])
-            with opened(folder / EPISODES / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
+            with folder.opened(home / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
-    write_json(out / RECORDING, as_json(description))
+    folder.write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
+    return []
 
 
 def _rows(path: Path) -> Any:
     """Return the rows of an Arrow stream."""
-    with opened(path, MOST_PART_BYTES, *tables.DAMAGED) as file:
+    with folder.opened(path, MOST_PART_BYTES, *tables.DAMAGED) as file:
         content = pa.py_buffer(file.read())
         for message in pa.ipc.MessageReader.open_stream(pa.BufferReader(content)):
             is_rows = message.type == "record batch"

@@ -6,7 +6,6 @@ format (huggingface.co/docs/lerobot/lerobot-dataset-v3).
 
 import json
 from collections.abc import Callable, Sequence
-from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -22,48 +21,42 @@ VERSION = "v3.0"
 FILE = "chunk-000/file-000"
 CHUNK_FILES, DATA_MB, VIDEO_MB = 1000, 100, 200
 """Limits of the format's own writer, which say how it goes on from here."""
+MOMENTS = ("min", "max", "mean", "std")
 STATE, IMAGES = "observation.state", "observation.images."
 STEP_COLUMNS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64"}
 STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "bool", "next.success": "bool"}
 """Columns with one number a row, with their types."""
 
 
-def export_lerobot(
-    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
-) -> list[str]:
-    """Write a data set of LeRobot's: a row for each control step, with what was observed before it.
-
-    Returns:
-        What it cannot hold.
-    """
-    ends = list(accumulate(episode.steps for episode in episodes))
-    starts = [0, *ends[:-1]]
-    task = recording.bundle().manifest.task.kind
-    readings = episodes[0].described.readings
-    passes = 1 + len(_pictures(readings))
-    tables, stats = [], []
-    for number, (episode, start) in enumerate(zip(episodes, starts, strict=True)):
-        progress(number, passes * len(episodes))
+def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
+    """Write a data set of LeRobot's: a row for each control step, with what was observed before it."""
+    readings, task = recording[0].described.readings, recording.bundle().manifest.task.kind
+    eyes = [reading for reading in readings if reading.kind == "picture"]
+    total, start = (1 + len(eyes)) * len(recording), 0
+    tables, stats, spans = [], [], []
+    for number, episode in enumerate(recording):
+        progress(number, total)
         columns = _columns(episode, number, start)
         stats.append({name: _stats(array) for name, array in columns.items()})
-        tables.append(_table(columns))
+        tables.append(pa.table({name: _column(array) for name, array in columns.items()}))
+        spans.append(_span(number, start, episode, eyes, task))
+        start += episode.steps
     _write(out / "data" / f"{FILE}.parquet", pa.concat_tables(tables))
-    for done, reading in enumerate(_pictures(readings), start=1):
-        progress(done * len(episodes), passes * len(episodes))
-        stats = _with_pictures(out, episodes, reading, stats)
+    for done, reading in enumerate(eyes, start=1):
+        progress(done * len(recording), total)
+        _write_pictures(out, recording, reading, stats)
     _write(out / "meta" / "tasks.parquet", _tasks(task))
-    spans = [_span(number, *span, episodes, task) for number, span in enumerate(zip(starts, ends, strict=True))]
     rows = [
         span | {f"stats/{name}/{what}": value for name, numbers in features.items() for what, value in numbers.items()}
         for span, features in zip(spans, stats, strict=True)
     ]
     _write(out / "meta" / "episodes" / f"{FILE}.parquet", pa.Table.from_pylist(rows))
-    _write_json(out / "meta" / "info.json", _info(episodes, readings))
+    _write_json(out / "meta" / "info.json", _info(recording, eyes))
     _write_json(out / "meta" / "stats.json", _joined(stats))
     sparse = [reading.name for reading in readings if reading.kind == "sparse"]
     return [
         *(f"'{name}' is written in full, with all its zeros: the format has no sparse columns" for name in sparse),
-        *(["pictures are videos with losses: the recording has them without"] if _pictures(readings) else []),
+        *(["pictures are videos with losses: the recording has them without"] if eyes else []),
         "what was observed last, terms of the reward, states and seeds are left out: the format has no place for them",
     ]
 
@@ -96,53 +89,43 @@ def _feature(reading: Reading) -> str:
     return STATE if reading.name == "proprioception" else f"observation.{reading.name}"
 
 
-def _table(columns: dict[str, Array]) -> Any:
-    arrays = {
-        name: pa.array(array)
-        if array.ndim == 1
-        else pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), array.shape[1])
-        for name, array in columns.items()
-    }
-    return pa.table(arrays)
+def _column(array: Array) -> Any:
+    flat = pa.array(array.reshape(-1))
+    return flat if array.ndim == 1 else pa.FixedSizeListArray.from_arrays(flat, array.shape[1])
 
 
 def _tasks(task: str) -> Any:
     """Return the table of tasks, with pandas' mark of its index."""
     table = pa.table({"task_index": pa.array([0], pa.int64()), "task": [task]})
     index = {"index_columns": ["task"], "column_indexes": [], "columns": [], "pandas_version": "2.0.0"}
-    columns = (("task_index", "int64", "int64"), ("task", "unicode", "object"))
     index["columns"] = [
         {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
-        for name, kind, numpy in columns
+        for name, kind, numpy in (("task_index", "int64", "int64"), ("task", "unicode", "object"))
     ]
     return table.replace_schema_metadata({b"pandas": json.dumps(index).encode()})
 
 
-def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: str) -> dict[str, Any]:
+def _span(number: int, start: int, episode: Episode, eyes: Sequence[Reading], task: str) -> dict[str, Any]:
     """Return where an episode is in all files."""
-    place = {"episode_index": number, "tasks": [task], "length": end - start}
+    end, rate = start + episode.steps, episode.described.rate_hz
+    place = {"episode_index": number, "tasks": [task], "length": episode.steps}
     place |= {"data/chunk_index": 0, "data/file_index": 0, "dataset_from_index": start, "dataset_to_index": end}
     place |= {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
-    rate = episodes[0].described.rate_hz
-    for reading in _pictures(episodes[0].described.readings):
-        video = {"chunk_index": 0, "file_index": 0}
-        video |= {"from_timestamp": float(start / rate), "to_timestamp": float(end / rate)}
-        place |= {f"videos/{_feature(reading)}/{name}": value for name, value in video.items()}
-    return place
+    video = {"chunk_index": 0, "file_index": 0}
+    video |= {"from_timestamp": float(start / rate), "to_timestamp": float(end / rate)}
+    return place | {f"videos/{_feature(eye)}/{name}": value for eye in eyes for name, value in video.items()}
 
 
 def _stats(array: Array) -> dict[str, Any]:
     """Return extremes, mean and standard deviation of each number, and how many there are."""
     rows = array.reshape(len(array), -1).astype(np.float64)
-    numbers = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
-    return {**{name: values.tolist() for name, values in numbers.items()}, "count": [len(array)]}
+    return {what: getattr(rows, what)(axis=0).tolist() for what in MOMENTS} | {"count": [len(array)]}
 
 
 def _picture_stats(pictures: Array) -> dict[str, Any]:
     """Return the same for each colour of pictures, from 0 to 1, in the shape (3, 1, 1) of the format."""
     numbers = _stats(pictures.reshape(-1, 3) / 255)
-    nested = {name: [[[value]] for value in numbers[name]] for name in ("min", "max", "mean", "std")}
-    return {**nested, "count": [len(pictures)]}
+    return {what: [[[value]] for value in numbers[what]] for what in MOMENTS} | {"count": [len(pictures)]}
 
 
 def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
@@ -159,50 +142,45 @@ def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
     return features
 
 
-def _with_pictures(
-    out: Path, episodes: Sequence[Episode], reading: Reading, stats: Sequence[dict[str, Any]]
-) -> list[dict[str, Any]]:
-    """Write the pictures of all episodes as one video; return statistics that include them."""
-    path = out / "videos" / _feature(reading) / f"{FILE}.mp4"
+def _write_pictures(out: Path, recording: ReadRecording, eye: Reading, stats: Sequence[dict[str, Any]]) -> None:
+    """Write the pictures of all episodes as one video, and add their statistics to those of each episode."""
+    path = out / "videos" / _feature(eye) / f"{FILE}.mp4"
     path.parent.mkdir(parents=True)
-    video = Mp4(path, episodes[0].described.rate_hz, SMALL)
-    with_pictures = []
-    for episode, features in zip(episodes, stats, strict=True):
-        pictures = episode.observation(reading.name)[:-1]
+    video = Mp4(path, recording[0].described.rate_hz, SMALL)
+    for episode, features in zip(recording, stats, strict=True):
+        pictures = episode.observation(eye.name)[:-1]
         for picture in pictures:
             video.add(picture)
-        with_pictures.append({**features, _feature(reading): _picture_stats(pictures)})
+        features[_feature(eye)] = _picture_stats(pictures)
     video.save()
-    return with_pictures
 
 
-def _info(episodes: Sequence[Episode], readings: Sequence[Reading]) -> dict[str, Any]:
-    rate = episodes[0].described.rate_hz
+def _info(recording: ReadRecording, eyes: Sequence[Reading]) -> dict[str, Any]:
+    rate = recording[0].described.rate_hz
+    video_path = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
     return {
         "codebase_version": VERSION,
         "robot_type": "mimoc",
-        "total_episodes": len(episodes),
-        "total_frames": sum(episode.steps for episode in episodes),
+        "total_episodes": len(recording),
+        "total_frames": sum(episode.steps for episode in recording),
         "total_tasks": 1,
         "chunks_size": CHUNK_FILES,
         "data_files_size_in_mb": DATA_MB,
         "video_files_size_in_mb": VIDEO_MB,
         "fps": int(rate) if rate.denominator == 1 else float(rate),
-        "splits": {"train": f"0:{len(episodes)}"},
+        "splits": {"train": f"0:{len(recording)}"},
         "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
-        "video_path": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
-        if _pictures(readings)
-        else None,
-        "features": _features(episodes[0], readings),
+        "video_path": video_path if eyes else None,
+        "features": _features(recording[0]),
     }
 
 
-def _features(episode: Episode, readings: Sequence[Reading]) -> dict[str, Any]:
+def _features(episode: Episode) -> dict[str, Any]:
     """Return type, shape and names of each column and video."""
     actions = list(episode.layout("action"))
     features: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
     rate = float(episode.described.rate_hz)
-    for reading in readings:
+    for reading in episode.described.readings:
         if reading.kind == "picture":
             height, width, channels = reading.shape
             video = {"video.height": height, "video.width": width, "video.codec": "h264", "video.pix_fmt": "yuv420p"}
@@ -213,10 +191,6 @@ def _features(episode: Episode, readings: Sequence[Reading]) -> dict[str, Any]:
             names = list(reading.layout) or None
             features[_feature(reading)] = {"dtype": reading.dtype, "shape": [reading.size], "names": names}
     return features | {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in STEP_COLUMNS.items()}
-
-
-def _pictures(readings: Sequence[Reading]) -> list[Reading]:
-    return [reading for reading in readings if reading.kind == "picture"]
 
 
 def _write(path: Path, table: Any) -> None:
