@@ -18,8 +18,7 @@ from dataclasses import dataclass, replace
 from math import prod
 
 from mimoc.body import origins
-from mimoc.body.decay import Decay
-from mimoc.body.maturation import NECK, RelativeVolumes, heavier
+from mimoc.body.maturation import NECK, Decay, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
 from mimoc.body.reference import Reference
