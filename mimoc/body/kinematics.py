@@ -23,24 +23,24 @@ Frame = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True)
 class Posed:
-    """The geoms of a body in a pose, in the frame of its hip."""
+    """The n geoms of a body in a pose, or in each of several, in the frame of its hip."""
 
     geoms: tuple[Geom, ...]
     centres: FloatArray
-    """Shape (n, 3), [m]."""
+    """Shape (..., n, 3), [m]."""
     rotations: FloatArray
-    """Hip from geom, shape (n, 3, 3)."""
+    """Hip from geom, shape (..., n, 3, 3)."""
 
     @property
     def centre_of_mass(self) -> FloatArray:
-        """Centre of mass, shape (3,), [m]; exact, because every geom is symmetric."""
-        return centres_of_mass(self.geoms, self.centres)
+        """Centre of mass, shape (..., 3), [m]; exact, because every geom is symmetric."""
+        masses = np.array([geom.mass_kg for geom in self.geoms])
+        return masses @ self.centres / masses.sum()
 
     @property
     def solid(self) -> "Posed":
         """This pose without the geoms that have no contacts."""
-        kept = [index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity]
-        return self.only(kept)
+        return self.only([index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity])
 
     @property
     def extents(self) -> Extents:
@@ -49,7 +49,8 @@ class Posed:
 
     def only(self, kept: Sequence[int]) -> "Posed":
         """Return this pose with only some of the geoms, by index."""
-        return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.rotations[kept])
+        geoms = tuple(self.geoms[index] for index in kept)
+        return Posed(geoms, self.centres[..., kept, :], self.rotations[..., kept, :, :])
 
     def reaches(self, direction: FloatArray) -> FloatArray:
         """Return each geom's extent from the hip along a unit vector of the hip frame, shape (n,), [m]."""
@@ -63,35 +64,23 @@ class Posed:
 
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     """Return the body with some joint angles; joints that are not named are at zero."""
-    return Posed(*_placed(tree, frames(tree, angles_rad)))
+    return _posed(tree, frames(tree, angles_rad))
 
 
-def pose_all(
-    tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]
-) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
-    """Return what `pose` does, of p poses at once: the n geoms, their centres and rotations.
-
-    Returns:
-        The geoms; their centres, shape (p, n, 3), [m]; and the rotations hip from geom, shape (p, n, 3, 3).
-    """
-    return _placed(tree, _frames_of_all(tree, poses_rad))
+def pose_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Posed:
+    """Return what `pose` does, to the bit, of p poses at once; arrays have p as their first axis."""
+    return _posed(tree, _frames_of_all(tree, poses_rad))
 
 
-def _placed(tree: BodyTree, placed: Mapping[str, Frame]) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
-    """Return the n geoms of a body, their centres, shape (..., n, 3), and rotations, from the frames of its parts."""
+def _posed(tree: BodyTree, placed: Mapping[str, Frame]) -> Posed:
+    """Return the geoms of a body from the frames of its parts."""
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
     origins = np.stack([origin for origin, _ in homes], axis=-2)
     turns = np.stack([turn for _, turn in homes], axis=-3)
     places = np.array([geom.pos_m for geom in geoms])
     tilts = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
-    return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ tilts
-
-
-def centres_of_mass(geoms: Sequence[Geom], centres: FloatArray) -> FloatArray:
-    """Return the centre of mass of geoms in some poses, shape (..., 3), from their centres, shape (..., n, 3)."""
-    masses = np.array([geom.mass_kg for geom in geoms])
-    return masses @ centres / masses.sum()
+    return Posed(geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ tilts)
 
 
 def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:

@@ -7,7 +7,7 @@ import numpy as np
 from mimoc.base.units import deg_to_rad
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import Pose, pose_of, resting_state
+from mimoc.body.poses import Pose, poses_of, resting_state
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec
@@ -49,7 +49,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
 
 def _standing(tree: BodyTree, side: Side) -> Pose:
     """Return how an infant stands whose arm floats, as its springs have it: there is no gravity."""
-    standing = pose_of(tree, "standing")
+    standing = poses_of(tree)["standing"]
     arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
     slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
     return replace(standing, angles_deg={**standing.angles_deg, **slack})

@@ -14,8 +14,8 @@ from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose, stature
-from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
-from mimoc.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
 from mimoc.tasks.build_setup import Hold, Side, TaskSetup, joints_of, require
@@ -253,4 +253,4 @@ def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -
         place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
         angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
     hinges = (angles.get(joint, 0.0) for joint in tree.joints)
-    return (0.0, 0.0, seat.height_m, *pitched(-deg_to_rad(LEANING_BACK_DEG)), *hinges)
+    return (0.0, 0.0, seat.height_m, *quaternion_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG)), *hinges)
