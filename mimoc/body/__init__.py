@@ -1,32 +1,5 @@
 """The body: from measurements to a body tree with masses, joints and strengths."""
 
-from typing import TYPE_CHECKING
+from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint, Motor, Tendon
 
-from mimoc.base.lazy import names_of
-
-if TYPE_CHECKING:
-    from mimoc.body.anatomy import assemble as assemble
-    from mimoc.body.grow import (
-        GrownBody as GrownBody,
-        grow_average as grow_average,
-        grow_body as grow_body,
-        grow_tree as grow_tree,
-    )
-    from mimoc.body.tree import (
-        FREE_JOINT as FREE_JOINT,
-        Body as Body,
-        BodyTree as BodyTree,
-        Geom as Geom,
-        Joint as Joint,
-        Motor as Motor,
-        Tendon as Tendon,
-    )
-
-__getattr__, __dir__, __all__ = names_of(
-    __name__,
-    {
-        "mimoc.body.anatomy": "assemble",
-        "mimoc.body.grow": "GrownBody grow_average grow_body grow_tree",
-        "mimoc.body.tree": "Body BodyTree FREE_JOINT Geom Joint Motor Tendon",
-    },
-)
+__all__ = ["FREE_JOINT", "Body", "BodyTree", "Geom", "Joint", "Motor", "Tendon"]

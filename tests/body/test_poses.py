@@ -8,7 +8,8 @@ import pytest
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, poses_of
 from mimoc.compiler.assembling import keyframes
 from mimoc.fits import measure

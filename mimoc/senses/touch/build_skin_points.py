@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
+from mimoc.body import Body, BodyTree, Geom
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.body.reference import REFERENCE_AGE_MONTHS
 from mimoc.geometry import primitives
 from mimoc.geometry.ellipsoids import ellipse_perimeter
