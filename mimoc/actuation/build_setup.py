@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
-from mimoc.body import BodyTree, Joint
 from mimoc.body.origins import Origin as Origin
+from mimoc.body.tree import BodyTree, Joint
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 

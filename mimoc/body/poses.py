@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mimoc.base.units import deg_to_rad, rad_to_deg
-from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import FloatArray, length_m, pose, pose_all
+from mimoc.body.tree import BodyTree, Joint
 from mimoc.fits import measure
 from mimoc.fits.tables import settled_deg
 from mimoc.geometry.primitives import Extents, girth

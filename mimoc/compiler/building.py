@@ -13,11 +13,11 @@ from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import rounded, rounded_array
 from mimoc.base.units import ms_to_s
-from mimoc.body import BodyTree
 from mimoc.body.grow import GrownBody
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
+from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json

@@ -26,10 +26,10 @@ from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree, Geom, Joint, Motor
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
 from mimoc.body.origins import LAW, REFERENCE
 from mimoc.body.strength import FORWARDS
+from mimoc.body.tree import BodyTree, Geom, Joint, Motor
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 

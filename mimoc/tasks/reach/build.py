@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, poses_of, resting_state
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec

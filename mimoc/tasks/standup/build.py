@@ -12,9 +12,9 @@ import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.units import cm_to_m, deg_to_rad
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose, stature
 from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from mimoc.base.errors import UnsupportedTaskError
-from mimoc.body import BodyTree
 from mimoc.body.grow import grow_body
 from mimoc.body.kinematics import frames
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
 from mimoc.tasks.standup.build_grip import CLEAR_M, arm_to_bar, curled, grip_point
