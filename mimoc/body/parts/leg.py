@@ -18,12 +18,6 @@ from mimoc.body.proportions import Proportions
 from mimoc.body.sections import Trunk
 from mimoc.geometry.rotations import Vec3
 
-UPPER_LEG_MOTORS = (
-    ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
-    ReferenceMotor("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
-    ReferenceMotor("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
-)
-
 LEG = (
     ReferencePart(
         "{side}_upper_leg",
@@ -47,7 +41,11 @@ LEG = (
         ),
         position_from=TRUNK_HEIGHT,
         rule=".26 of hip_breadth to the side; behind and below the pelvis's middle, in proportion to its radius",
-        motors=UPPER_LEG_MOTORS,
+        motors=(
+            ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
+            ReferenceMotor("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
+            ReferenceMotor("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
+        ),
         group="{side}_leg",
         matures_with="hip",
         skin_spacing_m=0.027,
