@@ -76,11 +76,8 @@ class Masses:
 
 def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
     """Return the masses of a child's parts, by its law of development."""
-    return _LAWS[reference.anatomy.development](shapes, reference)
-
-
-def _published(shapes: Shapes, reference: Reference) -> Masses:
-    """Return m = rho V of each geom."""
+    if reference.anatomy.development == "maturing":
+        return _maturing(shapes, reference)
     published_kg = shapes.of_sides(lambda side: _published_kg(reference, shapes.published_m3[side]))
     return Masses(published_kg, reference.densities_kg_m3)
 
@@ -119,10 +116,8 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
     )
 
 
-_LAWS = {"published": _published, "maturing": _maturing}
-
-
 def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    """Return m = rho V of each geom."""
     return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in reference.densities_kg_m3.items()}
 
 

@@ -89,15 +89,7 @@ def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
 def scale_part(
     dimensions: BodyGeometry, name: str, parts: Iterable[ReferencePart], length: float, girth: float
 ) -> BodyGeometry:
-    """Return dimensions in which one part is scaled.
-
-    Args:
-        dimensions: Dimensions of one side.
-        name: The part, by its name with `{side}`.
-        parts: All parts of that side, to find those that are attached.
-        length: Factor along the part.
-        girth: Factor across it.
-    """
+    """Return dimensions of one side in which a part of it, named with `{side}`, is scaled along and across itself."""
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
     scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
@@ -110,7 +102,9 @@ def scale_part(
 
 
 def _scale_solid(solid: GeomShape, geom: ReferenceGeom, scale: Vec3) -> GeomShape:
-    x, y, z = _in_geom_frame(geom.euler_deg, scale)
+    x, y, z = scale
+    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
+    x, y, z = turned.get(geom.euler_deg, scale)  # Geoms are turned by at most a right angle.
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
     elif geom.type in ("box", "ellipsoid"):
@@ -119,13 +113,6 @@ def _scale_solid(solid: GeomShape, geom: ReferenceGeom, scale: Vec3) -> GeomShap
         radius_m, half_m = solid.size_m
         size_m = (radius_m * math.sqrt(x * y), half_m * z)
     return GeomShape(size_m, _times(solid.pos_m, scale))
-
-
-def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
-    """Return scale factors along a body's axes as factors along a geom's axes, turned by at most a right angle."""
-    x, y, z = scale
-    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
-    return turned.get(euler_deg, scale)
 
 
 def _times(vector: Vec3, scale: Vec3) -> Vec3:
@@ -175,14 +162,13 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         GeometryError: If no body has these measurements.
     """
     anatomy, alike = reference.anatomy, child.symmetric and not scales
-    shape = _LAWS[anatomy.development]
 
     def published_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
         dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
     def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
-        dimensions = _scaled(shape(child, side, reference), anatomy.parts, scales, side)
+        dimensions = _scaled(_shape(child, side, reference), anatomy.parts, scales, side)
         (check_limbs if side else check_trunk)(dimensions)
         return dimensions
 
@@ -197,18 +183,11 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)
 
 
-def _published(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
-    """Return shapes with the child's measurements, MIMo's head and MIMo's feet."""
-    return dimensions_of(proportions(child.of_side(side), child.base_m), reference.anatomy.kinds)
-
-
-def _maturing(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
-    """Return shapes with the child's measurements, an ellipsoid as head, and the feet of its age."""
+def _shape(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
+    """Return shapes with the child's measurements: MIMo's head and feet, or by `maturing` an ellipsoid, higher feet."""
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
-    return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
-
-
-_LAWS = {"published": _published, "maturing": _maturing}
+    dimensions = dimensions_of(p, reference.anatomy.kinds)
+    return dimensions if reference.anatomy.development == "published" else dimensions | maturing_head_dimensions(p)
 
 
 def _of_sides(function: Callable[[str], T], *, alike: bool) -> dict[str, T]:
