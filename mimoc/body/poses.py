@@ -34,10 +34,8 @@ class Rollers:
     """Shape (p, k, 3), [m]."""
     rotations: FloatArray
     """Hip from geom, shape (p, k, 3, 3)."""
-    half_edges: FloatArray
-    """Of the boxes that make up `Extents`, shape (p, k, 3), [m]."""
-    half_axes: FloatArray
-    """Of the ellipsoids, likewise."""
+    reach: Extents
+    """From their centres, shapes (p, k, 3), [m]."""
     centres_of_mass: FloatArray
     """Of the whole body, shape (p, 3), [m]."""
 
@@ -78,7 +76,7 @@ class Rollers:
     def _depths(self, downs: FloatArray) -> FloatArray:
         """Return how far each geom reaches from the hip along m directions, shape (p, m, 3), as (p, m, k), [m]."""
         local = np.swapaxes(downs[:, None] @ self.rotations, 1, 2)
-        of_geoms = Extents(self.half_edges[:, None], self.half_axes[:, None]).along(local)
+        of_geoms = Extents(self.reach.half_edges[:, None], self.reach.half_axes[:, None]).along(local)
         return downs @ np.swapaxes(self.centres, 1, 2) + of_geoms
 
     def _lowest(self, lows_rad: FloatArray, highs_rad: FloatArray) -> "Rollers":
@@ -88,22 +86,17 @@ class Rollers:
         near = depths_m > (depths_m.max(axis=1) - _NEAR_M_PER_RAD * halves_rad)[:, None]
         kept = np.argsort(~near, axis=1)[:, : near.sum(axis=1).max()]
         poses = np.arange(len(kept))[:, None]
-        return Rollers(
-            self.centres[poses, kept],
-            self.rotations[poses, kept],
-            self.half_edges[poses, kept],
-            self.half_axes[poses, kept],
-            self.centres_of_mass,
-        )
+        reach = Extents(self.reach.half_edges[poses, kept], self.reach.half_axes[poses, kept])
+        return Rollers(self.centres[poses, kept], self.rotations[poses, kept], reach, self.centres_of_mass)
 
 
 def rollers(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Rollers:
     """Return the geoms of a body that can touch the ground, in some poses, given as angles by joint."""
     posed = pose_all(tree, poses_rad)
     solid = posed.solid
-    reach = solid.extents
-    edges, axes = (np.repeat(array[None], len(poses_rad), axis=0) for array in (reach.half_edges, reach.half_axes))
-    return Rollers(solid.centres, solid.rotations, edges, axes, posed.centre_of_mass)
+    reach, shape = solid.extents, solid.centres.shape
+    edges, axes = (np.broadcast_to(array, shape) for array in (reach.half_edges, reach.half_axes))
+    return Rollers(solid.centres, solid.rotations, Extents(edges, axes), posed.centre_of_mass)
 
 
 def _downs(pitches_rad: FloatArray) -> FloatArray:

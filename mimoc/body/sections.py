@@ -120,11 +120,7 @@ def measured_trunk(
 
 
 def _no_deeper(wanted: Section, radius_m: float) -> Section:
-    """Return a section with at most this radius, narrower by half of what it is less deep.
-
-    Raises:
-        GeometryError: If it would be less than half as deep.
-    """
+    """Return a section with at most this radius, at least half of its own, narrower by half of what it is less deep."""
     if radius_m <= wanted[0] / 2:
         raise GeometryError(NO_ROOM)
     factor = min(1.0, radius_m / wanted[0])

@@ -30,12 +30,8 @@ LIMBS = (
 """The solid of each long segment, and the part at whose joint it ends."""
 
 
-def check_limbs(dimensions: BodyGeometry) -> None:
-    """Check that limbs are longer than wide.
-
-    Raises:
-        GeometryError: If one is not.
-    """
+def _check_limbs(dimensions: BodyGeometry) -> None:
+    """Raise a GeometryError if a limb is wider than it is long."""
     for geom, end in LIMBS:
         length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
         if thickness_m >= length_m:
@@ -47,12 +43,8 @@ DEEPEST = 1.0
 begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
 
 
-def check_trunk(dimensions: BodyGeometry) -> None:
-    """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
-
-    Raises:
-        GeometryError: If they do.
-    """
+def _check_trunk(dimensions: BodyGeometry) -> None:
+    """Raise a GeometryError if upper body and pelvis, which are separated by two joints, overlap too much."""
     pelvis, belly = dimensions.shapes["lb"], dimensions.shapes["ub1"]
     on_belly = [
         sum(axis) for axis in zip(*(dimensions.origins[body] for body in ("lower_body", "upper_body")), strict=True)
@@ -69,7 +61,7 @@ PRESSED = 0.5
 """How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
 
 
-def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
+def _clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
     """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
     arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
     x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
@@ -86,7 +78,7 @@ def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
     return dimensions | BodyGeometry({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
-def scale_part(
+def _scale_part(
     dimensions: BodyGeometry, name: str, parts: Iterable[ReferencePart], length: float, girth: float
 ) -> BodyGeometry:
     """Return dimensions of one side in which a part of it, named with `{side}`, is scaled along and across itself."""
@@ -169,7 +161,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
 
     def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
         dimensions = _scaled(_shape(child, side, reference), anatomy.parts, scales, side)
-        (check_limbs if side else check_trunk)(dimensions)
+        (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
     volumes_m3 = _of_sides(lambda side: published_m3(child, scales, side), alike=alike)
@@ -179,7 +171,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     usual = built(before, NO_SCALES, "") if changed else None
     dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
-        check_limbs(dimensions[""])
+        _check_limbs(dimensions[""])
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)
 
 
@@ -201,5 +193,5 @@ def _scaled(dimensions: BodyGeometry, parts: Sided, scales: Scales, side: str) -
     of_side = [part for part_side, part in parts if part_side in (side, "")]
     for part in of_side:
         if part.name.format(side=side) in scales:
-            dimensions = scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
-    return clear_arms(dimensions)
+            dimensions = _scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
+    return _clear_arms(dimensions)

@@ -117,7 +117,7 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
     motors = []
     for motor in tree.motors:
         group = groups[motor.joint]
-        name = group if group in strength else pair_of.get(group)
+        name = group if group in strength else pair_of.get(group, "")
         if name in strength:
             factors = ((f"{STRENGTH_KEY}.{name}", strength[name]), *motor.factors)
             motor = replace(motor, gear_nm=motor.gear_nm * strength[name], factors=factors)

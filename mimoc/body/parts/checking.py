@@ -9,8 +9,6 @@ from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import MATURING_GROUPS, ReferencePart
 from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 
-HAND, FOREARM = "{side}_hand", "{side}_lower_arm"
-
 
 def check_parts(kind: PartKind) -> None:
     """Check that the parts of a kind fit together, and onto MIMo's body.
@@ -48,8 +46,8 @@ def _problems(kind: PartKind) -> Iterator[str]:
             yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
         parents.add(part.name)
         yield from _problems_of_part(part)
-    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != (HAND, FOREARM):
-        yield f"hands begin with '{HAND}', which is on '{FOREARM}'"
+    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != ("{side}_hand", "{side}_lower_arm"):
+        yield "hands begin with '{side}_hand', which is on '{side}_lower_arm'"
     others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
     taken = {name for other in (*usual, *others) for part in other.parts for name in _names(part)}
     for name, count in Counter(name for part in kind.parts for name in _names(part)).items():

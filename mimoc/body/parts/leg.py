@@ -109,7 +109,7 @@ def leg_dimensions(p: Proportions) -> BodyGeometry:
             "{side}_foot": (0.0, 0.0, -shank.length_m),
         },
         shapes={
-            "{side}_upper_leg1": _flip(along("thigh", thigh.length_m, thigh.radius_m, shank.radius_m)),
+            "{side}_upper_leg1": along("thigh", thigh.length_m, thigh.radius_m, shank.radius_m, down=True),
             "{side}_lower_leg1": GeomShape(
                 (shank.radius_m, 0.044 / 0.177 * shank.length_m), (0.0, 0.0, -0.044 / 0.177 * shank.length_m)
             ),
@@ -125,12 +125,6 @@ def _hip_joint(t: Trunk) -> Vec3:
     radius_m = t.pelvis[0]
     x_m = PELVIS_X_M * radius_m / REFERENCE_PELVIS_RADIUS_M - (radius_m - t.buttocks_m)
     return x_m, -t.hip_y_m, PELVIS_Z_M * t.axial - (radius_m - t.rump_m)
-
-
-def _flip(solid: GeomShape) -> GeomShape:
-    """Return the same solid along -z instead of +z."""
-    x_m, y_m, z_m = solid.pos_m
-    return GeomShape(solid.size_m, (x_m, y_m, -z_m))
 
 
 KIND = PartKind("leg", "Thighs and shanks.", LEG, leg_dimensions)

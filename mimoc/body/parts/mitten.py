@@ -95,11 +95,7 @@ def mitten_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def check_hand(h: Hand, half_width_m: float) -> None:
-    """Check that a hand is longer than wide.
-
-    Raises:
-        GeometryError: If it is not.
-    """
+    """Raise a GeometryError if a hand is wider than it is long."""
     if h.length_m <= 2 * half_width_m:
         raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * half_width_m:.3f} m wide")
 
