@@ -12,11 +12,6 @@ from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 
 
-def unchanged(keyframe: Keyframe) -> Keyframe:
-    """Return a keyframe unchanged, for actuators that need no values in it."""
-    return keyframe
-
-
 @dataclass(frozen=True, slots=True)
 class ActuationSetup:
     """The actuators of an infant, and its joints with the stiffness and damping that remain beside the actuators."""
@@ -29,7 +24,7 @@ class ActuationSetup:
     """MuJoCo's integrator: implicit in velocity if the actuators have damping."""
     joints: Mapping[str, Joint]
     """The hinges by name, with the stiffness and damping that remain beside the actuators."""
-    at_rest: Callable[[Keyframe], Keyframe] = unchanged
+    at_rest: Callable[[Keyframe], Keyframe] = lambda keyframe: keyframe
     """Returns a state with the actuators at rest."""
     origins: Mapping[str, Origin] = field(default_factory=dict)
     """Where numbers come from, by key: `actuator.NAME.ATTRIBUTE` for a setting of an actuator, `joint.NAME.stiffness`
