@@ -33,6 +33,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
     start = resting_state(tree, _standing(tree, side))
+    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
@@ -40,7 +41,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         trunk=tree.home("chest"),
         ball=BALL,
         distance_m=_distances(tree, side),
-        azimuth_rad=_azimuths(side),
+        azimuth_rad=(-outward, inward) if side == "right" else (-inward, outward),
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         gaze=_gaze(tree),
     )
@@ -60,11 +61,6 @@ def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:
     stretched = frames(tree, {})
     arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
     return NEAREST * arm_m, FARTHEST * arm_m
-
-
-def _azimuths(side: Side) -> tuple[float, float]:
-    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
-    return (-outward, inward) if side == "right" else (-inward, outward)
 
 
 def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from mimoc.base.units import to_steps
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_contacts
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
@@ -60,8 +59,9 @@ class Rollover(Term):
 class RolloverTask(Task):
     """An infant that lies on its back or on its belly, and comes to rest before an episode begins."""
 
-    def __init__(self, entry: RolloverEntry, manifest: Manifest, model: mujoco.MjModel):
+    def __init__(self, entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle):
         """Find everything that *entry* names in *model*."""
+        manifest = bundle.manifest
         amounts = entry.goal, entry.effort_weight, entry.success_reward, entry.discount
         cost = squared_commands(manifest.actuation)
         term = Rollover(model.body(entry.hip).id, entry.reward == "dense", *amounts, cost)
@@ -83,6 +83,4 @@ class RolloverTask(Task):
         self.remember(starts_on_back=starts_on_back, turned=pronation if starts_on_back else 1.0 - pronation)
 
 
-def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> RolloverTask:
-    """Find what *entry* names in *model*."""
-    return RolloverTask(entry, bundle.manifest, model)
+bind = RolloverTask
