@@ -84,13 +84,7 @@ NOISE = 1e-9
 
 
 def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFactors | None) -> dict[str, Joint]:
-    """Return the joints of a child by name, by its law of development.
-
-    Args:
-        shapes: The shapes of its parts, which place anchors.
-        reference: What it is compared with.
-        growth: What strength and joints mature with; None is the published law, by which all are as at 18 months.
-    """
+    """Return the joints of a child by name; without *growth*, by the published law, all are as at 18 months."""
     groups, joints = reference.anatomy.groups, dict[str, Joint]()
     age_months = reference.age_months if growth else REFERENCE_AGE_MONTHS
     tone = TONE(age_months)
@@ -144,11 +138,6 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
     the average child if they are more. With the torques T of the motor, T_a of the average child's and T_18 of MIMo's,
     a joint's constant is multiplied by max(1, T / max(T_a, T_18 c / c_18)), where c is that of the average child and
     c_18 that of MIMo.
-
-    Args:
-        tree: The body, with its final strength.
-        average: The average child of the same age.
-        anatomy: Anatomy of both.
     """
     at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     joints, usual_joints, matched = tree.joints, average.joints, dict[str, Joint]()
@@ -180,15 +169,7 @@ CONSTANTS: tuple[str, ...] = ("range", "stiffness", "damping", "frictionloss", "
 def joint_origins(
     joint: Joint, figures: ReferenceJoint, group: str, motor: str | None, tree: BodyTree
 ) -> dict[str, Origin]:
-    """Return where a joint's attributes in MJCF come from, by attribute.
-
-    Args:
-        joint: The joint.
-        figures: The joint in the reference body.
-        group: The group that its strength matures with.
-        motor: The motor that moves it, if any.
-        tree: The body.
-    """
+    """Return where a joint's attributes in MJCF come from, by attribute; *group* is what its strength matures with."""
     published = Origin(f"{REFERENCE}; the same at every age by the law `published`", (LAW_KEY,))
     origins = dict.fromkeys(CONSTANTS, Origin(CONSTANT) if tree.growth else published)
     if tree.growth:

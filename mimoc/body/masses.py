@@ -49,14 +49,7 @@ class Masses:
         return math.fsum(self.kg[side][geom.name] for side, part in anatomy.parts for geom in part.geoms)
 
     def origin(self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]) -> Origin:
-        """Return where the mass of a geom comes from.
-
-        Args:
-            figures: The geom in the reference body.
-            part: The part that it belongs to.
-            name: Its name, with its side.
-            sources: Keys of the measurements that its size comes from.
-        """
+        """Return where the mass of a geom comes from; *sources* are keys of the measurements that its size follows."""
         density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
         usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
         if maturing and part.region == "trunk":

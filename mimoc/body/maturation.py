@@ -63,14 +63,7 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
 def maturation(
     child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference
 ) -> MaturationFactors | None:
-    """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
-
-    Args:
-        child: Measurements of the child.
-        volumes: The volumes of its geoms.
-        head_gain: Mass of head and neck, relative to the published law.
-        reference: What it is compared with.
-    """
+    """Return what strength and joints mature with besides age; None by the published law, by which nothing does."""
     if reference.anatomy.development == "published":
         return None
     length = child.published[HEIGHT] / reference.length_m

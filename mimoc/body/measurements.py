@@ -59,11 +59,7 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
 
 
 def measure_individual(spec: InfantSpec, weigh: Weigh) -> Measurements:
-    """Return the measurements of a spec's child.
-
-    Args:
-        spec: The spec.
-        weigh: Function from measurements to the mass of the body, in [kg].
+    """Return the measurements of a spec's child; *weigh* returns the mass of a body with some measurements, in [kg].
 
     Raises:
         IndividualError: If no child matches the requested individual.
@@ -91,11 +87,6 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
     given follow from the others: length from weight, or else from the head; girths from weight, or else from length;
     the head from length.
-
-    Args:
-        measurements: Measurements of the average child of this age.
-        individual: Measures and percentiles of the child.
-        weigh: Function from measurements to the mass of the body, in [kg].
 
     Raises:
         IndividualError: If no child matches; the message gives the possible range.

@@ -143,12 +143,7 @@ class Shapes:
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
-    """Return the shapes of a child's parts.
-
-    Args:
-        child: Measurements of the child.
-        reference: What it is compared with.
-        scales: Factors on length and girth of single parts.
+    """Return the shapes of a child's parts, of which *scales* change single ones in length and girth.
 
     Raises:
         GeometryError: If no body has these measurements.

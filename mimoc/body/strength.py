@@ -61,13 +61,7 @@ FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
 def motor_torques(
     volumes: RelativeVolumes, reference: Reference, growth: MaturationFactors | None
 ) -> tuple[Motor, ...]:
-    """Return the motors of a child, in MIMo's order.
-
-    Args:
-        volumes: The volumes of its geoms.
-        reference: What it is compared with.
-        growth: What strength and joints mature with; None is the published law.
-    """
+    """Return the motors of a child, in MIMo's order; without *growth*, by the published law."""
     of_age = {group: curve(reference.age_months) for group, curve in STRENGTH.items()}
     groups, motors = reference.anatomy.groups, []
     for side, figures in reference.anatomy.motors:
@@ -94,13 +88,7 @@ def _maturing(
 
 
 def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Motor]) -> BodyTree:
-    """Return a body as strong as it would be at another age, by as much as the average child is then.
-
-    Args:
-        tree: The body.
-        now: The motors of the average child of its age.
-        then: Those of the average child of the other age.
-    """
+    """Return a body as much stronger as the motors of the average child are at another age, *then*, than *now*."""
     motors = []
     for motor, usual, other in zip(tree.motors, now, then, strict=True):
         factor = other.gear_nm / usual.gear_nm
@@ -126,14 +114,7 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
 
 
 def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
-    """Return where the gear of a motor comes from, and its force range.
-
-    Args:
-        motor: The motor.
-        figures: Its reference values.
-        group: The group that its strength matures with.
-        tree: The body.
-    """
+    """Return where the gear of a motor comes from, and its force range; *group* is what its strength matures with."""
     rule = (
         f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
         f"of the geom that moves the joint: {motor.driven_geom}"
