@@ -12,8 +12,6 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from mimoc.actuation.binding import command_range
-from mimoc.actuation.spec import ActuationEntry
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.base.model_fields import ModelField, rows_by_name
 from mimoc.base.state_form import check_form
@@ -241,11 +239,6 @@ class SquaredCommands(Term):
         """Return the sum of each infant for actions of shape (k, n)."""
         commands = worlds.xp.minimum(worlds.xp.maximum(action, self.low), self.high)
         return worlds.xp.sum(commands * commands, axis=-1)
-
-
-def squared_commands(entry: ActuationEntry) -> SquaredCommands:
-    """Return the sum of squared commands of an infant's actuators."""
-    return SquaredCommands(*command_range(entry))
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:

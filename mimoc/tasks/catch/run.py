@@ -39,16 +39,6 @@ class ResizableBall:
         self._boxes = first + np.arange(model.body_bvhnum[self.body])
 
     @property
-    def radius_m(self) -> float:
-        """Its radius."""
-        return float(self._model.geom_size[self.geom, 0])
-
-    @property
-    def mass_kg(self) -> float:
-        """Its mass."""
-        return float(self._model.body_mass[self.body])
-
-    @property
     def model_fields(self) -> tuple[ModelField, ...]:
         """What `change` changes in the model."""
         body, geom, turning = np.array([self.body]), np.array([self.geom]), self._speeds[3:]

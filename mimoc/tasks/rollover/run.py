@@ -7,13 +7,14 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.binding import command_range
 from mimoc.base.units import to_steps
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import check_contacts
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.tasks.rollover import RolloverEntry
-from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Judgement, SquaredCommands, Task
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class RolloverTask(Task):
         """Find everything that *entry* names in *model*."""
         manifest = bundle.manifest
         amounts = entry.goal, entry.effort_weight, entry.success_reward, entry.discount
-        cost = squared_commands(manifest.actuation)
+        cost = SquaredCommands(*command_range(manifest.actuation))
         term = Rollover(model.body(entry.hip).id, entry.reward == "dense", *amounts, cost)
         super().__init__(entry.steps, term, {"starts_on_back": True, "turned": 0.0})
         self._model = model
