@@ -93,13 +93,9 @@ class Anatomy:
 def assemble(
     hands: str, chest_joint: bool, development: Development = "maturing", extra: Sequence[str] = ()
 ) -> Anatomy:
-    """Return the anatomy of an infant.
+    """Return the anatomy of an infant with some kind of hands, by a law of development.
 
-    Args:
-        hands: Kind of its hands.
-        chest_joint: Whether it has MIMo's two joints of the chest.
-        development: Its law of development.
-        extra: Kinds of parts that it has besides MIMo's.
+    It may have MIMo's two joints of the chest, and *extra* kinds of parts besides MIMo's.
 
     Raises:
         KindError: If somebody else's parts are on a part that it lacks.

@@ -86,12 +86,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
-    """Return the body of a child, with the strength of its size and age.
-
-    Args:
-        child: Measurements of the child.
-        anatomy: Its parts, joints and muscles, and its law of development.
-        scales: Factors on length and girth of single parts, by the name of the body.
+    """Return the body of a child, with the strength of its size and age, and *scales* of single parts.
 
     Raises:
         GeometryError: If no body has these measurements.

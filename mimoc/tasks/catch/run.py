@@ -122,18 +122,10 @@ class CatchTask(Task):
         is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
         part_of_geom = np.where(is_hand, HAND, NEITHER)
         part_of_geom[self._ball.geom] = BALL
-        term = Catch(
-            palm=model.body(entry.palm).id,
-            ball=self._ball.body,
-            part_of_geom=part_of_geom,
-            palm_m=np.array(entry.palm_m),
-            lost_m=entry.lost_m,
-            held_steps=entry.held_steps,
-            contact_reward=entry.contact_reward,
-            effort_weight=entry.effort_weight,
-            success_reward=entry.success_reward,
-            effort=bind_actuation(bundle.manifest.actuation, model).effort,
-        )
+        effort = bind_actuation(bundle.manifest.actuation, model).effort
+        amounts = entry.lost_m, entry.held_steps, entry.contact_reward, entry.effort_weight, entry.success_reward
+        palm, palm_m = model.body(entry.palm).id, np.array(entry.palm_m)
+        term = Catch(palm, self._ball.body, part_of_geom, palm_m, *amounts, effort)
         super().__init__(entry.steps, term, {"held": 0})
 
     @property
