@@ -96,14 +96,13 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFacto
             low = _limit(LOWER_LIMITS.get(figures.name), low, age_months)
             high = _limit(UPPER_LIMITS.get(figures.name), high, age_months)
             rest_deg += (NEWBORN_REST_DEG.get(figures.name, rest_deg) - rest_deg) * tone
+            stiffness_nm_per_rad = figures.stiffness_nm_per_rad * scales["stiffness"]
             joints[name] = Joint(
                 name,
                 axis=figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left),
                 anchor_m=mirror(shapes.built[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left),
                 range_deg=(low, high),
-                stiffness_nm_per_rad=figures.stiffness_nm_per_rad
-                * scales["stiffness"]
-                * _stiffening(figures.name, tone),
+                stiffness_nm_per_rad=stiffness_nm_per_rad * _stiffening(figures.name, tone),
                 damping_nms_per_rad=figures.damping_nms_per_rad * scales["damping"],
                 frictionloss_nm=figures.frictionloss_nm * scales["frictionloss"],
                 armature_kgm2=figures.armature_kgm2 * scales["armature"],
