@@ -191,7 +191,8 @@ class Task:
             self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
         for name, change in judgement.changes.items():
             if change.where[0]:
-                self._change(getattr(data.model, name), name, change)
+                array, rows = getattr(data.model, name), rows_by_name(self.model_fields)[name]
+                array[rows if change.column is None else (rows, change.column)] = change.values()[0]
         return judgement.of_one()
 
     @property
@@ -219,11 +220,6 @@ class Task:
         if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
             self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
         return self._bound[2:]
-
-    def _change(self, array: np.ndarray, name: str, change: Change) -> None:
-        """Write new values to the declared rows of a field of the model."""
-        rows = rows_by_name(self.model_fields)[name]
-        array[rows if change.column is None else (rows, change.column)] = change.values()[0]
 
 
 @dataclass(frozen=True)
