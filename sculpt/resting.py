@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames_in_world
-from mimoc.body.poses import POSES, pose_of, resting_state
+from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.looks.skin.deformation import layers_of
@@ -35,7 +35,7 @@ def pressed(sculpted: Sculpture, hands: str) -> Mapping[str, Any]:
         tree = child(hands, age_months)
         layers = {layer.name: layer for layer in layers_of(tree, sculpted)}
         for pose in POSES:
-            placed = frames_in_world(tree, resting_state(tree, pose_of(tree, pose)))
+            placed = frames_in_world(tree, resting_state(tree, poses_of(tree)[pose]))
             for name in LAYERS:
                 move = _lifted(layers[name], placed) * (sculpted.head_radius_m / head_radius(tree.geoms["head"]))
                 larger = np.linalg.norm(move, axis=1) > np.linalg.norm(total[name], axis=1)

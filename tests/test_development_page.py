@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.strength import STRENGTH
 from mimoc.fits import measure
 

@@ -82,7 +82,9 @@ LAYERS = {
     "body": layer("body", f"{LANGUAGE} schema fits part parts"),
     "mjcf": layer("mjcf", f"{BASE} grammar language parts body", "jinja2 lxml"),
     "looks": layer("looks", f"{BASE} body mjcf", "PIL"),
-    "build": layer("", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh coacd fast_simplification platformdirs"),
+    "build": layer(
+        "", f"{LANGUAGE} schema bundle parts body mjcf looks", "trimesh coacd fast_simplification platformdirs"
+    ),
     "compiler": layer("compiler", BUILDING, "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} quantities schema fits body", "matplotlib"),

@@ -46,7 +46,13 @@ class Actuation:
         Raises:
             ValueError: If the action is none of numbers, has the wrong shape, or contains a NaN or an infinity.
         """
-        actions, command = self._checked(action), self._alone.command
+        numbers = numbers_of(action)
+        if numbers.shape != self.low.shape:
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {numbers.shape}")
+        actions, command = numbers.astype(np.float64), self._alone.command
+        if not np.isfinite(actions).all():
+            wrong = actions[~np.isfinite(actions)][0]
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")
         return actions if command is None else command(worlds_of_one(data), actions[None])[0]
 
     def cost(self, data: mujoco.MjData) -> float:
@@ -58,16 +64,6 @@ class Actuation:
         """The same with its terms stacked, for one infant."""
         command = self.command and stack_terms([self.command])
         return replace(self, effort=stack_terms([self.effort]), command=command)
-
-    def _checked(self, action: npt.ArrayLike) -> FloatArray:
-        numbers = numbers_of(action)
-        if numbers.shape != self.low.shape:
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {numbers.shape}")
-        actions = numbers.astype(np.float64)
-        if not np.isfinite(actions).all():
-            wrong = actions[~np.isfinite(actions)][0]
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")
-        return actions
 
 
 def bind_actuation(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:

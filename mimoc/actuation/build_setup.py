@@ -6,15 +6,10 @@ from dataclasses import dataclass, field
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
-from mimoc.body import BodyTree, Joint
 from mimoc.body.origins import Origin as Origin
+from mimoc.body.tree import BodyTree, Joint
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
-
-
-def unchanged(keyframe: Keyframe) -> Keyframe:
-    """Return a keyframe unchanged, for actuators that need no values in it."""
-    return keyframe
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +24,7 @@ class ActuationSetup:
     """MuJoCo's integrator: implicit in velocity if the actuators have damping."""
     joints: Mapping[str, Joint]
     """The hinges by name, with the stiffness and damping that remain beside the actuators."""
-    at_rest: Callable[[Keyframe], Keyframe] = unchanged
+    at_rest: Callable[[Keyframe], Keyframe] = lambda keyframe: keyframe
     """Returns a state with the actuators at rest."""
     origins: Mapping[str, Origin] = field(default_factory=dict)
     """Where numbers come from, by key: `actuator.NAME.ATTRIBUTE` for a setting of an actuator, `joint.NAME.stiffness`
@@ -62,9 +57,7 @@ TIME_CONSTANT = "actuator.dynprm"
 def activation(tree: BodyTree, published_s: float) -> Settings:
     """Return the attributes that all actuators of a body share for their activation.
 
-    Args:
-        tree: The body, whose law of development decides.
-        published_s: Time constant under `published`, in [s]; `AT_ONCE` is none.
+    Under `published`, its time constant is *published_s*, in [s]; `AT_ONCE` is no activation.
     """
     time_constant_s = MATURING_S if tree.development == "maturing" else published_s
     if time_constant_s == AT_ONCE:
@@ -73,12 +66,7 @@ def activation(tree: BodyTree, published_s: float) -> Settings:
 
 
 def activation_origin(tree: BodyTree, published: str) -> dict[str, Origin]:
-    """Return where the time constant of a body's actuators comes from, by key.
-
-    Args:
-        tree: The body.
-        published: Where it comes from under `published`; empty if there is none.
-    """
+    """Return where the time constant of a body's actuators comes from, by key; *published* is empty if none is."""
     maturing = "relaxation of the soleus at 3 years (Lin, Brown & Walsh 1994), derived for 0 to 24 months"
     rule = maturing if tree.development == "maturing" else published
     return {TIME_CONSTANT: Origin(rule, ("spec.development",), "s")} if rule else {}

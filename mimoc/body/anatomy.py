@@ -13,7 +13,6 @@ Sided = tuple[tuple[str, ReferencePart], ...]
 """Side (empty for the middle) and part."""
 
 RIGHT_THEN_LEFT = ("right", "left")
-LEFT_THEN_RIGHT = ("left", "right")
 IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs", "extra")
 """MIMo lists the motors of the head and the eyes before those of the arms."""
 
@@ -94,32 +93,31 @@ class Anatomy:
 def assemble(
     hands: str, chest_joint: bool, development: Development = "maturing", extra: Sequence[str] = ()
 ) -> Anatomy:
-    """Return the anatomy of an infant.
+    """Return the anatomy of an infant with some kind of hands, by a law of development.
 
-    Args:
-        hands: Kind of its hands.
-        chest_joint: Whether it has MIMo's two joints of the chest.
-        development: Its law of development.
-        extra: Kinds of parts that it has besides MIMo's.
+    It may have MIMo's two joints of the chest, and *extra* kinds of parts besides MIMo's.
 
     Raises:
         KindError: If somebody else's parts are on a part that it lacks.
     """
     hand, others, (right_foot, left_foot) = PARTS[hands], tuple(PARTS[name] for name in extra), feet_of(hands)
-    sections = {
-        "trunk": _on_sides(("",), (_with_chest_joint(TRUNK) if chest_joint else TRUNK).parts),
-        "arms": _on_sides(RIGHT_THEN_LEFT, (*ARM.parts, *hand.parts)),
-        "head": _on_sides(("",), HEAD.parts),
-        "eyes": _on_sides(LEFT_THEN_RIGHT, EYES.parts),
-        "legs": (
-            *_on_sides(("right",), (*LEG.parts, *right_foot.parts)),
-            *_on_sides(("left",), (*LEG.parts, *left_foot.parts)),
-        ),
+    trunk = tuple(
+        replace(part, joints=CHEST_JOINTS, motors=CHEST_MOTORS) if chest_joint and part.name == "chest" else part
+        for part in TRUNK.parts
+    )
+    arm, legs = (*ARM.parts, *hand.parts), {"right": right_foot.parts, "left": left_foot.parts}
+    sections: dict[str, Sided] = {
+        "trunk": tuple(("", part) for part in trunk),
+        "arms": tuple((side, part) for side in RIGHT_THEN_LEFT for part in arm),
+        "head": tuple(("", part) for part in HEAD.parts),
+        "eyes": tuple((side, part) for side in ("left", "right") for part in EYES.parts),
+        "legs": tuple((side, part) for side, foot in legs.items() for part in (*LEG.parts, *foot)),
         "extra": tuple(item for kind in others for item in on_named_sides(kind.parts)),
     }
     kinds = (TRUNK, ARM, hand, HEAD, EYES, LEG, right_foot, *others)
     all_parts = sum(sections.values(), ())
-    parts = mimos_parts = _parents_first(all_parts, _masses_kg(kinds))
+    masses_kg = {name: mass_kg for kind in kinds for name, mass_kg in kind.masses_kg.items()}
+    parts = mimos_parts = _parents_first(all_parts, masses_kg)
     if len(parts) < len(all_parts):
         lost = next(part for _, part in all_parts if part.name not in {part.name for _, part in parts})
         raise KindError(f"'{lost.name}' is on '{lost.parent}', which a body with {hands} hands does not have")
@@ -172,15 +170,6 @@ def _excluded(kind: PartKind) -> Iterator[tuple[str, str]]:
             yield first.format(side=side), second.format(side=side)
 
 
-def _masses_kg(kinds: Iterable[PartKind]) -> dict[str, float]:
-    """Return the masses of geoms that some kinds give to those of others."""
-    return {name: mass_kg for kind in kinds for name, mass_kg in kind.masses_kg.items()}
-
-
-def _on_sides(sides: Iterable[str], parts: Sequence[ReferencePart]) -> Sided:
-    return tuple((side, part) for side in sides for part in parts)
-
-
 def on_named_sides(parts: Iterable[ReferencePart]) -> Iterator[tuple[str, ReferencePart]]:
     """Yield parts on both sides if their names have `{side}`, and in the middle otherwise."""
     for part in parts:
@@ -200,14 +189,6 @@ def _parents_first(parts: Sided, masses_kg: Mapping[str, float]) -> Sided:
             yield from below(part.name.format(side=side))
 
     return tuple(below(""))
-
-
-def _with_chest_joint(kind: PartKind) -> PartKind:
-    """Return the trunk whose chest has its joints."""
-    parts = (
-        replace(part, joints=CHEST_JOINTS, motors=CHEST_MOTORS) if part.name == "chest" else part for part in kind.parts
-    )
-    return replace(kind, parts=tuple(parts))
 
 
 def _with_masses(part: ReferencePart, masses_kg: Mapping[str, float]) -> ReferencePart:

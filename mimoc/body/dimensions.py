@@ -45,14 +45,18 @@ def mirror_turn(vector: Vec3, left: bool) -> Vec3:
     return (-x, y, -z) if left else vector
 
 
-def along(what: str, length_m: float, radius_m: float, embed_m: float) -> GeomShape:
-    """Return a capsule along +z, whose axis starts at its joint and which ends beyond the next joint.
+def along(
+    what: str, length_m: float, radius_m: float, embed_m: float, y_m: float = 0.0, down: bool = False
+) -> GeomShape:
+    """Return a capsule along z, whose axis starts at its joint and which ends beyond the next joint.
 
     Args:
         what: The limb, for errors.
         length_m: From joint to joint.
         radius_m: Of the capsule.
         embed_m: How far beyond the next joint it ends.
+        y_m: How far its axis is to the left of its joint.
+        down: Whether it is along -z.
 
     Raises:
         GeometryError: If the limb is wider than it is long.
@@ -60,4 +64,4 @@ def along(what: str, length_m: float, radius_m: float, embed_m: float) -> GeomSh
     axis_m = length_m + embed_m - radius_m
     if axis_m <= 0:
         raise GeometryError(f"{what}: a limb {length_m:.3f} m long cannot be {2 * radius_m:.3f} m thick")
-    return GeomShape((radius_m, axis_m / 2), (0.0, 0.0, axis_m / 2))
+    return GeomShape((radius_m, axis_m / 2), (0.0, y_m, -axis_m / 2 if down else axis_m / 2))

@@ -62,7 +62,10 @@ def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
     Raises:
         IndividualError: If no child matches the requested individual.
     """
-    return measure_individual(spec, lambda child: _weigh(child, reference))
+    anatomy = reference.anatomy
+    return measure_individual(
+        spec, lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(anatomy)
+    )
 
 
 def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> GrownBody:
@@ -83,12 +86,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
-    """Return the body of a child, with the strength of its size and age.
-
-    Args:
-        child: Measurements of the child.
-        anatomy: Its parts, joints and muscles, and its law of development.
-        scales: Factors on length and girth of single parts, by the name of the body.
+    """Return the body of a child, with the strength of its size and age, and *scales* of single parts.
 
     Raises:
         GeometryError: If no body has these measurements.
@@ -127,11 +125,6 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
 def _average(reference: Reference) -> BodyTree:
     """Return the body of the average child of an age."""
     return _grow(measure(reference.age_months), reference)[0]
-
-
-def _weigh(child: Measurements, reference: Reference) -> float:
-    """Return the mass of a body, in [kg]."""
-    return weigh_parts(shape_parts(child, reference), reference).body_kg(reference.anatomy)
 
 
 def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:

@@ -15,15 +15,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from mimoc.body.anatomy import Anatomy
-from mimoc.body.decay import Decay
 from mimoc.body.dimensions import mirror, mirror_turn
-from mimoc.body.maturation import NECK, heavier
+from mimoc.body.maturation import NECK, Decay, heavier
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
-from mimoc.body.part import ReferenceJoint
+from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tree import BodyTree, Joint, MaturationFactors
-from mimoc.geometry.rotations import Vec3
 
 POWERS: Mapping[str, float] = {"stiffness": 1.0, "frictionloss": 1.0, "damping": 1.5, "armature": 2.0}
 """Powers of the standing height that a joint's constants grow by, besides the volume of the part (D)."""
@@ -81,71 +79,42 @@ UPPER_LIMITS: Mapping[str, Limit] = {
 LOWER_LIMITS: Mapping[str, Limit] = {"robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)")}
 """Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down."""
 
-_Place = tuple[str, Vec3, Vec3]
-"""Name, axis and anchor of a joint."""
 NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
 
 
 def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFactors | None) -> dict[str, Joint]:
-    """Return the joints of a child by name, by its law of development.
-
-    Args:
-        shapes: The shapes of its parts, which place anchors.
-        reference: What it is compared with.
-        growth: What strength and joints mature with; None is the published law.
-    """
-    anatomy, age_months = reference.anatomy, reference.age_months
-    groups, tone = anatomy.groups, TONE(age_months)
-    joints: dict[str, Joint] = {}
-    for side, part in anatomy.parts:
+    """Return the joints of a child by name; without *growth*, by the published law, all are as at 18 months."""
+    groups, joints = reference.anatomy.groups, dict[str, Joint]()
+    age_months = reference.age_months if growth else REFERENCE_AGE_MONTHS
+    tone = TONE(age_months)
+    for side, part in reference.anatomy.parts:
         for figures in part.joints:
-            left, name = side == "left", figures.name.format(side=side)
-            axis = figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left)
-            anchor_m = mirror(shapes.built[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left)
-            place = name, axis, anchor_m
-            if growth is None:
-                joints[name] = _published(place, figures)
-            else:
-                scales = _scales(name, groups[name], growth)
-                joints[name] = _maturing(place, figures, scales, age_months, tone)
+            left, name, rest_deg = side == "left", figures.name.format(side=side), figures.springref_deg
+            scales = _scales(name, groups[name], growth)
+            low, high = figures.range_deg
+            low = _limit(LOWER_LIMITS.get(figures.name), low, age_months)
+            high = _limit(UPPER_LIMITS.get(figures.name), high, age_months)
+            rest_deg += (NEWBORN_REST_DEG.get(figures.name, rest_deg) - rest_deg) * tone
+            stiffness_nm_per_rad = figures.stiffness_nm_per_rad * scales["stiffness"]
+            joints[name] = Joint(
+                name,
+                axis=figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left),
+                anchor_m=mirror(shapes.built[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left),
+                range_deg=(low, high),
+                stiffness_nm_per_rad=stiffness_nm_per_rad * _stiffening(figures.name, tone),
+                damping_nms_per_rad=figures.damping_nms_per_rad * scales["damping"],
+                frictionloss_nm=figures.frictionloss_nm * scales["frictionloss"],
+                armature_kgm2=figures.armature_kgm2 * scales["armature"],
+                springref_deg=min(max(rest_deg, low), high),
+            )
     return joints
 
 
-def _published(place: _Place, figures: ReferenceJoint) -> Joint:
-    """Return a joint with MIMo's constants and angles."""
-    return Joint(
-        *place,
-        range_deg=figures.range_deg,
-        stiffness_nm_per_rad=figures.stiffness_nm_per_rad,
-        damping_nms_per_rad=figures.damping_nms_per_rad,
-        frictionloss_nm=figures.frictionloss_nm,
-        armature_kgm2=figures.armature_kgm2,
-        springref_deg=figures.springref_deg,
-    )
-
-
-def _maturing(
-    place: _Place, figures: ReferenceJoint, scales: Mapping[str, float], age_months: float, tone: float
-) -> Joint:
-    """Return a joint with constants c v l^p, stiffer by its flexor tone, and the angles of its age."""
-    name, rest_deg = figures.name, figures.springref_deg
-    rest_deg += (NEWBORN_REST_DEG.get(name, rest_deg) - rest_deg) * tone
-    low, high = figures.range_deg
-    low, high = _limit(LOWER_LIMITS.get(name), low, age_months), _limit(UPPER_LIMITS.get(name), high, age_months)
-    return Joint(
-        *place,
-        range_deg=(low, high),
-        stiffness_nm_per_rad=figures.stiffness_nm_per_rad * scales["stiffness"] * _stiffening(name, tone),
-        damping_nms_per_rad=figures.damping_nms_per_rad * scales["damping"],
-        frictionloss_nm=figures.frictionloss_nm * scales["frictionloss"],
-        armature_kgm2=figures.armature_kgm2 * scales["armature"],
-        springref_deg=min(max(rest_deg, low), high),
-    )
-
-
-def _scales(joint: str, group: str, growth: MaturationFactors) -> dict[str, float]:
+def _scales(joint: str, group: str, growth: MaturationFactors | None) -> dict[str, float]:
     """Return the factors v l^p on a joint's constants, by attribute, for the neck also x what its head is heavier."""
+    if growth is None:
+        return dict.fromkeys(POWERS, 1.0)
     size = growth.relative_volumes[joint] * (growth.head_gain if group == NECK else 1.0)
     return {attribute: size * growth.relative_length**power for attribute, power in POWERS.items()}
 
@@ -168,11 +137,6 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
     the average child if they are more. With the torques T of the motor, T_a of the average child's and T_18 of MIMo's,
     a joint's constant is multiplied by max(1, T / max(T_a, T_18 c / c_18)), where c is that of the average child and
     c_18 that of MIMo.
-
-    Args:
-        tree: The body, with its final strength.
-        average: The average child of the same age.
-        anatomy: Anatomy of both.
     """
     at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     joints, usual_joints, matched = tree.joints, average.joints, dict[str, Joint]()
@@ -197,38 +161,27 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
     return replace(tree, bodies=tuple(bodies)) if matched else tree
 
 
-PUBLISHED = f"{REFERENCE}; the same at every age by the law `published`"
 CONSTANTS: tuple[str, ...] = ("range", "stiffness", "damping", "frictionloss", "armature", "springref")
 """A joint's attributes in MJCF that are numbers of the body."""
-EXTRAORDINARY = "its motor is stronger than the average child's"
-"""Reason why a joint has more damping and armature than in the reference body (`match_damping`)."""
 
 
 def joint_origins(
     joint: Joint, figures: ReferenceJoint, group: str, motor: str | None, tree: BodyTree
 ) -> dict[str, Origin]:
-    """Return where a joint's attributes in MJCF come from, by attribute.
-
-    Args:
-        joint: The joint.
-        figures: The joint in the reference body.
-        group: The group that its strength matures with.
-        motor: The motor that moves it, if any.
-        tree: The body.
-    """
-    usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
-    if tree.growth is None:
-        origins: dict[str, Origin] = dict.fromkeys(CONSTANTS, Origin(PUBLISHED, (LAW_KEY,)))
-    else:
-        scales = _scales(joint.name, group, tree.growth)
-        usual = {name: value * scales[name] for name, value in usual.items()}
-        origins = dict.fromkeys(CONSTANTS, Origin(CONSTANT))
+    """Return where a joint's attributes in MJCF come from, by attribute; *group* is what its strength matures with."""
+    published = Origin(f"{REFERENCE}; the same at every age by the law `published`", (LAW_KEY,))
+    origins = dict.fromkeys(CONSTANTS, Origin(CONSTANT) if tree.growth else published)
+    if tree.growth:
         origins |= _maturing_origins(figures, joint.name, group, tree.age_months, tree.growth)
-    values = {"damping": joint.damping_nms_per_rad, "armature": joint.armature_kgm2}
-    for name, value in values.items():
-        if not math.isclose(value, usual[name]):
-            start = f"{usual[name]:g} ({REFERENCE})" if tree.growth is None else origins[name].rule
-            rule = f"{start} x {value / usual[name]:.6g}, by which {EXTRAORDINARY}"
+    scales = _scales(joint.name, group, tree.growth)
+    for name, value, at_18 in (
+        ("damping", joint.damping_nms_per_rad, figures.damping_nms_per_rad),
+        ("armature", joint.armature_kgm2, figures.armature_kgm2),
+    ):
+        usual = at_18 * scales[name]
+        if not math.isclose(value, usual):
+            start = origins[name].rule if tree.growth else f"{usual:g} ({REFERENCE})"
+            rule = f"{start} x {value / usual:.6g}, by which its motor is stronger than the average child's"
             origins[name] = Origin(rule, (*origins[name].sources, f"actuator.{motor}.gear"))
     return origins
 
@@ -236,27 +189,24 @@ def joint_origins(
 def _maturing_origins(
     figures: ReferenceJoint, joint: str, group: str, age_months: float, growth: MaturationFactors
 ) -> dict[str, Origin]:
-    at_18 = {
-        "stiffness": figures.stiffness_nm_per_rad,
-        "frictionloss": figures.frictionloss_nm,
-        "damping": figures.damping_nms_per_rad,
-        "armature": figures.armature_kgm2,
-    }
-    origins = {name: _passive_origin(name, value, joint, group, growth) for name, value in at_18.items()}
+    origins = dict[str, Origin]()
+    for name, at_18 in (
+        ("stiffness", figures.stiffness_nm_per_rad),
+        ("frictionloss", figures.frictionloss_nm),
+        ("damping", figures.damping_nms_per_rad),
+        ("armature", figures.armature_kgm2),
+    ):
+        text = (
+            f"{at_18:g} ({REFERENCE}) x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ "
+            f"{POWERS[name]:g}: volume of the part that the strength here follows, and standing height, relative to "
+            f"18 months, by {LAW} (a passive torque keeps its proportion to gravity; D)"
+        )
+        origins[name] = Origin(text + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
     factor = _stiffening(figures.name, TONE(age_months))
     if factor > 1:
         tone = f" x {factor:.6g} for the flexor tone of this age (D; arm recoil: Ballard 1991, S)"
         origins["stiffness"] = origins["stiffness"].times(tone)
     return {**origins, **dict(_angle_origins(figures))}
-
-
-def _passive_origin(attribute: str, value: float, joint: str, group: str, growth: MaturationFactors) -> Origin:
-    text = (
-        f"{value:g} ({REFERENCE}) x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ "
-        f"{POWERS[attribute]:g}: volume of the part that the strength here follows, and standing height, relative to "
-        f"18 months, by {LAW} (a passive torque keeps its proportion to gravity; D)"
-    )
-    return Origin(text + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
 
 
 def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:

@@ -1,7 +1,7 @@
 """Forward kinematics of a body, its extents in a pose, and its stature, for comparison with growth standards."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypedDict
 
 import numpy as np
@@ -23,24 +23,24 @@ Frame = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True)
 class Posed:
-    """The geoms of a body in a pose, in the frame of its hip."""
+    """The n geoms of a body in a pose, or in each of several, in the frame of its hip."""
 
     geoms: tuple[Geom, ...]
     centres: FloatArray
-    """Shape (n, 3), [m]."""
+    """Shape (..., n, 3), [m]."""
     rotations: FloatArray
-    """Hip from geom, shape (n, 3, 3)."""
+    """Hip from geom, shape (..., n, 3, 3)."""
 
     @property
     def centre_of_mass(self) -> FloatArray:
-        """Centre of mass, shape (3,), [m]; exact, because every geom is symmetric."""
-        return centres_of_mass(self.geoms, self.centres)
+        """Centre of mass, shape (..., 3), [m]; exact, because every geom is symmetric."""
+        masses = np.array([geom.mass_kg for geom in self.geoms])
+        return masses @ self.centres / masses.sum()
 
     @property
     def solid(self) -> "Posed":
         """This pose without the geoms that have no contacts."""
-        kept = [index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity]
-        return self.only(kept)
+        return self.only([index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity])
 
     @property
     def extents(self) -> Extents:
@@ -49,7 +49,8 @@ class Posed:
 
     def only(self, kept: Sequence[int]) -> "Posed":
         """Return this pose with only some of the geoms, by index."""
-        return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.rotations[kept])
+        geoms = tuple(self.geoms[index] for index in kept)
+        return Posed(geoms, self.centres[..., kept, :], self.rotations[..., kept, :, :])
 
     def reaches(self, direction: FloatArray) -> FloatArray:
         """Return each geom's extent from the hip along a unit vector of the hip frame, shape (n,), [m]."""
@@ -63,35 +64,23 @@ class Posed:
 
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     """Return the body with some joint angles; joints that are not named are at zero."""
-    return Posed(*_placed(tree, frames(tree, angles_rad)))
+    return _posed(tree, frames(tree, angles_rad))
 
 
-def pose_all(
-    tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]
-) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
-    """Return what `pose` does, of p poses at once: the n geoms, their centres and rotations.
-
-    Returns:
-        The geoms; their centres, shape (p, n, 3), [m]; and the rotations hip from geom, shape (p, n, 3, 3).
-    """
-    return _placed(tree, _frames_of_all(tree, poses_rad))
+def pose_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Posed:
+    """Return what `pose` does, to the bit, of p poses at once; arrays have p as their first axis."""
+    return _posed(tree, _frames_of_all(tree, poses_rad))
 
 
-def _placed(tree: BodyTree, placed: Mapping[str, Frame]) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
-    """Return the n geoms of a body, their centres, shape (..., n, 3), and rotations, from the frames of its parts."""
+def _posed(tree: BodyTree, placed: Mapping[str, Frame]) -> Posed:
+    """Return the geoms of a body from the frames of its parts."""
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
     origins = np.stack([origin for origin, _ in homes], axis=-2)
     turns = np.stack([turn for _, turn in homes], axis=-3)
     places = np.array([geom.pos_m for geom in geoms])
     tilts = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
-    return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ tilts
-
-
-def centres_of_mass(geoms: Sequence[Geom], centres: FloatArray) -> FloatArray:
-    """Return the centre of mass of geoms in some poses, shape (..., 3), from their centres, shape (..., n, 3)."""
-    masses = np.array([geom.mass_kg for geom in geoms])
-    return masses @ centres / masses.sum()
+    return Posed(geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ tilts)
 
 
 def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
@@ -99,11 +88,7 @@ def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
 
     Joints that are not named are at zero.
     """
-    placed: dict[str, Frame] = {}
-    for body in tree.bodies:
-        parent = placed[body.parent] if body.parent else (np.zeros(3), np.eye(3))
-        placed[body.name] = _frame(body, angles_rad, *parent)
-    return placed
+    return {body.name: (origin, turn) for body, joint, origin, turn in _walk(tree, angles_rad) if joint is None}
 
 
 def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
@@ -111,12 +96,32 @@ def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
 
     Joints that are not named are at zero.
     """
-    placed, axes = frames(tree, angles_rad), {}
+    return {
+        joint.name: (origin + turn @ joint.anchor_m, turn @ joint.axis / np.linalg.norm(joint.axis))
+        for _, joint, origin, turn in _walk(tree, angles_rad)
+        if joint
+    }
+
+
+def _walk(
+    tree: BodyTree, angles_rad: Mapping[str, float]
+) -> Iterator[tuple[Body, Joint | None, FloatArray, FloatArray]]:
+    """Yield origin and rotation of each body before each of its joints turns it about its anchor, and after the last.
+
+    Then there is None instead of a joint.
+    """
+    placed: dict[str | None, Frame] = {None: (np.zeros(3), np.eye(3))}
     for body in tree.bodies:
-        if body.parent:
-            for joint, anchor, turn in _turns(body, angles_rad, *placed[body.parent]):
-                axes[joint.name] = anchor, turn @ joint.axis / np.linalg.norm(joint.axis)
-    return axes
+        origin, turn = placed[body.parent]
+        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
+        for joint in body.joints:
+            yield body, joint, origin, turn
+            if angle_rad := angles_rad.get(joint.name, 0.0):
+                anchor = origin + turn @ joint.anchor_m
+                turn = turn @ matrix_from_axis(joint.axis, angle_rad)
+                origin = anchor - turn @ joint.anchor_m
+        placed[body.name] = origin, turn
+        yield body, None, origin, turn
 
 
 def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
@@ -135,21 +140,6 @@ def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
 def hip_in_world(state: Sequence[float]) -> Frame:
     """Return position and rotation of the hip, shapes (3,) and (3, 3), from a state (qpos)."""
     return np.array(state[:3]), matrix_from_quaternion(state[3:7])
-
-
-def _frame(
-    body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return origin and rotation of a body, which its joints rotate one after another about their anchors."""
-    origin = parent_origin + parent_turn @ body.pos_m
-    turn = parent_turn @ matrix_from_euler(body.euler_deg)
-    for joint in body.joints:
-        angle_rad = angles_rad.get(joint.name, 0.0)
-        if angle_rad:
-            anchor = origin + turn @ joint.anchor_m
-            turn = turn @ matrix_from_axis(joint.axis, angle_rad)
-            origin = anchor - turn @ joint.anchor_m
-    return origin, turn
 
 
 def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> dict[str, Frame]:
@@ -173,16 +163,6 @@ def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> 
     return {body.name: placed[body.name] for body in tree.bodies}
 
 
-def _turns(
-    body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
-) -> Iterator[tuple[Joint, FloatArray, FloatArray]]:
-    """Yield each joint of a body, the position of its anchor, and the rotation of the body before the joint's own."""
-    for count, joint in enumerate(body.joints):
-        before = replace(body, joints=body.joints[:count])
-        origin, turn = _frame(before, angles_rad, parent_origin, parent_turn)
-        yield joint, origin + turn @ joint.anchor_m, turn
-
-
 class Stature(TypedDict):
     """Measures for which there are WHO standards, with the names of `fits.tables.WHO_FILES`."""
 
@@ -195,12 +175,13 @@ class Stature(TypedDict):
 
 def stature(tree: BodyTree) -> Stature:
     """Return the measures of a body: length is crown to sole, and the left arm is preferred, as WHO does."""
-    arm_cm = _arm_circumference_cm(tree)
+    arms = [tree.geoms[name] for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    head = tree.geoms["head"]
     return Stature(
         length_cm=m_to_cm(length_m(tree)),
         weight_kg=tree.mass_kg,
-        head_circumference_cm=m_to_cm(_girth_m(tree.geoms["head"])),
-        arm_circumference_cm=arm_cm,
+        head_circumference_cm=m_to_cm(girth(head.type, head.size_m)),
+        arm_circumference_cm=m_to_cm(girth(arms[0].type, arms[0].size_m)) if arms else None,
     )
 
 
@@ -208,12 +189,3 @@ def length_m(tree: BodyTree) -> float:
     """Return the length of a body from crown to sole, in [m]."""
     posed, up = pose(tree, {}), np.array([0.0, 0.0, 1.0])
     return posed.extent(up) + posed.extent(-up)
-
-
-def _arm_circumference_cm(tree: BodyTree) -> float | None:
-    arms = [tree.geoms[name] for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
-    return m_to_cm(_girth_m(arms[0])) if arms else None
-
-
-def _girth_m(geom: Geom) -> float:
-    return girth(geom.type, geom.size_m)

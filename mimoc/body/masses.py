@@ -49,14 +49,7 @@ class Masses:
         return math.fsum(self.kg[side][geom.name] for side, part in anatomy.parts for geom in part.geoms)
 
     def origin(self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]) -> Origin:
-        """Return where the mass of a geom comes from.
-
-        Args:
-            figures: The geom in the reference body.
-            part: The part that it belongs to.
-            name: Its name, with its side.
-            sources: Keys of the measurements that its size comes from.
-        """
+        """Return where the mass of a geom comes from; *sources* are keys of the measurements that its size follows."""
         density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
         usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
         if maturing and part.region == "trunk":
@@ -76,11 +69,8 @@ class Masses:
 
 def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
     """Return the masses of a child's parts, by its law of development."""
-    return _LAWS[reference.anatomy.development](shapes, reference)
-
-
-def _published(shapes: Shapes, reference: Reference) -> Masses:
-    """Return m = rho V of each geom."""
+    if reference.anatomy.development == "maturing":
+        return _maturing(shapes, reference)
     published_kg = shapes.of_sides(lambda side: _published_kg(reference, shapes.published_m3[side]))
     return Masses(published_kg, reference.densities_kg_m3)
 
@@ -119,10 +109,8 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
     )
 
 
-_LAWS = {"published": _published, "maturing": _maturing}
-
-
 def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    """Return m = rho V of each geom."""
     return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in reference.densities_kg_m3.items()}
 
 

@@ -1,8 +1,11 @@
-"""What the strength and the joints of a child mature with besides age: its length, and the volumes of its parts."""
+"""What the strength and the joints of a child mature with: age, its length, and the volumes of its parts."""
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy
+from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
 from mimoc.body.shapes import Shapes
@@ -13,6 +16,27 @@ NECK = "neck"
 """The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
 RelativeVolumes = Mapping[str, Mapping[str, float]]
 """Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decay:
+    """What is particular to newborns, and is gone at 18 months: a stretched exponential of age.
+
+    The newborn share is (e(t) - e(18)) / (1 - e(18)) with e(t) = exp(-(t / tau)^power) and t the age in months: 1 at
+    birth, 0 from 18 months on.
+    """
+
+    tau_months: float
+    """Time constant: the older the infant when it is lost, the longer."""
+    power: float
+    """Steepness: 1 is a plain exponential, above 1 the loss begins slowly."""
+
+    def __call__(self, age_months: float) -> float:
+        """Return the newborn share, from 1 at birth to 0 at 18 months and later."""
+        if age_months >= REFERENCE_AGE_MONTHS:
+            return 0.0
+        last = math.exp(-((REFERENCE_AGE_MONTHS / self.tau_months) ** self.power))
+        return (math.exp(-((age_months / self.tau_months) ** self.power)) - last) / (1 - last)
 
 
 def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
@@ -39,14 +63,7 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
 def maturation(
     child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference
 ) -> MaturationFactors | None:
-    """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
-
-    Args:
-        child: Measurements of the child.
-        volumes: The volumes of its geoms.
-        head_gain: Mass of head and neck, relative to the published law.
-        reference: What it is compared with.
-    """
+    """Return what strength and joints mature with besides age; None by the published law, by which nothing does."""
     if reference.anatomy.development == "published":
         return None
     length = child.published[HEIGHT] / reference.length_m

@@ -16,7 +16,6 @@ from mimoc.schema.infant import InfantSpec
 Weigh = Callable[[Measurements], float]
 Bounds = tuple[float, float]
 
-WHY = "for this child"
 SIZES: Bounds = (0.75, 1.25)
 """Range of size relative to the average child of the same age; WHO's percentiles 1 to 99 span .81 to 1.17."""
 BUILDS: Bounds = (0.65, 1.45)
@@ -60,11 +59,7 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
 
 
 def measure_individual(spec: InfantSpec, weigh: Weigh) -> Measurements:
-    """Return the measurements of a spec's child.
-
-    Args:
-        spec: The spec.
-        weigh: Function from measurements to the mass of the body, in [kg].
+    """Return the measurements of a spec's child; *weigh* returns the mass of a body with some measurements, in [kg].
 
     Raises:
         IndividualError: If no child matches the requested individual.
@@ -93,11 +88,6 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     given follow from the others: length from weight, or else from the head; girths from weight, or else from length;
     the head from length.
 
-    Args:
-        measurements: Measurements of the average child of this age.
-        individual: Measures and percentiles of the child.
-        weigh: Function from measurements to the mass of the body, in [kg].
-
     Raises:
         IndividualError: If no child matches; the message gives the possible range.
     """
@@ -110,31 +100,24 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
 
     alone = replace(measurements, paper=None)
 
-    def thick(girth: float, report: bool = True) -> Measurements:
-        """Return the measurements with this factor on girths, whose origins say so if it is *report*."""
-        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, report)
-        return replace(_scaled(alone, wanted, girth, keys, report), paper=paper)
+    def thick(girth: float) -> Measurements:
+        """Return the measurements with this factor on girths."""
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys)
+        return replace(_scaled(alone, wanted, girth, keys), paper=paper)
 
     if wanted.weight_kg is None:
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
         return thick(length or head or 1.0)
     bounds = SIZES if length is None else _times(BUILDS, length)
-    return thick(_solve(lambda girth: weigh(thick(girth, report=False)), wanted.weight_kg, bounds, of_size))
+    return thick(_solve(lambda girth: weigh(thick(girth)), wanted.weight_kg, bounds, of_size))
 
 
-def _scaled(
-    average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...], report: bool = True
-) -> Measurements:
+def _scaled(average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...]) -> Measurements:
     """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
     length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
     head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
-    factors = _factors(average, length, girth, head)
-    return average.scaled(factors, WHY, keys) if report else average.times(factors)
-
-
-def _factors(measurements: Measurements, length: float, girth: float, head: float) -> dict[str, float]:
-    """Return the factor of each measurement."""
-    return {name: head if name in HEAD else length if name.endswith("_length") else girth for name in measurements}
+    factors = {name: head if name in HEAD else length if name.endswith("_length") else girth for name in average}
+    return average.scaled(factors, "for this child", keys)
 
 
 def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm: Bounds, child: str) -> float | None:

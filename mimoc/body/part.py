@@ -95,7 +95,9 @@ class ReferenceMotor:
     name: str
     joint: str
     gear_nm: float
+    """Torque at full command."""
     force_range: tuple[float, float]
+    """Fraction of the gear that is available towards negative and positive angles."""
     vmax_lengths_per_s: float
     """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
     driven_geom: str

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mimoc.base.units import deg_to_rad, rad_to_deg
-from mimoc.body import BodyTree, Joint
-from mimoc.body.kinematics import FloatArray, centres_of_mass, length_m, pose, pose_all
+from mimoc.body.kinematics import FloatArray, length_m, pose, pose_all
+from mimoc.body.tree import BodyTree, Joint
 from mimoc.fits import measure
 from mimoc.fits.tables import settled_deg
-from mimoc.geometry.primitives import Extents, extents, girth
-from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
+from mimoc.geometry.primitives import Extents, girth
+from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.geometry.solvers import narrowed
 from mimoc.schema.names import SIDES
 
@@ -34,10 +34,8 @@ class Rollers:
     """Shape (p, k, 3), [m]."""
     rotations: FloatArray
     """Hip from geom, shape (p, k, 3, 3)."""
-    half_edges: FloatArray
-    """Of the boxes that make up `Extents`, shape (p, k, 3), [m]."""
-    half_axes: FloatArray
-    """Of the ellipsoids, likewise."""
+    reach: Extents
+    """From their centres, shapes (p, k, 3), [m]."""
     centres_of_mass: FloatArray
     """Of the whole body, shape (p, 3), [m]."""
 
@@ -55,7 +53,8 @@ class Rollers:
             touching = touching._lowest(lows, highs)
             lows, highs = narrowed(touching._heights, lows, highs, width_rad)
         pitches = [round(pitch, 6) for pitch in ((lows + highs) / 2).tolist()]  # Further digits are noise.
-        return [(pitch, self._height(index, pitch)) for index, pitch in enumerate(pitches)]
+        heights = self._depths(_downs(np.array(pitches)[:, None])).max(axis=(1, 2))
+        return list(zip(pitches, heights.tolist(), strict=True))
 
     def _downhill(self, pitches_rad: FloatArray) -> FloatArray:
         """Return the last pitch in steps from where each pose starts, before it goes uphill, shape (p,)."""
@@ -77,7 +76,7 @@ class Rollers:
     def _depths(self, downs: FloatArray) -> FloatArray:
         """Return how far each geom reaches from the hip along m directions, shape (p, m, 3), as (p, m, k), [m]."""
         local = np.swapaxes(downs[:, None] @ self.rotations, 1, 2)
-        of_geoms = Extents(self.half_edges[:, None], self.half_axes[:, None]).along(local)
+        of_geoms = Extents(self.reach.half_edges[:, None], self.reach.half_axes[:, None]).along(local)
         return downs @ np.swapaxes(self.centres, 1, 2) + of_geoms
 
     def _lowest(self, lows_rad: FloatArray, highs_rad: FloatArray) -> "Rollers":
@@ -87,29 +86,17 @@ class Rollers:
         near = depths_m > (depths_m.max(axis=1) - _NEAR_M_PER_RAD * halves_rad)[:, None]
         kept = np.argsort(~near, axis=1)[:, : near.sum(axis=1).max()]
         poses = np.arange(len(kept))[:, None]
-        return Rollers(
-            self.centres[poses, kept],
-            self.rotations[poses, kept],
-            self.half_edges[poses, kept],
-            self.half_axes[poses, kept],
-            self.centres_of_mass,
-        )
-
-    def _height(self, pose: int, pitch_rad: float) -> float:
-        """Return the height of the hip above the ground, in [m]."""
-        (down,) = _downs(np.array([pitch_rad]))
-        local = np.einsum("nij,i->nj", self.rotations[pose], down)
-        depths_m = Extents(self.half_edges[pose], self.half_axes[pose]).along(local)
-        return float((self.centres[pose] @ down + depths_m).max())
+        reach = Extents(self.reach.half_edges[poses, kept], self.reach.half_axes[poses, kept])
+        return Rollers(self.centres[poses, kept], self.rotations[poses, kept], reach, self.centres_of_mass)
 
 
 def rollers(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Rollers:
     """Return the geoms of a body that can touch the ground, in some poses, given as angles by joint."""
-    geoms, centres, rotations = pose_all(tree, poses_rad)
-    solid = [index for index, geom in enumerate(geoms) if geom.contype or geom.conaffinity]
-    reach = extents((geoms[index].type, geoms[index].size_m) for index in solid)
-    edges, axes = (np.repeat(array[None], len(poses_rad), axis=0) for array in (reach.half_edges, reach.half_axes))
-    return Rollers(centres[:, solid], rotations[:, solid], edges, axes, centres_of_mass(geoms, centres))
+    posed = pose_all(tree, poses_rad)
+    solid = posed.solid
+    reach, shape = solid.extents, solid.centres.shape
+    edges, axes = (np.broadcast_to(array, shape) for array in (reach.half_edges, reach.half_axes))
+    return Rollers(solid.centres, solid.rotations, Extents(edges, axes), posed.centre_of_mass)
 
 
 def _downs(pitches_rad: FloatArray) -> FloatArray:
@@ -149,7 +136,7 @@ POSES: Mapping[str, Pose] = {
         held=(*_TRUNK, "{side}_hip*", "{side}_knee", "{side}_foot*"),
     ),
 }
-"""What is the same at all ages in the poses of infants; `pose_of` adds the angles at which the rest of the body rests.
+"""What is the same at all ages in the poses of infants; `poses_of` adds the angles at which the rest of the body rests.
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
 FREE_DEG: Mapping[str, Mapping[str, float]] = {
@@ -175,33 +162,22 @@ def standing_height(tree: BodyTree) -> float:
     return pose(tree, {}).extent(np.array([0.0, 0.0, -1.0]))
 
 
-def pose_of(tree: BodyTree, name: str) -> Pose:
-    """Return the pose of `POSES` that a body takes, with the angles at which a body of its age comes to rest in it.
+def poses_of(tree: BodyTree) -> dict[str, Pose]:
+    """Return the poses of `POSES` as a body takes them, with the angles at which a body of its age comes to rest.
 
     Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk.
     """
-    return _pose_of(tree, name, _disproportion(tree))
-
-
-def poses_of(tree: BodyTree) -> list[Pose]:
-    """Return all poses of `POSES`, in their order; see `pose_of`."""
-    disproportion = _disproportion(tree)
-    return [_pose_of(tree, name, disproportion) for name in POSES]
-
-
-def _pose_of(tree: BodyTree, name: str, disproportion: float) -> Pose:
-    wanted, settled = POSES[name], _settled_deg(tree, name)
-    pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
-    share = FREED * max(0.0, disproportion - ALIKE)
-    for joint, free_deg in FREE_DEG.get(name, {}).items():
-        if share and joint in settled:
-            settled[joint] += min(1.0, share) * (free_deg - settled[joint])
-    return replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
-
-
-def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:
     hands = tree.hands if tree.hands == "five_finger" else "mitten"  # Others' hands were not laid down.
-    return settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+    share = FREED * max(0.0, _disproportion(tree) - ALIKE)
+    poses = {}
+    for name, wanted in POSES.items():
+        settled = settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+        pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
+        for joint, free_deg in FREE_DEG.get(name, {}).items():
+            if share and joint in settled:
+                settled[joint] += min(1.0, share) * (free_deg - settled[joint])
+        poses[name] = replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
+    return poses
 
 
 def _disproportion(tree: BodyTree) -> float:
@@ -219,17 +195,12 @@ def _disproportion(tree: BodyTree) -> float:
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
     """Return the angle of each hinge of *tree* in a pose, in [rad], within its range."""
-    return _angles(tree, wanted, tree.joints)
-
-
-def _angles(tree: BodyTree, wanted: Pose, joints: Mapping[str, Joint]) -> dict[str, float]:
-    """Return `pose_angles` of a body with these joints."""
     named_deg = {
         "robot:" + name.format(side=side): angle for name, angle in wanted.angles_deg.items() for side in SIDES
     }
     angles = {
         name: deg_to_rad(clip(joint, named_deg.get(name, joint.springref_deg if wanted.relaxed else 0.0)))
-        for name, joint in joints.items()
+        for name, joint in tree.joints.items()
     }
     if wanted.on_feet:
         for side in SIDES:
@@ -276,15 +247,9 @@ def resting_states(tree: BodyTree, wanted: Sequence[Pose]) -> list[tuple[float, 
         tree: The body.
         wanted: The poses; the minimum is the one that is reached downhill from the pitch of each.
     """
-    joints = tree.joints
-    poses_rad = [_angles(tree, start, joints) for start in wanted]
+    poses_rad = [pose_angles(tree, start) for start in wanted]
     rests = rollers(tree, poses_rad).rest(np.array([deg_to_rad(start.pitch_deg) for start in wanted]))
     return [
-        (0.0, 0.0, height_m - CONTACT_DEPTH_M, *pitched(pitch_rad), *angles.values())
+        (0.0, 0.0, height_m - CONTACT_DEPTH_M, *quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad), *angles.values())
         for angles, (pitch_rad, height_m) in zip(poses_rad, rests, strict=True)
     ]
-
-
-def pitched(pitch_rad: float) -> Quaternion:
-    """Return the rotation of a hip about y as a quaternion."""
-    return quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad)

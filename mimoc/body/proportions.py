@@ -14,15 +14,12 @@ from mimoc.body.sections import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing, meas
 from mimoc.geometry.ellipsoids import ellipse_perimeter
 
 
-def published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
+def _published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
     """Return the published trunk: widths from breadths, depths from girths, height from crown-rump length and head.
 
     It is that of MIMo v2 with its growth corrected: as deep as girths are in proportion to MIMo's, and with shoulder
     joints as far apart as shoulders are broad. Strength follows the volumes of these shapes by the published law, and
     masses as well; bodies have other shapes (`measured_trunk`), which have the measured girths, breadths and lengths.
-
-    Raises:
-        GeometryError: If a measurement does not fit the others.
     """
     pelvis_radius_m = 0.048 * _share(m, "hip_circumference")
     belly_scale = _share(m, "chest_circumference")
@@ -46,25 +43,19 @@ def published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: 
     )
 
 
-def published_arm(m: Mapping[str, float]) -> tuple[float, float]:
+def _published_arm(m: Mapping[str, float]) -> tuple[float, float]:
     """Return the published lengths of upper arm and forearm, in the reference body's proportion to measured ones."""
     to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
     return 0.1076 * _share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
 
 
-def published_leg(
+def _published_leg(
     m: Mapping[str, float], base: Mapping[str, float], leg_m: float, foot_height_m: float
 ) -> tuple[float, float]:
-    """Return the published lengths of thigh and shank.
+    """Return the published lengths of thigh and shank, which add up to *leg_m*; *foot_height_m* is half of the height.
 
     They are in proportion to rump-knee and knee-sole length, as in the reference body; if one of these was replaced,
     its segment changes in the same proportion.
-
-    Args:
-        m: Measurements in [m], by AnthroKids name.
-        base: The same before any of them was replaced.
-        leg_m: Length of both, in [m].
-        foot_height_m: Half the height of the foot.
     """
     thigh_m = 0.135 * _share(base, "rump_knee_length")
     shank_m = 0.187 * _share(base, "knee_sole_length") - foot_height_m
@@ -178,9 +169,9 @@ def proportions(
     head_radius_m = _radius(m["head_circumference"])
     arm_radius_m, foot = _radius(m["upper_arm_circumference"]), _foot(m, foot_height)
     if published:
-        trunk = published_trunk(m, head_radius_m, arm_radius_m)
-        upper_arm_m, forearm_m = published_arm(m)
-        thigh_m, shank_m = published_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
+        trunk = _published_trunk(m, head_radius_m, arm_radius_m)
+        upper_arm_m, forearm_m = _published_arm(m)
+        thigh_m, shank_m = _published_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
     else:
         trunk = measured_trunk(m, base, head_radius_m, arm_radius_m)
         upper_arm_m, forearm_m = _arm(m)

@@ -9,7 +9,7 @@ from mimoc.body.origins import Entry, Origin
 from mimoc.body.part import ReferencePart
 from mimoc.body.strength import motor_origins
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
-from mimoc.fits import Measured, Measurements
+from mimoc.fits import Measurements
 from mimoc.schema.names import SIDES
 
 
@@ -59,22 +59,15 @@ def _moving(body: Body, part: ReferencePart, scaled: Mapping[str, tuple[str, ...
 
 def _trace_measurements(measurements: Measurements) -> Iterator[tuple[str, Entry]]:
     for name, measured in measurements.table.items():
-        entry: Entry = {
-            "value": m_to_cm(measured.value_m),
-            "unit": "cm",
-            "rule": measured.origin,
-            "from": list(measured.given_by),
-        }
-        if measured.curve:
-            curve = measured.curve
+        entry = Origin(measured.origin, measured.given_by, "cm").entry(m_to_cm(measured.value_m))
+        if curve := measured.curve:
             entry["rule"] += ": a log(age_months + b) + c + d age_months" if curve.d else ": a log(age_months + b) + c"
             entry["fit"] = {"a": curve.a, "b": curve.b_months, "c": curve.c, **({"d": curve.d} if curve.d else {})}
-            entry["points"] = _points(measured)
+            entry["points"] = [
+                {"age_months": point.age_months, "value_cm": point.value_cm, "origin": point.origin}
+                for point in measured.points
+            ]
         yield f"measurements.{name}_cm", entry
-
-
-def _points(measured: Measured) -> list[Entry]:
-    return [{"age_months": p.age_months, "value_cm": p.value_cm, "origin": p.origin} for p in measured.points]
 
 
 def _trace_body(body: Body, part: ReferencePart, sources: tuple[str, ...]) -> dict[str, Entry]:

@@ -108,11 +108,6 @@ def head_share(age_months: float) -> float:
     return ADULT_SHARE + NEWBORN_EXCESS * math.exp(-age_months / DECAY_MONTHS)
 
 
-def foot_mass_kg(age_months: float) -> float:
-    """Return the mass of a foot with its toes, of the average child: .062 kg + .0075 kg x age in months."""
-    return NEWBORN_KG + KG_PER_MONTH * age_months
-
-
 def _head_gain(reference: Reference) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
     average, anatomy = measure(reference.age_months).published, reference.anatomy
@@ -128,14 +123,13 @@ def _foot_height(reference: Reference) -> float:
     Length, breadth and density are those of the published body. The mass is so nearly in proportion to the height that
     the secant method needs a few steps.
     """
-    average, wanted_kg = dict(measure(reference.age_months)), foot_mass_kg(reference.age_months)
+    average, wanted_kg = dict(measure(reference.age_months)), NEWBORN_KG + KG_PER_MONTH * reference.age_months
     p, anatomy = proportions(average, average), reference.anatomy
-    geoms = anatomy.of_foot()
 
     def excess_kg(height: float) -> float:
         foot = replace(p.foot, half_height_m=height * p.foot.half_height_m)
         shapes = dimensions_of(replace(p, foot=foot), (anatomy.feet,)).shapes
-        parts = ((geom, reference.densities_kg_m3[geom.name], shapes[geom.name].size_m) for geom in geoms)
+        parts = ((geom, reference.densities_kg_m3[geom.name], shapes[geom.name].size_m) for geom in anatomy.of_foot())
         return math.fsum(kg_per_m3 * volume(geom.type, size_m) for geom, kg_per_m3, size_m in parts) - wanted_kg
 
     before, now = 1.5, 1.6

@@ -103,7 +103,13 @@ def measured_trunk(
     axial = axial_spacing(m["crown_rump_length"], head_radius_m, pelvis[0])
     shoulder_y_m = JOINT_SPACING / 2 * m["shoulder_breadth"]
     wanted_m = shoulder_y_m + arm_radius_m - DELTOID_BREADTH / 2 * m["shoulder_breadth"]
-    inwards_m = min(wanted_m, _room_inwards(ribs, axial, shoulder_y_m, arm_radius_m))
+    room_inwards_m = room_beside(  # Until an arm at rest touches the chest.
+        outwards_m=shoulder_y_m - ribs[1] + ribs[0],
+        above_m=SHOULDER_ABOVE_CHEST_M * axial,
+        behind_m=SHOULDER_BACK * ribs[0],
+        apart_m=ribs[0] + arm_radius_m + CLEARANCE_M,
+    )
+    inwards_m = min(wanted_m, room_inwards_m)
     return Trunk(
         axial=axial,
         pelvis=pelvis,
@@ -120,11 +126,7 @@ def measured_trunk(
 
 
 def _no_deeper(wanted: Section, radius_m: float) -> Section:
-    """Return a section with at most this radius, narrower by half of what it is less deep.
-
-    Raises:
-        GeometryError: If it would be less than half as deep.
-    """
+    """Return a section with at most this radius, at least half of its own, narrower by half of what it is less deep."""
     if radius_m <= wanted[0] / 2:
         raise GeometryError(NO_ROOM)
     factor = min(1.0, radius_m / wanted[0])
@@ -136,14 +138,6 @@ def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Secti
     radius_m = GIRDLE * chest_radius_m
     beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * chest_radius_m) ** 2)
     return radius_m, arm_y_m - beside_m + radius_m
-
-
-def _room_inwards(ribs: Section, axial: float, shoulder_y_m: float, arm_radius_m: float) -> float:
-    """Return how far an arm at rest can be moved towards the midline until it touches the chest, in [m]."""
-    radius_m, half_width_m = ribs
-    outwards_m = shoulder_y_m - half_width_m + radius_m
-    above_m, behind_m = SHOULDER_ABOVE_CHEST_M * axial, SHOULDER_BACK * radius_m
-    return room_beside(outwards_m, above_m, behind_m, radius_m + arm_radius_m + CLEARANCE_M)
 
 
 def room_beside(outwards_m: float, above_m: float, behind_m: float, apart_m: float) -> float:
@@ -170,17 +164,10 @@ def section(
     ratio: float,
     narrower: float = 1.0,
 ) -> Section:
-    """Return the section that has a measured girth and breadth.
+    """Return the section that has a measured girth and breadth, by their *names*, or is that much *narrower*.
 
-    Both are changed by up to 2 % such that an average child has the given ratio, but for those that were replaced.
-
-    Args:
-        what: Name of the section, for errors.
-        m: Measurements in [m].
-        base: The same before any of them was replaced.
-        names: Of girth and breadth.
-        ratio: Girth over breadth of the average child.
-        narrower: Breadth of the section over the measured one.
+    Both are changed by up to 2 % such that an average child has the given ratio of girth over breadth, but for those
+    that were replaced since *base*.
 
     Raises:
         GeometryError: If it would be deeper than broad, or too flat.

@@ -30,12 +30,8 @@ LIMBS = (
 """The solid of each long segment, and the part at whose joint it ends."""
 
 
-def check_limbs(dimensions: BodyGeometry) -> None:
-    """Check that limbs are longer than wide.
-
-    Raises:
-        GeometryError: If one is not.
-    """
+def _check_limbs(dimensions: BodyGeometry) -> None:
+    """Raise a GeometryError if a limb is wider than it is long."""
     for geom, end in LIMBS:
         length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
         if thickness_m >= length_m:
@@ -47,12 +43,8 @@ DEEPEST = 1.0
 begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
 
 
-def check_trunk(dimensions: BodyGeometry) -> None:
-    """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
-
-    Raises:
-        GeometryError: If they do.
-    """
+def _check_trunk(dimensions: BodyGeometry) -> None:
+    """Raise a GeometryError if upper body and pelvis, which are separated by two joints, overlap too much."""
     pelvis, belly = dimensions.shapes["lb"], dimensions.shapes["ub1"]
     on_belly = [
         sum(axis) for axis in zip(*(dimensions.origins[body] for body in ("lower_body", "upper_body")), strict=True)
@@ -69,7 +61,7 @@ PRESSED = 0.5
 """How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
 
 
-def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
+def _clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
     """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
     arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
     x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
@@ -86,18 +78,10 @@ def clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
     return dimensions | BodyGeometry({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
-def scale_part(
+def _scale_part(
     dimensions: BodyGeometry, name: str, parts: Iterable[ReferencePart], length: float, girth: float
 ) -> BodyGeometry:
-    """Return dimensions in which one part is scaled.
-
-    Args:
-        dimensions: Dimensions of one side.
-        name: The part, by its name with `{side}`.
-        parts: All parts of that side, to find those that are attached.
-        length: Factor along the part.
-        girth: Factor across it.
-    """
+    """Return dimensions of one side in which a part of it, named with `{side}`, is scaled along and across itself."""
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
     scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
@@ -110,7 +94,9 @@ def scale_part(
 
 
 def _scale_solid(solid: GeomShape, geom: ReferenceGeom, scale: Vec3) -> GeomShape:
-    x, y, z = _in_geom_frame(geom.euler_deg, scale)
+    x, y, z = scale
+    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
+    x, y, z = turned.get(geom.euler_deg, scale)  # Geoms are turned by at most a right angle.
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
     elif geom.type in ("box", "ellipsoid"):
@@ -119,13 +105,6 @@ def _scale_solid(solid: GeomShape, geom: ReferenceGeom, scale: Vec3) -> GeomShap
         radius_m, half_m = solid.size_m
         size_m = (radius_m * math.sqrt(x * y), half_m * z)
     return GeomShape(size_m, _times(solid.pos_m, scale))
-
-
-def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
-    """Return scale factors along a body's axes as factors along a geom's axes, turned by at most a right angle."""
-    x, y, z = scale
-    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
-    return turned.get(euler_deg, scale)
 
 
 def _times(vector: Vec3, scale: Vec3) -> Vec3:
@@ -164,26 +143,20 @@ class Shapes:
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
-    """Return the shapes of a child's parts.
-
-    Args:
-        child: Measurements of the child.
-        reference: What it is compared with.
-        scales: Factors on length and girth of single parts.
+    """Return the shapes of a child's parts, of which *scales* change single ones in length and girth.
 
     Raises:
         GeometryError: If no body has these measurements.
     """
     anatomy, alike = reference.anatomy, child.symmetric and not scales
-    shape = _LAWS[anatomy.development]
 
     def published_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
         dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
     def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
-        dimensions = _scaled(shape(child, side, reference), anatomy.parts, scales, side)
-        (check_limbs if side else check_trunk)(dimensions)
+        dimensions = _scaled(_shape(child, side, reference), anatomy.parts, scales, side)
+        (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
     volumes_m3 = _of_sides(lambda side: published_m3(child, scales, side), alike=alike)
@@ -193,22 +166,15 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     usual = built(before, NO_SCALES, "") if changed else None
     dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
-        check_limbs(dimensions[""])
+        _check_limbs(dimensions[""])
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)
 
 
-def _published(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
-    """Return shapes with the child's measurements, MIMo's head and MIMo's feet."""
-    return dimensions_of(proportions(child.of_side(side), child.base_m), reference.anatomy.kinds)
-
-
-def _maturing(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
-    """Return shapes with the child's measurements, an ellipsoid as head, and the feet of its age."""
+def _shape(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
+    """Return shapes with the child's measurements: MIMo's head and feet, or by `maturing` an ellipsoid, higher feet."""
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
-    return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
-
-
-_LAWS = {"published": _published, "maturing": _maturing}
+    dimensions = dimensions_of(p, reference.anatomy.kinds)
+    return dimensions if reference.anatomy.development == "published" else dimensions | maturing_head_dimensions(p)
 
 
 def _of_sides(function: Callable[[str], T], *, alike: bool) -> dict[str, T]:
@@ -222,5 +188,5 @@ def _scaled(dimensions: BodyGeometry, parts: Sided, scales: Scales, side: str) -
     of_side = [part for part_side, part in parts if part_side in (side, "")]
     for part in of_side:
         if part.name.format(side=side) in scales:
-            dimensions = scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
-    return clear_arms(dimensions)
+            dimensions = _scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
+    return _clear_arms(dimensions)

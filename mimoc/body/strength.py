@@ -13,13 +13,11 @@ heads, reached, sat and stood at the ages at which children do (WHO Multicentre 
 Denver II, Frankenburg et al. 1992; Gerber, Wilks & Erdie-Lalena 2010). Those of hands are a guess (D).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import prod
 
 from mimoc.body import origins
-from mimoc.body.decay import Decay
-from mimoc.body.maturation import NECK, RelativeVolumes, heavier
+from mimoc.body.maturation import NECK, Decay, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
 from mimoc.body.reference import Reference
@@ -63,13 +61,7 @@ FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
 def motor_torques(
     volumes: RelativeVolumes, reference: Reference, growth: MaturationFactors | None
 ) -> tuple[Motor, ...]:
-    """Return the motors of a child, in MIMo's order.
-
-    Args:
-        volumes: The volumes of its geoms.
-        reference: What it is compared with.
-        growth: What strength and joints mature with; None is the published law.
-    """
+    """Return the motors of a child, in MIMo's order; without *growth*, by the published law."""
     of_age = {group: curve(reference.age_months) for group, curve in STRENGTH.items()}
     groups, motors = reference.anatomy.groups, []
     for side, figures in reference.anatomy.motors:
@@ -87,12 +79,7 @@ def _maturing(
 ) -> tuple[float, tuple[float, float]]:
     """Return the torque T_18 v l r, for the neck also x what its head is heavier, and the force range.
 
-    Args:
-        torque_nm: By the published law, T_18 v.
-        figures: The motor at 18 months.
-        group: The group that its strength matures with.
-        of_age: The share r of each group at this age.
-        growth: What strength matures with.
+    *torque_nm* is T_18 v; *of_age* is the share r of each group that strength matures with.
     """
     negative, positive = of_age[group], of_age[FORWARDS.get(figures.name, group)]
     gain = growth.head_gain if group == NECK else 1.0
@@ -101,18 +88,12 @@ def _maturing(
 
 
 def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Motor]) -> BodyTree:
-    """Return a body as strong as it would be at another age, by as much as the average child is then.
-
-    Args:
-        tree: The body.
-        now: The motors of the average child of its age.
-        then: Those of the average child of the other age.
-    """
+    """Return a body as much stronger as the motors of the average child are at another age, *then*, than *now*."""
     motors = []
     for motor, usual, other in zip(tree.motors, now, then, strict=True):
         factor = other.gear_nm / usual.gear_nm
-        factors = ((AGE_KEY, factor),)
-        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=other.force_range, factors=factors))
+        gear_nm, factors = motor.gear_nm * factor, ((AGE_KEY, factor),)
+        motors.append(replace(motor, gear_nm=gear_nm, force_range=other.force_range, factors=factors))
     return replace(tree, motors=tuple(motors))
 
 
@@ -120,24 +101,20 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
     """Return a body with the factors on its gears that a spec asks for, by muscle group or pair of groups."""
     if not strength:
         return tree
-    groups = tree.muscle_groups
+    groups, pair_of = tree.muscle_groups, {group: pair for pair, sides in PAIRED_GROUPS.items() for group in sides}
     motors = []
     for motor in tree.motors:
-        asked = tuple(_of_group(groups[motor.joint], strength))
-        gear_nm = motor.gear_nm * prod(factor for _, factor in asked)
-        motors.append(replace(motor, gear_nm=gear_nm, factors=(*asked, *motor.factors)))
+        group = groups[motor.joint]
+        name = group if group in strength else pair_of.get(group, "")
+        if name in strength:
+            factors = ((f"{STRENGTH_KEY}.{name}", strength[name]), *motor.factors)
+            motor = replace(motor, gear_nm=motor.gear_nm * strength[name], factors=factors)
+        motors.append(motor)
     return replace(tree, motors=tuple(motors))
 
 
 def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
-    """Return where the gear of a motor comes from, and its force range.
-
-    Args:
-        motor: The motor.
-        figures: Its reference values.
-        group: The group that its strength matures with.
-        tree: The body.
-    """
+    """Return where the gear of a motor comes from, and its force range; *group* is what its strength matures with."""
     rule = (
         f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
         f"of the geom that moves the joint: {motor.driven_geom}"
@@ -168,10 +145,3 @@ def _row(group: str) -> str:
     others = {"hand": "a guess; D", "eyes": "the same at every age; D"}
     source = others.get(group, "fitted to the ages of milestones; D")
     return f"row `{group}`: {curve.newborn:g} at birth, {decay}; {source}"
-
-
-def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield key and factor of a group, if it has one: its own, or else that of its pair."""
-    pairs = [pair for pair, sides in PAIRED_GROUPS.items() if group in sides]
-    named = [name for name in (group, *pairs) if name in strength]
-    yield from ((f"{STRENGTH_KEY}.{name}", strength[name]) for name in named[:1])

@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-from mimoc.body.part import Development, GeomType, Region
+from mimoc.body.part import Development, GeomType, ReferenceMotor, Region
 from mimoc.geometry.rotations import Vec3
 
 FREE_JOINT = "mimo_location"
@@ -79,19 +79,9 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Motor:
-    """The motor of one joint."""
+class Motor(ReferenceMotor):
+    """The motor of one joint of an infant, with the names of its side and the strength of its size and age."""
 
-    name: str
-    joint: str
-    gear_nm: float
-    """Torque at full command."""
-    force_range: tuple[float, float]
-    """Fraction of the gear that is available towards negative and positive angles."""
-    vmax_lengths_per_s: float
-    """Maximum shortening velocity of its muscles, in optimal lengths per second."""
-    driven_geom: str
-    """The geom whose volume determines the gear."""
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""
 

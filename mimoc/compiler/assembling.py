@@ -6,9 +6,9 @@ from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s
-from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
-from mimoc.body.poses import POSES, poses_of, resting_states, standing_height
+from mimoc.body.poses import poses_of, resting_states, standing_height
+from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
@@ -23,7 +23,8 @@ from mimoc.senses import SENSES
 
 def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
     """Return every pose of this body as a state that rests on the ground, z = 0."""
-    return tuple(map(Keyframe, POSES, resting_states(tree, poses_of(tree))))
+    poses = poses_of(tree)
+    return tuple(map(Keyframe, poses, resting_states(tree, list(poses.values()))))
 
 
 LOOKS_GROUP = 1

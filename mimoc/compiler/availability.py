@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from mimoc.base.errors import Problem, SpecError
 from mimoc.base.units import m_to_cm
-from mimoc.body import assemble
+from mimoc.body.anatomy import assemble
 from mimoc.fits import measure
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.names import unsided

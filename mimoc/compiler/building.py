@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import body
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import rounded, rounded_array
 from mimoc.base.units import ms_to_s
+from mimoc.body.grow import GrownBody
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
+from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json
@@ -62,7 +63,7 @@ from mimoc.version import __version__
 class BuildRecord:
     """What an infant was built from, for its provenance."""
 
-    grown: body.GrownBody
+    grown: GrownBody
     actuation: ActuationSetup
     senses: Mapping[str, Placed]
 
@@ -75,7 +76,7 @@ class Builder:
     """The spec."""
     target: str | None
     """Name of the other software that it is built for, if any."""
-    tree: body.BodyTree
+    tree: BodyTree
     """The infant's body."""
     infant: SceneTree
     """The infant with senses and actuators, with its poses at the origin, before it is placed in a world."""
@@ -245,7 +246,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
 
 
 def _equip(
-    spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget, has_skin: bool
+    spec: InfantSpec, tree: BodyTree, compatibility: CompatibilityTarget, has_skin: bool
 ) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
     """Return actuators and senses of a body, the setup of its task, the complete infant, and its manifest."""
     try:
@@ -269,7 +270,7 @@ def _arrays(senses: Mapping[str, Placed]) -> Iterator[tuple[str, npt.NDArray[Any
             yield f"{sense}/{name}", kept
 
 
-def _scaled_parts(spec: InfantSpec, tree: body.BodyTree) -> dict[str, tuple[str, ...]]:
+def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]]:
     """Return the keys of the spec that scale each part, by its name in the body."""
     scaled: dict[str, tuple[str, ...]] = {}
     for name, part in spec.body.parts.items():

@@ -6,9 +6,9 @@ from typing import Any, Literal
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.base.kinds import Kinds
-from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.kinematics import stature
 from mimoc.body.parts import PARTS
+from mimoc.body.tree import FREE_JOINT, BodyTree
 from mimoc.bundle.manifest import (
     AnatomyEntry,
     ChildEntry,

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from mimoc.base.kinds import AgeTable
-from mimoc.body import BodyTree
 from mimoc.body.origins import Entry, Origin
+from mimoc.body.tree import BodyTree
 from mimoc.delays import AGES_MONTHS
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
 from mimoc.schema.infant import InfantSpec

@@ -8,13 +8,12 @@ that is steep enough at birth is too flat by two years: boys of four months are 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.rounding import significant
-
-FloatArray = npt.NDArray[np.float64]
+from mimoc.geometry.rotations import FloatArray
 
 B_MIN_MONTHS = 0.1
 """Smallest shift: keeps the curve finite at birth (paper, eq. 1)."""
@@ -56,7 +55,7 @@ def fit_log_curve(ages_months: Sequence[float], values: Sequence[float]) -> LogC
         ages_months: Shape (n,), n >= 3, none below zero.
         values: Shape (n,), in any unit.
     """
-    points = _Points(_array(ages_months), _array(values), np.ones(len(values)), is_steady=False)
+    points = _Points(np.array(ages_months, float), np.array(values, float), np.ones(len(values)), is_steady=False)
     return _curve(points, _best_shift(points, B_MAX_MONTHS))
 
 
@@ -70,7 +69,7 @@ def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weigh
         values: Shape (n,), in any unit.
         weights: Of the squared deviations, shape (n,).
     """
-    points = _Points(_array(ages_months), _array(values), _array(weights), is_steady=True)
+    points = _Points(*(np.array(column, float) for column in (ages_months, values, weights)), is_steady=True)
     b = _best_shift(points, B_MAX_COUNT_MONTHS)
     return fit_log_curve(ages_months, values) if math.isnan(b) else _curve(points, b)
 
@@ -90,8 +89,7 @@ class _Points:
         return (values * self.weights).sum(axis=-1, keepdims=True) / self.weights.sum()
 
 
-@dataclass(frozen=True, slots=True)
-class _Fits:
+class _Fits(NamedTuple):
     """The best curve for each shift, shape (n,)."""
 
     a: FloatArray
@@ -144,11 +142,6 @@ def _neighbours(grid: FloatArray, first: int, steps: int) -> tuple[float, float]
 
 
 def _curve(points: _Points, b: float) -> LogCurve:
-    fits = _fits(points, np.array([b]))
-    a, d = (significant(float(values[0]), DIGITS) for values in (fits.a, fits.d))
+    a, d, *_ = (significant(float(values[0]), DIGITS) for values in _fits(points, np.array([b])))
     c = points.mean(points.y - a * np.log(points.ages + b) - d * points.ages)[0]
     return LogCurve(a=a, b_months=b, c=significant(float(c), DIGITS), d=d)
-
-
-def _array(column: Sequence[float]) -> FloatArray:
-    return np.asarray(column, dtype=float)

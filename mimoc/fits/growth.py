@@ -45,18 +45,15 @@ def measure(age_months: float) -> Measurements:
 
 
 def _read_all(age_months: float, law: Law) -> Mapping[str, Measured]:
-    tables = load_tables()
-    fits = _shipped_fits(law)
-    fitted = {
-        name: _read_off(curve, points, age_months, f"anthrokids.csv: {name}, log fit")
-        for name, (curve, points) in fits.items()
+    table = {
+        name: Measured(cm_to_m(curve(age_months)), f"anthrokids.csv: {name}, log fit", curve, points)
+        for name, (curve, points) in _shipped_fits(law).items()
     }
-    published = {
-        name: _read_off(curve, (), age_months, f"anthrokids_published_fits.csv: {name}")
-        for name, curve in tables.published.items()
-        if name not in fits
-    }
-    return MappingProxyType(fitted | published)
+    for name, curve in load_tables().published.items():
+        if name not in table:
+            origin = f"anthrokids_published_fits.csv: {name}"
+            table[name] = Measured(cm_to_m(curve(age_months)), origin, curve)
+    return MappingProxyType(table)
 
 
 def fit_growth(tables: GrowthTables, placement: Placement = "middle", law: Law = "count") -> Mapping[str, Fit]:
@@ -105,7 +102,3 @@ def _birth_point(name: str, first: GroupMean, tables: GrowthTables) -> DataPoint
     return DataPoint(
         0.0, first.mean_cm * shrink, f"{BIRTH}: anthrokids.csv:{first.line} x {shrink:.4f} (WHO birth length)"
     )
-
-
-def _read_off(curve: LogCurve, points: tuple[DataPoint, ...], age_months: float, origin: str) -> Measured:
-    return Measured(cm_to_m(curve(age_months)), origin, curve, points)

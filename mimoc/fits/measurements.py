@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from mimoc.fits.curves import LogCurve
 
@@ -112,15 +111,9 @@ class Measurements(Mapping[str, float]):
             else measured
             for name, measured in self.table.items()
         }
-        paper, both = self.paper and self.paper.scaled(factors, why, given_by), MappingProxyType(table)
-        return replace(self, table=both, base=both, paper=paper)
-
-    def times(self, factors: Mapping[str, float]) -> "Measurements":
-        """Return `scaled` measurements, whose origins say nothing of it: for a search, which tries many factors."""
-        numbers = {name: Measured(measured.value_m * factors[name], "") for name, measured in self.table.items()}
-        return Measurements(self.age_months, numbers, numbers, self.paper and self.paper.times(factors))
+        return Measurements(self.age_months, table, table, self.paper and self.paper.scaled(factors, why, given_by))
 
     def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
         """Return the measurements with some of them given, of both sides or of one."""
         paper = self.paper and self.paper.replaced(given)
-        return replace(self, table=MappingProxyType({**self.table, **given}), paper=paper)
+        return replace(self, table={**self.table, **given}, paper=paper)

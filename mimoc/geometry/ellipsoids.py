@@ -45,11 +45,7 @@ def nearest_points(half_axes: Sequence[float], points: FloatArray) -> FloatArray
     A point x is nearest to p where it lies along the surface's normal from it: x_i (t + a_i²) = a_i² p_i, and t is
     such that x is on the surface. With u = t + min(a²) no digits are lost near the middle. One over the size of x in
     half axes is a concave function of u, so Newton's steps from below never pass the solution; the first guess is
-    what it is for a sphere.
-
-    Args:
-        half_axes: Of the ellipsoid, along x, y and z.
-        points: Shape (n, 3), in its frame.
+    what it is for a sphere. Points are in the frame of the ellipsoid, shape (n, 3).
     """
     axes = np.array(half_axes, float)
     others = axes**2 - axes.min() ** 2
@@ -67,12 +63,7 @@ def nearest_points(half_axes: Sequence[float], points: FloatArray) -> FloatArray
 
 
 def signed_depths(half_axes: Sequence[float], points: FloatArray) -> FloatArray:
-    """Return the distance of points from the surface, shape (n,): positive inside, negative outside.
-
-    Args:
-        half_axes: Of the ellipsoid, along x, y and z.
-        points: Shape (n, 3), in its frame.
-    """
+    """Return the distance of points in its frame, shape (n, 3), from the surface, shape (n,): negative outside."""
     inside = ((points / half_axes) ** 2).sum(axis=1) < 1
     distances = np.linalg.norm(points - nearest_points(half_axes, points), axis=1)
     return np.where(inside, distances, -distances)

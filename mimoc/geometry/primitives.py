@@ -95,10 +95,7 @@ def extents(primitives: Iterable[tuple[Kind, Size]]) -> Extents:
 def depths(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
     """Return how deep inside of a primitive points are, shape (n,); outside it is negative, and at most the distance.
 
-    Args:
-        kind: Of the primitive.
-        size: Of the primitive.
-        points: Shape (n, 3), in its frame.
+    Points are in the frame of the primitive, shape (n, 3).
     """
     if kind == "box":
         x, y, z = (size - np.abs(points)).T
@@ -113,10 +110,7 @@ def depths(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
 def outward(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
     """Return the directions from points inside of a primitive to the nearest points of its surface, shape (n, 3).
 
-    Args:
-        kind: Of the primitive.
-        size: Of the primitive.
-        points: Shape (n, 3), in its frame.
+    Points are in the frame of the primitive, shape (n, 3).
     """
     if kind == "box":
         nearest = (size - np.abs(points)).argmin(axis=1)

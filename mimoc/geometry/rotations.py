@@ -7,6 +7,7 @@ the two.
 import math
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -35,28 +36,24 @@ def matrices_from_axes(axes: Sequence[Sequence[float]], angles_rad: Sequence[Seq
     x, y, z = (np.array(axes) / lengths[:, None]).T[:, :, None]
     sine = np.array([[math.sin(angle) for angle in angles] for angles in angles_rad])
     cosine = np.array([[math.cos(angle) for angle in angles] for angles in angles_rad])
-    rest = 1 - cosine
-    entries = (
-        *(cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y),
-        *(rest * x * y + sine * z, cosine + rest * y * y, rest * y * z - sine * x),
-        *(rest * x * z - sine * y, rest * y * z + sine * x, cosine + rest * z * z),
-    )
-    return np.stack(entries, axis=-1).reshape(*sine.shape, 3, 3)
+    return np.stack(_rotation(x, y, z, sine, cosine), axis=-1).reshape(*sine.shape, 3, 3)
 
 
 def matrix_from_axis(axis: Sequence[float] | FloatArray, angle_rad: float) -> FloatArray:
     """Return the rotation about an axis of any length, shape (3, 3) (Rodrigues 1840)."""
     x, y, z = axis
     length = math.hypot(x, y, z)
-    x, y, z = x / length, y / length, z / length
-    sine, cosine = math.sin(angle_rad), math.cos(angle_rad)
+    entries = _rotation(x / length, y / length, z / length, math.sin(angle_rad), math.cos(angle_rad))
+    return np.array(entries).reshape(3, 3)
+
+
+def _rotation(x: Any, y: Any, z: Any, sine: Any, cosine: Any) -> tuple[Any, ...]:
+    """Return the nine entries of a rotation about a unit vector, row by row."""
     rest = 1 - cosine
-    return np.array(
-        [
-            [cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y],
-            [rest * x * y + sine * z, cosine + rest * y * y, rest * y * z - sine * x],
-            [rest * x * z - sine * y, rest * y * z + sine * x, cosine + rest * z * z],
-        ]
+    return (
+        *(cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y),
+        *(rest * x * y + sine * z, cosine + rest * y * y, rest * y * z - sine * x),
+        *(rest * x * z - sine * y, rest * y * z + sine * x, cosine + rest * z * z),
     )
 
 

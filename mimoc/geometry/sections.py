@@ -1,6 +1,7 @@
 """Plane sections of primitive solids: how far they reach, and how long a tape around several of them is."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,18 +16,16 @@ DIRECTIONS = 360
 """Directions in which a tape is taken to touch; the girth of a trunk is then exact to 1e-5."""
 
 
+@dataclass(frozen=True, slots=True)
 class Solids:
     """Some primitives in their places."""
 
-    def __init__(self, extents: Extents, centres: FloatArray, rotations: FloatArray) -> None:
-        """Store n primitives.
-
-        Args:
-            extents: Of each from its centre.
-            centres: Shape (n, 3).
-            rotations: World from primitive, shape (n, 3, 3).
-        """
-        self._extents, self._centres, self._rotations = extents, centres, rotations
+    extents: Extents
+    """Of each of n from its centre."""
+    centres: FloatArray
+    """Shape (n, 3)."""
+    rotations: FloatArray
+    """World from primitive, shape (n, 3, 3)."""
 
     def reaches(self, directions: FloatArray) -> FloatArray:
         """Return how far each reaches from the origin along vectors of any length, times it, shape (..., n).
@@ -34,12 +33,12 @@ class Solids:
         Args:
             directions: Shape (..., n, 3).
         """
-        local = np.einsum("nij,...ni->...nj", self._rotations, directions)
-        return (directions * self._centres).sum(axis=-1) + self._extents.along(local)
+        local = np.einsum("nij,...ni->...nj", self.rotations, directions)
+        return (directions * self.centres).sum(axis=-1) + self.extents.along(local)
 
     def span(self, direction: FloatArray) -> tuple[float, float]:
         """Return the least and the largest reach of all along a unit vector, shape (3,)."""
-        towards = np.broadcast_to(direction, self._centres.shape)
+        towards = self._all(direction)
         return -float(self.reaches(-towards).max()), float(self.reaches(towards).max())
 
     def section_reach(self, normal: FloatArray, offset: float, directions: FloatArray) -> FloatArray:
@@ -66,7 +65,7 @@ class Solids:
         return float(2 * math.pi * self.section_reach(normal, offset, around).mean())
 
     def _all(self, vector: FloatArray) -> FloatArray:
-        return np.broadcast_to(vector, self._centres.shape)
+        return np.broadcast_to(vector, self.centres.shape)
 
     def _least_half_space(self, normal: FloatArray, offset: float, directions: FloatArray) -> FloatArray:
         """Return the least reach over all tilts of a half-space out of the plane, shape (m, n), by golden section."""
@@ -75,7 +74,7 @@ class Solids:
             slope = np.tan(tilt_rad)
             return self.reaches(directions[:, None] + slope[..., None] * normal) - slope * offset
 
-        shape = (len(directions), len(self._centres))
+        shape = (len(directions), len(self.centres))
         low, high = np.full(shape, -_STEEPEST_RAD), np.full(shape, _STEEPEST_RAD)
         for _ in range(_ROUNDS):
             left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)

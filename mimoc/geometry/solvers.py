@@ -4,17 +4,19 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
-Function = Callable[[float], float]
-FloatArray = npt.NDArray[np.float64]
+from mimoc.geometry.rotations import FloatArray
 
 SHARES = np.linspace(0.0, 1.0, 41)
 """Places between the ends of a bracket that are tried at once for a minimum."""
 
 
 def root(
-    function: Function, low: float, high: float, precision: float, method: Literal["brentq", "bisect"] = "brentq"
+    function: Callable[[float], float],
+    low: float,
+    high: float,
+    precision: float,
+    method: Literal["brentq", "bisect"] = "brentq",
 ) -> float:
     """Return where *function*, which has another sign at *low* than at *high*, is zero.
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.body.decay import Decay
+from mimoc.body.maturation import Decay
 from mimoc.body.origins import Entry, Origin
 from mimoc.noise.spec import NoiseEntry, noise_keys
 from mimoc.schema.infant import InfantSpec

@@ -7,7 +7,7 @@ from typing import Literal
 
 from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.kinds import function_of
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import BARE, SOLID, Furniture, WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom

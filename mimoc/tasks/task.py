@@ -12,8 +12,6 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from mimoc.actuation.binding import command_range
-from mimoc.actuation.spec import ActuationEntry
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.base.model_fields import ModelField, rows_by_name
 from mimoc.base.state_form import check_form
@@ -193,7 +191,8 @@ class Task:
             self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
         for name, change in judgement.changes.items():
             if change.where[0]:
-                self._change(getattr(data.model, name), name, change)
+                array, rows = getattr(data.model, name), rows_by_name(self.model_fields)[name]
+                array[rows if change.column is None else (rows, change.column)] = change.values()[0]
         return judgement.of_one()
 
     @property
@@ -222,11 +221,6 @@ class Task:
             self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
         return self._bound[2:]
 
-    def _change(self, array: np.ndarray, name: str, change: Change) -> None:
-        """Write new values to the declared rows of a field of the model."""
-        rows = rows_by_name(self.model_fields)[name]
-        array[rows if change.column is None else (rows, change.column)] = change.values()[0]
-
 
 @dataclass(frozen=True)
 class SquaredCommands(Term):
@@ -241,11 +235,6 @@ class SquaredCommands(Term):
         """Return the sum of each infant for actions of shape (k, n)."""
         commands = worlds.xp.minimum(worlds.xp.maximum(action, self.low), self.high)
         return worlds.xp.sum(commands * commands, axis=-1)
-
-
-def squared_commands(entry: ActuationEntry) -> SquaredCommands:
-    """Return the sum of squared commands of an infant's actuators."""
-    return SquaredCommands(*command_range(entry))
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:

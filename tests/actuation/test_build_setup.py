@@ -7,7 +7,8 @@ import pytest
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.build_setup import build_actuation
 from mimoc.actuation.spec import ActuationSpec
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.fits import measure
 
 TIMESTEP_S = 0.005

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 

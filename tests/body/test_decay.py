@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.body.decay import Decay
+from mimoc.body.maturation import Decay
 
 decays = st.builds(Decay, st.floats(1, 20), st.floats(0.5, 3))
 ages = st.floats(0, 24)

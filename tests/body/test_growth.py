@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mimoc import body
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.fits import measure
 
 UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
@@ -151,8 +152,8 @@ def test_the_older_the_larger(infants):
 
 def test_published_masses_and_gears_follow_the_volume_by_the_papers_growth_law():
     """A head's is the cube of its circumference."""
-    mitten = body.assemble("mitten", False, "published")
-    newborn, reference = (body.grow_average(age, mitten) for age in (0, 18))
+    mitten = assemble("mitten", False, "published")
+    newborn, reference = (grow_average(age, mitten) for age in (0, 18))
     heads_m = [measure(age).published["head_circumference"] for age in (0, 18)]
     share = (heads_m[0] / heads_m[1]) ** 3
     assert newborn.geoms["head"].mass_kg == pytest.approx(reference.geoms["head"].mass_kg * share, rel=1e-12)

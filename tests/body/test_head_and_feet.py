@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from mimoc.body import Body, BodyTree, assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.body.reference import head_share
+from mimoc.body.tree import Body, BodyTree
 from mimoc.compiler.validation.segment_masses import (
     ARMS,
     DUMMIES,

@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import pytest
 
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.joints import NEWBORN_REST_DEG
 from mimoc.fits import measure
 

@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings, strategies as st
 from support.full import full_but
 
 import mimoc
-from mimoc.body import assemble, grow_body
-from mimoc.body.grow import grow_child, reference_of
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_body, grow_child, reference_of
 from mimoc.bundle.model import load_model
 from mimoc.compiler.validation.measuring import MEASURES, STRAIGHT, Figure
 from mimoc.fits import measure

@@ -8,8 +8,9 @@ import pytest
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body import assemble, grow_tree
-from mimoc.body.poses import CONTACT_DEPTH_M, POSES, pose_of
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
+from mimoc.body.poses import CONTACT_DEPTH_M, POSES, poses_of
 from mimoc.compiler.assembling import keyframes
 from mimoc.fits import measure
 from mimoc.scenes.spec import SceneSpec
@@ -45,7 +46,7 @@ def test_there_is_a_keyframe_for_every_pose_of_the_language(infant_at):
 def test_poses_name_joints_that_exist(hands, chest_joint):
     tree = grow_tree(measure(9), assemble(hands, chest_joint))
     for pose in POSES:
-        for name in pose_of(tree, pose).angles_deg:
+        for name in poses_of(tree)[pose].angles_deg:
             assert {f"robot:{name.format(side=side)}" for side in ("left", "right")} <= tree.joints.keys()
 
 

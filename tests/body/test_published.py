@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.body import assemble, grow_body, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.base.errors import GeometryError
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import depths
 

@@ -1,7 +1,8 @@
 import pytest
 
 from mimoc.base.units import m_to_cm
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.fits import load_tables, measure
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from mimoc.actuation.build_setup import build_actuation
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.building import builder
 from mimoc.fits import measure

@@ -6,7 +6,8 @@ import mujoco
 import pytest
 from support import store
 
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.bundle.manifest import Manifest
 from mimoc.fits import measure

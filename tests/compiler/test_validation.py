@@ -4,9 +4,11 @@ import mujoco
 import pytest
 from support.full import full_rows
 
-from mimoc import body, fits
+from mimoc import fits
 from mimoc.base.errors import Problem, SpecError
 from mimoc.base.units import DAYS_PER_MONTH
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import Stature, stature
 from mimoc.compiler import validation
 from mimoc.compiler.validation import (
@@ -19,7 +21,7 @@ from mimoc.compiler.validation import (
 )
 from mimoc.schema import InfantSpec
 
-MITTEN = body.assemble("mitten", False)
+MITTEN = assemble("mitten", False)
 LAW = {"length_cm": 0.8, "weight_kg": 0.8, "head_circumference_cm": 0.8, "arm_circumference_cm": 1.0}
 """How far the average child may be from the mean of WHO's boys and girls, in standard deviations."""
 
@@ -52,16 +54,14 @@ def test_the_body_stays_near_who_on_every_day_of_two_years(indicator, daily_rows
 @pytest.fixture(scope="module")
 def daily_rows() -> list[Row]:
     ages_months = [day / DAYS_PER_MONTH for day in range(731)]
-    return [
-        row for age in ages_months for row in compare_with_who(age, stature(body.grow_tree(fits.measure(age), MITTEN)))
-    ]
+    return [row for age in ages_months for row in compare_with_who(age, stature(grow_tree(fits.measure(age), MITTEN)))]
 
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_either_kind_of_hands_is_within_one_sd(hands):
-    anatomy = body.assemble(hands, True)
+    anatomy = assemble(hands, True)
     for age_months in range(25):
-        for row in compare_with_who(age_months, stature(body.grow_tree(fits.measure(age_months), anatomy))):
+        for row in compare_with_who(age_months, stature(grow_tree(fits.measure(age_months), anatomy))):
             assert abs(row.z["mean"]) <= LAW[row.indicator], row
 
 
@@ -73,7 +73,7 @@ def test_the_compiled_body_stays_near_who(report):
 def test_compiled_measures_are_those_of_the_body_tree(report):
     """MuJoCo's model and mimoc's own kinematics agree to the digits that files hold."""
     for age_months, rows in report.by_age():
-        expected = stature(body.grow_tree(fits.measure(age_months), MITTEN))
+        expected = stature(grow_tree(fits.measure(age_months), MITTEN))
         for indicator, row in rows.items():
             assert row.value == pytest.approx(expected[indicator], rel=1e-6)
 

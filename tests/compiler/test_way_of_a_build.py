@@ -9,12 +9,12 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.body import BodyTree
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.grow import GrownBody, grow_body
 from mimoc.body.masses import Masses
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
+from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.fits import Measurements
 from mimoc.mjcf.scene import SceneTree

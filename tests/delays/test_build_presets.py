@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.tree import remove_parts
 from mimoc.delays.build_presets import MOTOR_DELAY, PRESETS, delays
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals

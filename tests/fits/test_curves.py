@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.fits import LogCurve, fit_count_curve, fit_growth, fit_log_curve, load_tables
-from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS, LAST_MONTH
+from mimoc.fits import load_tables
+from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS, LAST_MONTH, LogCurve, fit_count_curve, fit_log_curve
+from mimoc.fits.growth import fit_growth
 
 AGES_MONTHS = (0.0, 1.5, 4.5, 7.5, 10.5, 14.0, 18.0, 22.0, 33.0)
 

@@ -6,7 +6,8 @@ from hypothesis import given, strategies as st
 
 from mimoc.base.errors import DataError
 from mimoc.base.units import cm_to_m
-from mimoc.fits import BIRTH, fit_growth, load_tables, measure
+from mimoc.fits import load_tables, measure
+from mimoc.fits.growth import BIRTH, fit_growth
 
 FINGERS = ("middle_finger_diameter", "thumb_diameter")
 """Known by their published coefficients only."""

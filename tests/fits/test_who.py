@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from mimoc.base.units import DAYS_PER_MONTH
-from mimoc.fits import GrowthStandard, load_tables
-from mimoc.fits.who import REFERENCES, SEXES, percentile
+from mimoc.fits import load_tables
+from mimoc.fits.who import REFERENCES, SEXES, GrowthStandard, percentile
 
 WHO = load_tables().who
 

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import assemble, grow_average
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material
 from mimoc.mjcf.furniture import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture

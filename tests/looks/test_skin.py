@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from support.skin_bodies import child, children
 
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import POSES, pose_of, resting_state
+from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.looks.skin.deformation import skin_of
 from mimoc.looks.skin.face import newborn_share
 from mimoc.looks.skin.template_mesh import template_mesh
@@ -88,7 +88,7 @@ def test_no_edge_is_stretched_more_than_four_times_in_random_poses(hands):
 def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
     tree = child(age_months, hands)
     for name in POSES:
-        placed = frames_in_world(tree, resting_state(tree, pose_of(tree, name)))
+        placed = frames_in_world(tree, resting_state(tree, poses_of(tree)[name]))
         lowest_m = {layer.name: posed(layer, placed)[:, 2].min() for layer in layers(age_months, hands)}
         assert min(lowest_m.values()) < BELOW_FLOOR_M, name
         assert lowest_m.pop("head") > -BELOW_FLOOR_M - CHEEK_M, name

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import BodyTree, assemble, grow_body, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_body, grow_tree
+from mimoc.body.tree import BodyTree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX, keypoint_sites

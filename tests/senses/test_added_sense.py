@@ -12,7 +12,7 @@ from pydantic import Field
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import entries_of, explain
 from mimoc.mjcf.infant import Sensor, Site

@@ -8,7 +8,9 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from mimoc.base.errors import GeometryError
-from mimoc.body import Body, BodyTree, Geom, assemble, grow_body, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_body, grow_tree
+from mimoc.body.tree import Body, BodyTree, Geom
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, trunk_bodies

@@ -10,6 +10,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
+from mimoc.actuation.binding import command_range
 from mimoc.base.kinds import TaskKind
 from mimoc.base.model_fields import ModelField
 from mimoc.compiler.explain import explain
@@ -18,7 +19,7 @@ from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.spec_base import TaskEntry, TaskSpec
-from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Judgement, SquaredCommands, Task
 
 
 class LiftSpec(TaskSpec):
@@ -60,7 +61,7 @@ class Lift(Task):
 
     def __init__(self, entry, model, bundle):
         self._model, self._body = model, model.body(entry.body).id
-        cost = squared_commands(bundle.manifest.actuation)
+        cost = SquaredCommands(*command_range(bundle.manifest.actuation))
         super().__init__(entry.steps, Height(self._body, entry.success_m, cost))
 
     @property

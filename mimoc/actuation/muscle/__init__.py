@@ -3,8 +3,5 @@
 from mimoc.base.kinds import ActuationKind
 
 KIND = ActuationKind(
-    name="muscle",
-    about="Two antagonistic muscles for each joint.",
-    build="mimoc.actuation.muscle.build",
-    run="mimoc.actuation.muscle.run",
+    "muscle", "Two antagonistic muscles for each joint.", "mimoc.actuation.muscle.build", "mimoc.actuation.muscle.run"
 )

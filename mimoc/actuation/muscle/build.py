@@ -6,9 +6,9 @@ from dataclasses import replace
 from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
+from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.infant import Actuator
 
 PEAK = 1.07

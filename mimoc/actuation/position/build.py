@@ -26,10 +26,10 @@ from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree, Geom, Joint, Motor
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
 from mimoc.body.origins import LAW, REFERENCE
 from mimoc.body.strength import FORWARDS
+from mimoc.body.tree import BodyTree, Geom, Joint, Motor
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 
@@ -42,7 +42,8 @@ def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
 
     In other poses it is hardly less than half of the smallest returned; in one of hundreds, a third.
     """
-    moved, joints, by_pose = _turning_masses(tree), tree.joints, []
+    joints, by_pose, moved_by = tree.joints, [], _moved(tree)
+    moved = np.array([[body.name in moved_by[joint] for body in tree.bodies for _ in body.geoms] for joint in joints])
     for angles_rad in _spread_poses(tree):
         anchors, axes = (np.array(column) for column in zip(*hinges(tree, angles_rad).values(), strict=True))
         by_pose.append(_inertias(pose(tree, angles_rad), moved, anchors, axes))
@@ -71,14 +72,15 @@ def _sideless(joint: str) -> str:
     return joint.replace("left_", "").replace("right_", "")
 
 
-def _turning_masses(tree: BodyTree) -> FloatArray:
-    """Return 1 where a joint moves a geom, 0 elsewhere, shape (joints, geoms)."""
-    above: dict[str, list[str]] = {}
+def _moved(tree: BodyTree) -> dict[str, list[str]]:
+    """Return the bodies that each joint moves."""
+    above: dict[str | None, list[str]] = {None: []}
+    moved: dict[str, list[str]] = {joint: [] for joint in tree.joints}
     for body in tree.bodies:
-        inherited = above[body.parent] if body.parent else []
-        above[body.name] = [*inherited, *(joint.name for joint in body.joints)]
-    columns = [[joint in above[body.name] for joint in tree.joints] for body in tree.bodies for _ in body.geoms]
-    return np.array(columns, float).T
+        above[body.name] = [*above[body.parent], *(joint.name for joint in body.joints)]
+        for joint in above[body.name]:
+            moved[joint].append(body.name)
+    return moved
 
 
 def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatArray) -> FloatArray:
@@ -129,39 +131,21 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     for joint in tree.joints:
         gears = (f"actuator.{motor.name}.gear" for motor in tree.motors if motor.joint == joint)
         yield f"joint.{joint}.damping", Origin(_DAMPING, (MODEL_KEY, *gears, f"joint.{joint}.range"))
+    moved = _moved(tree)
     for motor in tree.motors:
         low, high = motor.force_range
-        at, gains = f"actuator.{motor.name}", _sources(tree, motor)
+        at, constants = f"actuator.{motor.name}", ("range", "stiffness", "springref", "damping", "armature")
+        masses = (f"body.{body}.mass" for body in moved[motor.joint])
+        gains = (*(f"joint.{motor.joint}.{constant}" for constant in constants), STEP_KEY, *masses)
+        matures = f", towards positive angles x strength of its front by that of its back at this age by {LAW}; D"
         limits = (
             f"gear x part of it that is reached towards negative and positive angles: {low:.6g} and {high:.6g} "
-            f"({REFERENCE}{_matured(tree, motor)})"
+            f"({REFERENCE}{matures if tree.growth and motor.name in FORWARDS else ''})"
         )
         bias = f"torque at angle 0, then by angle: -{_STIFFNESS}, less the joint's own spring, and by speed: -{_STOP}"
         yield f"{at}.forcerange", Origin(limits, (f"{at}.gear",), "N m")
         yield f"{at}.gainprm", Origin(f"{_STIFFNESS} x half of the joint's range", gains)
         yield f"{at}.biasprm", Origin(bias, gains)
-
-
-def _matured(tree: BodyTree, motor: Motor) -> str:
-    """Return what is said of a motor whose two directions mature apart."""
-    if tree.growth is None or motor.name not in FORWARDS:
-        return ""
-    return f", towards positive angles x strength of its front by that of its back at this age by {LAW}; D"
-
-
-def _sources(tree: BodyTree, motor: Motor) -> tuple[str, ...]:
-    """Return the keys of what a servo's stiffness and damping follow."""
-    constants = (f"joint.{motor.joint}.{name}" for name in ("range", "stiffness", "springref", "damping", "armature"))
-    return (*constants, STEP_KEY, *(f"body.{body}.mass" for body in _moved(tree, motor.joint)))
-
-
-def _moved(tree: BodyTree, joint: str) -> list[str]:
-    """Return the bodies that a joint moves."""
-    moved: list[str] = []
-    for body in tree.bodies:
-        if body.parent in moved or joint in [hinge.name for hinge in body.joints]:
-            moved.append(body.name)
-    return moved
 
 
 SERVO = (

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
-from mimoc.body import BodyTree
 from mimoc.body.origins import REFERENCE
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.infant import Actuator
 
 LIMITED = (("forcelimited", "true"),)

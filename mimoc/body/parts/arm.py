@@ -1,7 +1,7 @@
 """Upper arm and forearm: parts, joints and motors at 18 months, and their shapes."""
 
 from mimoc.base.kinds import PartKind
-from mimoc.body.dimensions import BodyGeometry, GeomShape, along
+from mimoc.body.dimensions import BodyGeometry, along
 from mimoc.body.part import REST_ABDUCTION_DEG, SHOULDERS, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.trunk import behind_chest
 from mimoc.body.proportions import Proportions
@@ -92,24 +92,18 @@ WRIST_MOTORS = (
 
 def arm_dimensions(p: Proportions) -> BodyGeometry:
     """Return upper arm and forearm."""
-    upper, axis_y_m = p.upper_arm, -p.trunk.arm_inwards_m  # The arm hangs: its y points to the midline.
+    upper, y_m = p.upper_arm, -p.trunk.arm_inwards_m  # The arm hangs: its y points to the midline.
     return BodyGeometry(
         origins={
             "{side}_upper_arm": (behind_chest(p.trunk, SHOULDER_BACK), -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
             "{side}_lower_arm": (0.0, 0.0, p.upper_arm.length_m),
         },
         shapes={
-            "{side}_uarm1": _moved(along("upper arm", upper.length_m, upper.radius_m, p.forearm.radius_m), axis_y_m),
+            "{side}_uarm1": along("upper arm", upper.length_m, upper.radius_m, p.forearm.radius_m, y_m),
             "{side}_larm": along("forearm", p.forearm.length_m, p.forearm.radius_m, p.hand.half_thickness_m),
         },
         anchors={"robot:{side}_shoulder_horizontal": (0.0, -p.upper_arm.radius_m, 0.0)},
     )
-
-
-def _moved(solid: GeomShape, y_m: float) -> GeomShape:
-    """Return a solid moved along y."""
-    x_m, _, z_m = solid.pos_m
-    return GeomShape(solid.size_m, (x_m, y_m, z_m))
 
 
 KIND = PartKind("arm", "Upper arms and forearms.", ARM, arm_dimensions)

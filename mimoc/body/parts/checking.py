@@ -9,9 +9,6 @@ from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import MATURING_GROUPS, ReferencePart
 from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 
-Named = tuple[type, str]
-HAND, FOREARM = "{side}_hand", "{side}_lower_arm"
-
 
 def check_parts(kind: PartKind) -> None:
     """Check that the parts of a kind fit together, and onto MIMo's body.
@@ -49,21 +46,16 @@ def _problems(kind: PartKind) -> Iterator[str]:
             yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
         parents.add(part.name)
         yield from _problems_of_part(part)
-    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != (HAND, FOREARM):
-        yield f"hands begin with '{HAND}', which is on '{FOREARM}'"
+    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != ("{side}_hand", "{side}_lower_arm"):
+        yield "hands begin with '{side}_hand', which is on '{side}_lower_arm'"
     others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
-    yield from _taken(kind, {name for other in (*usual, *others) for part in other.parts for name in _names(part)})
+    taken = {name for other in (*usual, *others) for part in other.parts for name in _names(part)}
+    for name, count in Counter(name for part in kind.parts for name in _names(part)).items():
+        if name in taken or count > 1:
+            yield f"the name '{name[1]}' is taken; choose another one"
 
 
-def _taken(kind: PartKind, taken: set[Named]) -> Iterator[str]:
-    """Yield names that other parts have, or that two things have here."""
-    counts = Counter(name for part in kind.parts for name in _names(part))
-    for named, count in counts.items():
-        if named in taken or count > 1:
-            yield f"the name '{named[1]}' is taken; choose another one"
-
-
-def _names(part: ReferencePart) -> Iterator[Named]:
+def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
     """Yield the names of a part and of all that it has, with what they are of."""
     for item in (part, *part.geoms, *part.joints, *part.motors):
         yield type(item), item.name

@@ -62,18 +62,14 @@ TOES = ReferencePart(
 
 def _half_of_toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> ReferencePart:
     """Return the big toe or the others, half as stiff and strong as all of them."""
-    (box_kg, tip_kg), (box, tip), joint = (
-        masses_kg,
-        (f"{{side}}_{name}1", f"{{side}}_{name}2"),
-        f"robot:{{side}}_{name}",
-    )
+    box, tip, joint = f"{{side}}_{name}1", f"{{side}}_{name}2", f"robot:{{side}}_{name}"
     motor = ReferenceMotor(f"act:{{side}}_{name}", joint, 0.165, (-1.0, 0.3), vmax_lengths_per_s, box)
     return replace(
         TOES,
         name=f"{{side}}_{name}",
         geoms=(
-            ReferenceGeom(box, "box", box_kg, _SIZE[::-1], "a share of foot_breadth wide", friction=_SOLE_GRIP),
-            ReferenceGeom(tip, "cylinder", tip_kg, _SIZE[::-1], _TIP_RULE, ALONG_Y, _SOLE_GRIP),
+            ReferenceGeom(box, "box", masses_kg[0], _SIZE[::-1], "a share of foot_breadth wide", friction=_SOLE_GRIP),
+            ReferenceGeom(tip, "cylinder", masses_kg[1], _SIZE[::-1], _TIP_RULE, ALONG_Y, _SOLE_GRIP),
         ),
         joints=(ReferenceJoint(joint, (0, -1, 0), (-60, 80), 0.053, 0.02, 0.002, 0.0001),),
         rule="at the ball of the foot",
@@ -106,11 +102,7 @@ def two_toed_foot_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def _stretch(f: Foot, between_m: float) -> float:
-    """Return by how much a foot is longer between the middles of its rounded ends than MIMo's.
-
-    Raises:
-        GeometryError: If it is wider than long.
-    """
+    """Return by how much a foot, which may not be wider than long, is longer between its rounded ends than MIMo's."""
     if f.length_m <= 2 * f.half_breadth_m:
         raise GeometryError(f"a foot {f.length_m:.3f} m long cannot be {2 * f.half_breadth_m:.3f} m wide")
     heel_m = f.half_breadth_m - CLEARANCE_M

@@ -10,7 +10,16 @@ from dataclasses import replace
 from mimoc.base.errors import GeometryError
 from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.part import ALONG_X, WRIST, GeomType, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
+from mimoc.body.part import (
+    ALONG_X,
+    UPRIGHT,
+    WRIST,
+    GeomType,
+    ReferenceGeom,
+    ReferenceJoint,
+    ReferenceMotor,
+    ReferencePart,
+)
 from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.body.parts.mitten import check_hand
 from mimoc.body.proportions import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
@@ -18,31 +27,22 @@ from mimoc.body.sections import CLEARANCE_M
 from mimoc.geometry.rotations import Vec3
 
 Figures = tuple[float, ...]
+Joints = tuple[ReferenceJoint, ...]
+Motors = tuple[ReferenceMotor, ...]
 
-_SIZES_M: Mapping[str, Figures] = {
-    "{side}_hand1": (0.01712, 0.00584, 0.02532),
-    "{side}_hand2": (0.00588, 0.00584, 0.01292),
-    "{side}_hand3": (0.00584, 0.0171),
-    "{side}_hand4": (0.00584, 0.02298),
-    "{side}_ffknuckle1": (0.00549, 0.00992),
-    "{side}_ffmiddle1": (0.0052, 0.00501),
-    "{side}_ffdistal1": (0.005, 0.00464),
-    "{side}_mfknuckle1": (0.00579, 0.011),
-    "{side}_mfmiddle1": (0.0054, 0.00562),
-    "{side}_mfdistal1": (0.0052, 0.00538),
-    "{side}_rfknuckle1": (0.00549, 0.00978),
-    "{side}_rfmiddle1": (0.0052, 0.00489),
-    "{side}_rfdistal1": (0.005, 0.00479),
-    "{side}_lfmetacarpal1": (0.00508, 0.00584, 0.01292),
-    "{side}_lfmetacarpal2": (0.00584, 0.005),
-    "{side}_lfknuckle1": (0.00529, 0.00816),
-    "{side}_lfmiddle1": (0.005, 0.00455),
-    "{side}_lfdistal1": (0.0049, 0.00391),
-    "{side}_thbase1": (0.00736, 0.01027),
-    "{side}_thhub1": (0.00638, 0.00697),
-    "{side}_thdistal1": (0.00618, 0.00587),
+_SIZES_M: Mapping[str, tuple[Figures, ...]] = {
+    "hand": ((0.01712, 0.00584, 0.02532), (0.00588, 0.00584, 0.01292), (0.00584, 0.0171), (0.00584, 0.02298)),
+    "ff": ((0.00549, 0.00992), (0.0052, 0.00501), (0.005, 0.00464)),
+    "mf": ((0.00579, 0.011), (0.0054, 0.00562), (0.0052, 0.00538)),
+    "rf": ((0.00549, 0.00978), (0.0052, 0.00489), (0.005, 0.00479)),
+    "lfmetacarpal": ((0.00508, 0.00584, 0.01292), (0.00584, 0.005)),
+    "lf": ((0.00529, 0.00816), (0.005, 0.00455), (0.0049, 0.00391)),
+    "th": ((0.00736, 0.01027), (0.00638, 0.00697), (0.00618, 0.00587)),
 }
-"""Sizes of MIMo's five-finger hand, at which its parts have their masses."""
+"""Sizes of MIMo's five-finger hand, at which its parts have their masses: of the geoms of the palm, and of the bones of
+each finger from its root."""
+_BONES = {"knuckle": 0, "middle": 1, "distal": 2, "base": 0, "hub": 1}
+"""The place of each bone in its finger, from the root."""
 
 _PALM = ("hand_breadth", "hand_length")
 _FINGER = ("hand_length", "middle_finger_diameter")
@@ -51,10 +51,11 @@ _GRIP_CONDIM = 6
 """Contacts of a hand also have torsional and rolling friction (MIMo)."""
 
 
-def _palm(name: str, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
-    """Return a geom of the palm; *name* is without its side."""
-    euler_deg, name = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0), f"{{side}}_{name}"
-    return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
+def _palm(part: str, number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
+    """Return a geom of a part of the palm, numbered from 1."""
+    euler_deg, size_m = ALONG_X if shape == "cylinder" else UPRIGHT, _SIZES_M[part][number - 1]
+    name = f"{{side}}_{part}{number}"
+    return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=size_m)
 
 
 _FLEXORS = (-0.345, 1.0)
@@ -69,36 +70,24 @@ def _motor(
     return ReferenceMotor(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{driven}1")
 
 
-def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> tuple[ReferenceMotor, ...]:
+def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> Motors:
     """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
+    bones = {"side": "knuckle", "knuckle": "knuckle", "middle": "middle", "distal": "distal"}
     return tuple(
-        _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, force_range, vmax, f"{name}{bone}")
-        for (joint, force_range, bone), gear_nm, vmax in zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
+        _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, _EVEN if joint == "side" else _FLEXORS, vmax, name + bone)
+        for (joint, bone), gear_nm, vmax in zip(bones.items(), gears_nm, vmax_lengths_per_s, strict=True)
     )
-
-
-_FINGER_JOINTS = (
-    ("side", _EVEN, "knuckle"),
-    ("knuckle", _FLEXORS, "knuckle"),
-    ("middle", _FLEXORS, "middle"),
-    ("distal", _FLEXORS, "distal"),
-)
-"""Joint, force range, and the phalanx whose size its strength follows."""
 
 
 def _bone(name: str, mass_kg: float, size_from: tuple[str, str]) -> ReferenceGeom:
     """Return the only geom of a phalanx; *name* is without its side."""
-    rule, name = f"radius from {size_from[1]} / 2, length a share of half of hand_length", f"{{side}}_{name}1"
-    return ReferenceGeom(name, "capsule", mass_kg, size_from, rule, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
+    rule = f"radius from {size_from[1]} / 2, length a share of half of hand_length"
+    name, size_m = f"{{side}}_{name}1", _SIZES_M[name[:2]][_BONES[name[2:]]]
+    return ReferenceGeom(name, "capsule", mass_kg, size_from, rule, condim=_GRIP_CONDIM, mass_at_m=size_m)
 
 
 def _phalanx(
-    name: str,
-    parent: str,
-    mass_kg: float,
-    joints: tuple[ReferenceJoint, ...],
-    size_from: tuple[str, str],
-    motors: tuple[ReferenceMotor, ...],
+    name: str, parent: str, mass_kg: float, joints: Joints, size_from: tuple[str, str], motors: Motors
 ) -> ReferencePart:
     place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
     return ReferencePart(
@@ -121,7 +110,7 @@ def _hinge(
 
 
 def _finger(
-    name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: tuple[ReferenceMotor, ...]
+    name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: Motors
 ) -> tuple[ReferencePart, ReferencePart, ReferencePart]:
     """Return the three phalanges of a finger, the first of which also moves sideways."""
     side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
@@ -144,8 +133,8 @@ _METACARPAL = ReferencePart(
     "{side}_lfmetacarpal",
     "{side}_hand",
     (
-        _palm("lfmetacarpal1", "box", 0.002879, "the outer quarter of the palm"),
-        _palm("lfmetacarpal2", "cylinder", 0.0009879, "rounds the metacarpal off at the knuckle"),
+        _palm("lfmetacarpal", 1, "box", 0.002879, "the outer quarter of the palm"),
+        _palm("lfmetacarpal", 2, "cylinder", 0.0009879, "rounds the metacarpal off at the knuckle"),
     ),
     (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
     position_from=_PALM,
@@ -179,10 +168,10 @@ HAND = (
         "{side}_hand",
         "{side}_lower_arm",
         (
-            _palm("hand1", "box", 0.01895, "three quarters of the palm, half of hand_length long"),
-            _palm("hand2", "box", 0.003321, "widens the palm to hand_breadth near the wrist"),
-            _palm("hand3", "cylinder", 0.003367, "rounds the palm off at the knuckles"),
-            _palm("hand4", "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
+            _palm("hand", 1, "box", 0.01895, "three quarters of the palm, half of hand_length long"),
+            _palm("hand", 2, "box", 0.003321, "widens the palm to hand_breadth near the wrist"),
+            _palm("hand", 3, "cylinder", 0.003367, "rounds the palm off at the knuckles"),
+            _palm("hand", 4, "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
         ),
         WRIST_JOINTS,
         position_from=WRIST,
@@ -278,9 +267,7 @@ def fingers_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: float) -> BodyGeometry:
-    middle_m = (0.0, 0.0, 0.0)
-    side_x_m = 0.007 * wide
-    meta_m = 0.204 * palm_m
+    middle_m, side_x_m, meta_m = (0.0, 0.0, 0.0), 0.007 * wide, 0.204 * palm_m
     return BodyGeometry(
         origins={
             "{side}_hand": (side_x_m, -0.9 * h.half_thickness_m, forearm.length_m + palm_m + thick_m),
@@ -322,9 +309,8 @@ def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) ->
 
 
 def _thumb_dimensions(h: Hand, palm_m: float, wide: float) -> BodyGeometry:
-    half_m, radius_m = 0.75 * h.length_m / 8, h.thumb_radius_m
-    lengths_m = (half_m, 0.75 * half_m, 0.6 * half_m)
-    base_m, hub_m, tip_m = lengths_m
+    base_m, radius_m = 0.75 * h.length_m / 8, h.thumb_radius_m
+    hub_m, tip_m = 0.75 * base_m, 0.6 * base_m
     return BodyGeometry(
         origins={
             "{side}_thbase": (0.0123 * wide, -0.423 * h.half_thickness_m, -0.633 * palm_m),

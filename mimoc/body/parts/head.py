@@ -10,34 +10,30 @@ from mimoc.geometry.rotations import Vec3
 
 REFERENCE_HEAD_RADIUS_M = 0.0735
 
-HEAD_MOTORS = (
-    ReferenceMotor("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
-    ReferenceMotor("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), 0.9338, "head"),
-    ReferenceMotor("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), 1.068, "head"),
-)
-
-HEAD = (
-    ReferencePart(
-        "head",
-        "upper_body",
-        (
-            ReferenceGeom(
-                "head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi", material="head"
-            ),
+HEAD = ReferencePart(
+    "head",
+    "upper_body",
+    (
+        ReferenceGeom(
+            "head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi", material="head"
         ),
-        (
-            ReferenceJoint("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
-            ReferenceJoint("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
-            ReferenceJoint("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
-        ),
-        position_from=TRUNK_HEIGHT,
-        rule=AXIAL_RULE,
-        motors=HEAD_MOTORS,
-        region="head",
-        group="neck",
-        skin_spacing_m=0.013,
-        torque_site="torque_neck",
     ),
+    (
+        ReferenceJoint("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
+        ReferenceJoint("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
+        ReferenceJoint("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
+    ),
+    position_from=TRUNK_HEIGHT,
+    rule=AXIAL_RULE,
+    motors=(
+        ReferenceMotor("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
+        ReferenceMotor("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), 0.9338, "head"),
+        ReferenceMotor("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), 1.068, "head"),
+    ),
+    region="head",
+    group="neck",
+    skin_spacing_m=0.013,
+    torque_site="torque_neck",
 )
 
 EYE_MOTORS = (
@@ -46,32 +42,30 @@ EYE_MOTORS = (
     ReferenceMotor("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), 25.03, "{side}_eye1"),
 )
 
-EYE = (
-    ReferencePart(
-        "{side}_eye",
-        "head",
-        (
-            ReferenceGeom(
-                "{side}_eye1",
-                "sphere",
-                0.006275,
-                ("head_circumference",),
-                "in proportion to the head",
-                material="eye_{side}",
-            ),
+EYE = ReferencePart(
+    "{side}_eye",
+    "head",
+    (
+        ReferenceGeom(
+            "{side}_eye1",
+            "sphere",
+            0.006275,
+            ("head_circumference",),
+            "in proportion to the head",
+            material="eye_{side}",
         ),
-        (
-            ReferenceJoint("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
-            ReferenceJoint("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
-            ReferenceJoint("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
-        ),
-        position_from=("head_circumference",),
-        rule="in proportion to the head",
-        motors=EYE_MOTORS,
-        group="eyes",
-        skin_spacing_m=None,
-        torque_site="torque_{side}_eye",
     ),
+    (
+        ReferenceJoint("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
+        ReferenceJoint("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
+        ReferenceJoint("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
+    ),
+    position_from=("head_circumference",),
+    rule="in proportion to the head",
+    motors=EYE_MOTORS,
+    group="eyes",
+    skin_spacing_m=None,
+    torque_site="torque_{side}_eye",
 )
 
 HEIGHT = 1.15
@@ -141,5 +135,5 @@ def _below(half_axes_m: Vec3, centre_m: Vec3, place: Vec3, depth_m: float) -> Ve
     return x, y, z
 
 
-KIND = PartKind("head", "Head.", HEAD, head_dimensions)
-EYES = PartKind("eyes", "Eyes.", EYE, eye_dimensions)
+KIND = PartKind("head", "Head.", (HEAD,), head_dimensions)
+EYES = PartKind("eyes", "Eyes.", (EYE,), eye_dimensions)

@@ -18,12 +18,6 @@ from mimoc.body.proportions import Proportions
 from mimoc.body.sections import Trunk
 from mimoc.geometry.rotations import Vec3
 
-UPPER_LEG_MOTORS = (
-    ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
-    ReferenceMotor("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
-    ReferenceMotor("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
-)
-
 LEG = (
     ReferencePart(
         "{side}_upper_leg",
@@ -47,7 +41,11 @@ LEG = (
         ),
         position_from=TRUNK_HEIGHT,
         rule=".26 of hip_breadth to the side; behind and below the pelvis's middle, in proportion to its radius",
-        motors=UPPER_LEG_MOTORS,
+        motors=(
+            ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
+            ReferenceMotor("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
+            ReferenceMotor("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
+        ),
         group="{side}_leg",
         matures_with="hip",
         skin_spacing_m=0.027,
@@ -111,7 +109,7 @@ def leg_dimensions(p: Proportions) -> BodyGeometry:
             "{side}_foot": (0.0, 0.0, -shank.length_m),
         },
         shapes={
-            "{side}_upper_leg1": _flip(along("thigh", thigh.length_m, thigh.radius_m, shank.radius_m)),
+            "{side}_upper_leg1": along("thigh", thigh.length_m, thigh.radius_m, shank.radius_m, down=True),
             "{side}_lower_leg1": GeomShape(
                 (shank.radius_m, 0.044 / 0.177 * shank.length_m), (0.0, 0.0, -0.044 / 0.177 * shank.length_m)
             ),
@@ -127,12 +125,6 @@ def _hip_joint(t: Trunk) -> Vec3:
     radius_m = t.pelvis[0]
     x_m = PELVIS_X_M * radius_m / REFERENCE_PELVIS_RADIUS_M - (radius_m - t.buttocks_m)
     return x_m, -t.hip_y_m, PELVIS_Z_M * t.axial - (radius_m - t.rump_m)
-
-
-def _flip(solid: GeomShape) -> GeomShape:
-    """Return the same solid along -z instead of +z."""
-    x_m, y_m, z_m = solid.pos_m
-    return GeomShape(solid.size_m, (x_m, y_m, -z_m))
 
 
 KIND = PartKind("leg", "Thighs and shanks.", LEG, leg_dimensions)

@@ -12,8 +12,6 @@ _PALM = ("maximum_fist_breadth", "hand_length", "hand_breadth")
 _FINGERS = ("hand_breadth", "hand_length")
 _HAND_GRIP = (5.0, 0.02, 0.01)
 
-FINGER_MOTORS = (ReferenceMotor("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),)
-
 HAND = (
     ReferencePart(
         "{side}_hand",
@@ -61,7 +59,7 @@ HAND = (
         (ReferenceJoint("robot:{side}_fingers", (-1, 0, 0), (-160, 8), 0.017, 0.018, 0.0023, 0.0001, -40),),
         position_from=("hand_length", "hand_breadth"),
         rule="at the knuckles, half of hand_length less the fingertip's radius",
-        motors=FINGER_MOTORS,
+        motors=(ReferenceMotor("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),),
         skin_spacing_m=0.002,
         torque_site="torque_{side}_fingers",
     ),
@@ -97,11 +95,7 @@ def mitten_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def check_hand(h: Hand, half_width_m: float) -> None:
-    """Check that a hand is longer than wide.
-
-    Raises:
-        GeometryError: If it is not.
-    """
+    """Raise a GeometryError if a hand is wider than it is long."""
     if h.length_m <= 2 * half_width_m:
         raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * half_width_m:.3f} m wide")
 

@@ -23,12 +23,6 @@ PELVIS_X_M, CHEST_X_M = 0.008, 0.004
 PELVIS_Z_M = 0.005
 
 
-LOWER_BODY_MOTORS = (
-    ReferenceMotor("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), 0.8574, "cb"),
-    ReferenceMotor("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), 1.699, "cb"),
-    ReferenceMotor("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), 1.278, "cb"),
-)
-
 TRUNK = (
     ReferencePart(
         "hip",
@@ -73,7 +67,11 @@ TRUNK = (
         ),
         position_from=TRUNK_HEIGHT,
         rule=AXIAL_RULE,
-        motors=LOWER_BODY_MOTORS,
+        motors=(
+            ReferenceMotor("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), 0.8574, "cb"),
+            ReferenceMotor("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), 1.699, "cb"),
+            ReferenceMotor("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), 1.278, "cb"),
+        ),
         region="trunk",
         skin_spacing_m=0.025,
         torque_site="torque_lb",

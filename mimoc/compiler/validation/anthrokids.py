@@ -15,6 +15,7 @@ from mimoc.compiler.validation.measuring import measure_body
 from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.curves import LAST_MONTH
+from mimoc.fits.growth import group_age
 from mimoc.fits.tables import GroupMean
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.schema.names import unsided
@@ -103,10 +104,10 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     check_available(infant)
-    means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if fits.group_age(mean) <= LAST_MONTH]
+    means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if group_age(mean) <= LAST_MONTH]
     rows: list[MeasurementRow] = []
     for done, mean in enumerate(means, start=1):
-        age_months = fits.group_age(mean)
+        age_months = group_age(mean)
         with errors_at(infant, age_months):
             rows += _compare(at_age_unchecked(infant, age_months), mean.first_month)
         if progress:

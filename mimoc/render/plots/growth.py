@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
-from mimoc.fits import BIRTH, load_tables, measure
+from mimoc.fits import load_tables, measure
+from mimoc.fits.growth import BIRTH
 from mimoc.fits.measurements import DataPoint
 from mimoc.fits.who import Reference
 from mimoc.quantities import Quantity

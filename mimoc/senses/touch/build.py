@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.scene import Placed
 from mimoc.senses.touch import SkinEntry, TouchEntry, TouchSpec
 from mimoc.senses.touch.build_skin_points import skin_points

@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.body.reference import REFERENCE_AGE_MONTHS
+from mimoc.body.tree import Body, BodyTree, Geom
 from mimoc.geometry import primitives
 from mimoc.geometry.ellipsoids import ellipse_perimeter
 from mimoc.geometry.primitives import area

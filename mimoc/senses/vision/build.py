@@ -1,6 +1,6 @@
 """Vision on a body."""
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
 from mimoc.senses.vision import VisionEntry, VisionSpec

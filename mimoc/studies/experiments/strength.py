@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.base.units import ms_to_s
-from mimoc.body import grow_body
+from mimoc.body.grow import grow_body
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec

@@ -48,10 +48,5 @@ class CatchEntry(TaskEntry):
 
 
 KIND = TaskKind(
-    name="catch",
-    spec=CatchSpec,
-    entry=CatchEntry,
-    build="mimoc.tasks.catch.build",
-    run="mimoc.tasks.catch.run",
-    scenes=("flat", "crib", "room"),
+    "catch", CatchSpec, CatchEntry, "mimoc.tasks.catch.build", "mimoc.tasks.catch.run", scenes=("flat", "crib", "room")
 )

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world, pose
 from mimoc.body.poses import Pose, resting_state
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.build_setup import BALL, RADIUS_M, Side, TaskSetup, ball, bodies_of, middle_finger, one_armed, require
 from mimoc.tasks.catch import CatchEntry, CatchSpec

@@ -39,16 +39,6 @@ class ResizableBall:
         self._boxes = first + np.arange(model.body_bvhnum[self.body])
 
     @property
-    def radius_m(self) -> float:
-        """Its radius."""
-        return float(self._model.geom_size[self.geom, 0])
-
-    @property
-    def mass_kg(self) -> float:
-        """Its mass."""
-        return float(self._model.body_mass[self.body])
-
-    @property
     def model_fields(self) -> tuple[ModelField, ...]:
         """What `change` changes in the model."""
         body, geom, turning = np.array([self.body]), np.array([self.geom]), self._speeds[3:]
@@ -126,21 +116,16 @@ class Catch(Term):
 class CatchTask(Task):
     """A ball over the palm, of another size and mass in each episode."""
 
-    def __init__(self, entry: CatchEntry, model: mujoco.MjModel, effort: Term):
+    def __init__(self, entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle):
         """Find everything that *entry* names in *model*, whose ball it changes."""
         self._entry, self._model, self._ball = entry, model, ResizableBall(entry.ball, model)
-        term = Catch(
-            palm=model.body(entry.palm).id,
-            ball=self._ball.body,
-            part_of_geom=parts_of_geoms(entry, model),
-            palm_m=np.array(entry.palm_m),
-            lost_m=entry.lost_m,
-            held_steps=entry.held_steps,
-            contact_reward=entry.contact_reward,
-            effort_weight=entry.effort_weight,
-            success_reward=entry.success_reward,
-            effort=effort,
-        )
+        is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
+        part_of_geom = np.where(is_hand, HAND, NEITHER)
+        part_of_geom[self._ball.geom] = BALL
+        effort = bind_actuation(bundle.manifest.actuation, model).effort
+        amounts = entry.lost_m, entry.held_steps, entry.contact_reward, entry.effort_weight, entry.success_reward
+        palm, palm_m = model.body(entry.palm).id, np.array(entry.palm_m)
+        term = Catch(palm, self._ball.body, part_of_geom, palm_m, *amounts, effort)
         super().__init__(entry.steps, term, {"held": 0})
 
     @property
@@ -159,14 +144,4 @@ class CatchTask(Task):
         mujoco.mj_forward(self._model, data)
 
 
-def parts_of_geoms(entry: CatchEntry, model: mujoco.MjModel) -> IntArray:
-    """Return for each geom whether it belongs to the hand, is the ball, or neither, shape (ngeom,)."""
-    is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
-    parts = np.where(is_hand, HAND, NEITHER)
-    parts[model.geom(entry.ball.geom).id] = BALL
-    return parts
-
-
-def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:
-    """Find what *entry* names in *model*."""
-    return CatchTask(entry, model, bind_actuation(bundle.manifest.actuation, model).effort)
+bind = CatchTask

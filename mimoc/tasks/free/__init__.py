@@ -23,11 +23,4 @@ class FreeEntry(TaskEntry):
     """Control steps after which an episode is truncated; None for never."""
 
 
-KIND = TaskKind(
-    name="free",
-    spec=FreeSpec,
-    entry=FreeEntry,
-    build="mimoc.tasks.free.build",
-    run="mimoc.tasks.free.run",
-    poses=None,
-)
+KIND = TaskKind("free", FreeSpec, FreeEntry, "mimoc.tasks.free.build", "mimoc.tasks.free.run", poses=None)

@@ -1,6 +1,6 @@
 """No goal."""
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.free import FreeEntry, FreeSpec
 

@@ -43,10 +43,4 @@ class ReachEntry(TaskEntry):
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
 
 
-KIND = TaskKind(
-    name="reach",
-    spec=ReachSpec,
-    entry=ReachEntry,
-    build="mimoc.tasks.reach.build",
-    run="mimoc.tasks.reach.run",
-)
+KIND = TaskKind("reach", ReachSpec, ReachEntry, "mimoc.tasks.reach.build", "mimoc.tasks.reach.run")

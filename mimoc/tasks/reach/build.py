@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import Pose, pose_of, resting_state
+from mimoc.body.poses import Pose, poses_of, resting_state
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec
@@ -33,6 +33,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
     start = resting_state(tree, _standing(tree, side))
+    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
@@ -40,7 +41,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         trunk=tree.home("chest"),
         ball=BALL,
         distance_m=_distances(tree, side),
-        azimuth_rad=_azimuths(side),
+        azimuth_rad=(-outward, inward) if side == "right" else (-inward, outward),
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         gaze=_gaze(tree),
     )
@@ -49,7 +50,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
 
 def _standing(tree: BodyTree, side: Side) -> Pose:
     """Return how an infant stands whose arm floats, as its springs have it: there is no gravity."""
-    standing = pose_of(tree, "standing")
+    standing = poses_of(tree)["standing"]
     arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
     slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
     return replace(standing, angles_deg={**standing.angles_deg, **slack})
@@ -60,11 +61,6 @@ def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:
     stretched = frames(tree, {})
     arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
     return NEAREST * arm_m, FARTHEST * arm_m
-
-
-def _azimuths(side: Side) -> tuple[float, float]:
-    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
-    return (-outward, inward) if side == "right" else (-inward, outward)
 
 
 def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:

@@ -136,9 +136,9 @@ class Reach(Term):
 class ReachTask(Task):
     """A ball that hangs somewhere within reach."""
 
-    def __init__(self, entry: ReachEntry, model: mujoco.MjModel, constraints: ConstraintsEntry):
+    def __init__(self, entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle):
         """Find everything that *entry* names in *model*."""
-        gaze, self._locks = bind_gaze(entry.gaze, model, constraints)
+        gaze, self._locks = bind_gaze(entry.gaze, model, bundle.manifest.constraints)
         bodies = (entry.effector, entry.ball.body, entry.shoulder, entry.trunk)
         effector, ball, self._shoulder, self._trunk = (model.body(name).id for name in bodies)
         term = Reach(effector, ball, STILL_M**2, entry.moved_m**2, entry.success_reward, gaze)
@@ -179,6 +179,4 @@ class ReachTask(Task):
         return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
 
 
-def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:
-    """Find what *entry* names in *model*."""
-    return ReachTask(entry, model, bundle.manifest.constraints)
+bind = ReachTask

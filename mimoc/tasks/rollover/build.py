@@ -1,6 +1,6 @@
 """The setup of turning over: an infant lies as its scene says."""
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.rollover import RolloverEntry, RolloverSpec
 

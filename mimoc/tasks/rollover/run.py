@@ -7,14 +7,14 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.binding import command_range
 from mimoc.base.units import to_steps
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_contacts
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.tasks.rollover import RolloverEntry
-from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Judgement, SquaredCommands, Task
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,11 @@ class Rollover(Term):
 class RolloverTask(Task):
     """An infant that lies on its back or on its belly, and comes to rest before an episode begins."""
 
-    def __init__(self, entry: RolloverEntry, manifest: Manifest, model: mujoco.MjModel):
+    def __init__(self, entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle):
         """Find everything that *entry* names in *model*."""
+        manifest = bundle.manifest
         amounts = entry.goal, entry.effort_weight, entry.success_reward, entry.discount
-        cost = squared_commands(manifest.actuation)
+        cost = SquaredCommands(*command_range(manifest.actuation))
         term = Rollover(model.body(entry.hip).id, entry.reward == "dense", *amounts, cost)
         super().__init__(entry.steps, term, {"starts_on_back": True, "turned": 0.0})
         self._model = model
@@ -83,6 +84,4 @@ class RolloverTask(Task):
         self.remember(starts_on_back=starts_on_back, turned=pronation if starts_on_back else 1.0 - pronation)
 
 
-def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> RolloverTask:
-    """Find what *entry* names in *model*."""
-    return RolloverTask(entry, bundle.manifest, model)
+bind = RolloverTask

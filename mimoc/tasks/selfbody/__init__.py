@@ -46,10 +46,5 @@ class SelfbodyEntry(TaskEntry):
 
 
 KIND = TaskKind(
-    name="selfbody",
-    spec=SelfbodySpec,
-    entry=SelfbodyEntry,
-    build="mimoc.tasks.selfbody.build",
-    run="mimoc.tasks.selfbody.run",
-    step_ms=5.0,
+    "selfbody", SelfbodySpec, SelfbodyEntry, "mimoc.tasks.selfbody.build", "mimoc.tasks.selfbody.run", step_ms=5.0
 )

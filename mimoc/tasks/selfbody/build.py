@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from mimoc.body import BodyTree
 from mimoc.body.poses import Pose, resting_state
+from mimoc.body.tree import BodyTree
 from mimoc.schema.names import SIDES
 from mimoc.tasks.build_setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
 from mimoc.tasks.selfbody import SelfbodyEntry, SelfbodySpec, TargetEntry

@@ -65,7 +65,7 @@ class Selfbody(Term):
 class SelfbodyTask(Task):
     """A part of the body to be touched, drawn for each episode and observed as one-hot `goal`."""
 
-    def __init__(self, entry: SelfbodyEntry, model: mujoco.MjModel):
+    def __init__(self, entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle):
         """Find everything that *entry* names in *model*."""
         count, parts = len(entry.targets), parts_of_geoms(entry, model)
         geoms = np.flatnonzero((parts >= 0) & (parts < count))
@@ -98,6 +98,4 @@ def parts_of_geoms(entry: SelfbodyEntry, model: mujoco.MjModel) -> IntArray:
     return np.where(solid, of_body[model.geom_bodyid], NEITHER)
 
 
-def bind(entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle) -> SelfbodyTask:
-    """Find what *entry* names in *model*."""
-    return SelfbodyTask(entry, model)
+bind = SelfbodyTask

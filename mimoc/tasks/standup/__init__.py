@@ -30,10 +30,5 @@ class StandupEntry(TaskEntry):
 
 
 KIND = TaskKind(
-    name="standup",
-    spec=StandupSpec,
-    entry=StandupEntry,
-    build="mimoc.tasks.standup.build",
-    run="mimoc.tasks.standup.run",
-    scenes=("flat",),
+    "standup", StandupSpec, StandupEntry, "mimoc.tasks.standup.build", "mimoc.tasks.standup.run", scenes=("flat",)
 )

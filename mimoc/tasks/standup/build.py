@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
-from mimoc.base.units import cm_to_m, deg_to_rad
-from mimoc.body import BodyTree
-from mimoc.body.kinematics import FloatArray, frames, pose, stature
-from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
-from mimoc.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.base.units import deg_to_rad
+from mimoc.body.kinematics import FloatArray, frames, length_m, pose
+from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.body.tree import BodyTree
+from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
 from mimoc.tasks.build_setup import Hold, Side, TaskSetup, joints_of, require
@@ -40,12 +40,11 @@ class Rail:
     """Of its middle."""
     half_span_m: float
     """From its middle to a post."""
-    radius_m: float = RAIL_RADIUS_M
 
     @property
     def furniture(self) -> Furniture:
         """The bar and its posts."""
-        middle, size = (self.x_m, 0.0, self.height_m), (self.radius_m, self.half_span_m)
+        middle, size = (self.x_m, 0.0, self.height_m), (RAIL_RADIUS_M, self.half_span_m)
         bar = WorldGeom("rail", "capsule", size, middle, _ALONG_Y, WOOD.name)
         return Furniture((bar, self._post("left", 1.0), self._post("right", -1.0)), (WOOD,))
 
@@ -59,11 +58,6 @@ class Rail:
         return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
 
 
-def half_span(tree: BodyTree) -> float:
-    """Return how far the posts of a rail for this child are from its middle, in [m]."""
-    return HALF_SPAN_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"])
-
-
 STEPS = 500
 """Of an episode (MIMo)."""
 BASE_IN_CHILDREN = 0.2 / 0.82
@@ -74,6 +68,8 @@ STANDING = 0.85
 SIDES: tuple[Side, Side] = ("right", "left")
 LEANING_BACK_DEG = 48.0
 """Of the pelvis."""
+TURN = matrix_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
+"""World from hip of a seated infant, shape (3, 3)."""
 CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
 """The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
 HIPS_DEG = range(-88, -101, -1)
@@ -82,8 +78,8 @@ Further than the last, the legs of the youngest would touch the trunk."""
 STRETCHED = 0.96
 """How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
 COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
-LOCKED = ("neck", "eyes")
-"""What neither stands up nor holds on; it would loll."""
+LOCKED = ("neck", "eyes", "left_hand", "right_hand")
+"""What neither stands up nor holds on, and would loll, and hands but for their wrists, which stay closed."""
 WRIST = ("hand1", "hand2", "hand3")
 _PRECISION_DEG = 1e-9
 
@@ -96,18 +92,13 @@ class Seat:
     height_m: float
     """Of the hip above the floor."""
 
-    @property
-    def turn(self) -> FloatArray:
-        """World from hip, shape (3, 3)."""
-        return matrix_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
-
     def in_world(self, place_m: FloatArray) -> FloatArray:
         """Return a place in the frame of the hip, shape (3,), as one in the world."""
-        return self.turn @ place_m + (0.0, 0.0, self.height_m)
+        return TURN @ place_m + (0.0, 0.0, self.height_m)
 
     def in_hip(self, place_m: FloatArray) -> FloatArray:
         """Return a place in the world, shape (3,), as one in the frame of the hip."""
-        return self.turn.T @ (place_m - (0.0, 0.0, self.height_m))
+        return TURN.T @ (place_m - (0.0, 0.0, self.height_m))
 
 
 def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
@@ -122,33 +113,23 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     )
     seat = _sit(tree)
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
-    rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
-    fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
+    child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
+    rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
+    wrists = {f"robot:{side}_{name}" for side in SIDES for name in WRIST}
     return TaskSetup(
-        entry=_entry(task, tree),
+        entry=StandupEntry(
+            steps=task.steps or STEPS,
+            head="head",
+            base_m=BASE_IN_CHILDREN * child_m,
+            success_m=STANDING * standing_m,
+        ),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
-        locked={*joints_of(tree, *LOCKED), *fingers},
+        locked={*joints_of(tree, *LOCKED)} - wrists,
         holds=tuple(Hold(f"{side}_hand", grips[side], turns=True) for side in SIDES),
         furniture=rail.furniture,
         taken=rail.feet,
     )
-
-
-def _entry(task: StandupSpec, tree: BodyTree) -> StandupEntry:
-    standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
-    return StandupEntry(
-        steps=task.steps or STEPS,
-        head="head",
-        base_m=BASE_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"]),
-        success_m=STANDING * standing_m,
-    )
-
-
-def _fingers(tree: BodyTree, side: Side) -> list[str]:
-    """Return the joints of a hand that stay closed: all but the wrist's."""
-    wrist = {f"robot:{side}_{name}" for name in WRIST}
-    return [joint for joint in joints_of(tree, f"{side}_hand") if joint not in wrist]
 
 
 def _sit(tree: BodyTree) -> Seat:
@@ -173,22 +154,21 @@ def _seat(tree: BodyTree, hip_deg: float) -> Seat:
     angles |= {f"robot:{side}_hip1": deg_to_rad(hip_deg) for side in SIDES}
     for side in SIDES:
         angles |= curled(tree, side)
-    turn = Seat(angles, 0.0).turn
-    height_m = _depth(tree, angles, turn, ("hip", "left_upper_leg", "right_upper_leg"))
+    height_m = _depth(tree, angles, ("hip", "left_upper_leg", "right_upper_leg"))
     for side in SIDES:
-        angles |= _flat_foot(tree, angles, turn, side, LEANING_BACK_DEG - hip_deg, height_m)
+        angles |= _flat_foot(tree, angles, side, LEANING_BACK_DEG - hip_deg, height_m)
     return Seat(angles, height_m - CONTACT_DEPTH_M)
 
 
-def _depth(tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, parts: tuple[str, ...]) -> float:
+def _depth(tree: BodyTree, angles_rad: Mapping[str, float], parts: tuple[str, ...]) -> float:
     """Return how far below the hip some parts reach, in [m]."""
-    extents_m = pose(tree, angles_rad).reaches(turn.T @ (0.0, 0.0, -1.0))
+    extents_m = pose(tree, angles_rad).reaches(TURN.T @ (0.0, 0.0, -1.0))
     owners = [body.name for body in tree.bodies for _ in body.geoms]
     return max(extent for extent, owner in zip(extents_m.tolist(), owners, strict=True) if owner in parts)
 
 
 def _flat_foot(
-    tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, side: Side, thigh_deg: float, height_m: float
+    tree: BodyTree, angles_rad: Mapping[str, float], side: Side, thigh_deg: float, height_m: float
 ) -> dict[str, float]:
     """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
 
@@ -207,7 +187,7 @@ def _flat_foot(
         return {f"robot:{side}_knee": knee, f"robot:{side}_foot1": ankle}
 
     def too_deep_m(knee_deg: float) -> float:
-        return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",)) - height_m
+        return _depth(tree, {**angles_rad, **leg(knee_deg)}, (f"{side}_foot",)) - height_m
 
     if too_deep_m(low) >= 0 and low > least_deg:
         raise UnsupportedTaskError(
@@ -253,4 +233,4 @@ def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -
         place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
         angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
     hinges = (angles.get(joint, 0.0) for joint in tree.joints)
-    return (0.0, 0.0, seat.height_m, *pitched(-deg_to_rad(LEANING_BACK_DEG)), *hinges)
+    return (0.0, 0.0, seat.height_m, *quaternion_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG)), *hinges)

@@ -8,8 +8,8 @@ import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.build_setup import Side
 

@@ -5,11 +5,12 @@ from typing import Any
 
 import mujoco
 
+from mimoc.actuation.binding import command_range
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.tasks.standup import StandupEntry
-from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Judgement, SquaredCommands, Task
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,6 @@ class Standup(Term):
 
 def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> Task:
     """Find what *entry* names in *model*."""
-    cost = squared_commands(bundle.manifest.actuation)
+    cost = SquaredCommands(*command_range(bundle.manifest.actuation))
     head = model.body(entry.head).id
     return Task(entry.steps, Standup(head, entry.base_m, entry.success_m, entry.effort_weight, cost))

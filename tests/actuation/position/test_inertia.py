@@ -6,7 +6,8 @@ import pytest
 
 import mimoc
 from mimoc.actuation.position.build import inertias
-from mimoc.body import assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.fits import measure
 
 

@@ -9,13 +9,14 @@ import pytest
 from support.devices import DEVICE
 
 import mimoc
+from mimoc.actuation.binding import command_range
 from mimoc.base.kinds import TaskKind
 from mimoc.base.model_fields import ModelField
 from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.term import Term
 from mimoc.tasks.build_setup import TaskSetup
 from mimoc.tasks.spec_base import TaskEntry, TaskSpec
-from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task
 
 STEPS = 6
 SENSES: dict[str, Any] = {
@@ -62,7 +63,7 @@ class HoldTask(Task):
 
     def bind(self, model: Any, bundle: Any) -> None:
         self._model, self.head = model, model.body(bundle.manifest.anatomy.head).id
-        cost = squared_commands(bundle.manifest.actuation)
+        cost = SquaredCommands(*command_range(bundle.manifest.actuation))
         self.term = Hold(self.head, bundle.manifest.child.length_cm / 100, 0.01, cost)
 
     @property

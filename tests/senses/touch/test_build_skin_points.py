@@ -20,7 +20,8 @@ from support.skin_bodies import (
     seen,
 )
 
-from mimoc.body import assemble, grow_average
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.mjcf.sensor_sites import cameras
 from mimoc.schema.names import trunk_bodies
 from mimoc.senses.touch.build_skin_points import skin_points

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from mimoc.body import assemble, grow_average
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.senses.touch.build_skin_points import depth, even_points, place
 
 HEAD = grow_average(18, assemble("mitten", False)).geoms["head"]

@@ -6,7 +6,9 @@ from hypothesis import given, settings, strategies as st
 from scipy.spatial import KDTree
 from support.skin_bodies import SPACING_M, average, child, children, outside_all_m, outside_m, part, seen
 
-from mimoc.body import Body, Geom, assemble, grow_average, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average, grow_tree
+from mimoc.body.tree import Body, Geom
 from mimoc.fits import measure
 from mimoc.geometry.primitives import area
 from mimoc.senses.touch.build_skin_points import MAX_STEPS, _moved, lay_out, move_with_geoms, place, skin_points

@@ -41,7 +41,6 @@ def test_a_changed_ball_is_as_if_compiled_so(radius_m, mass_kg):
     wanted = numbers(compiled(radius_m, mass_kg))
     for name, value in numbers(model).items():
         np.testing.assert_allclose(value, wanted[name], rtol=1e-9, atol=1e-15, err_msg=name)
-    assert (ball.radius_m, ball.mass_kg) == (radius_m, mass_kg)
 
 
 def test_a_changed_ball_rolls_and_falls_as_if_compiled_so():

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from mimoc import body
 from mimoc.base.errors import UnsupportedTaskError
+from mimoc.body.grow import grow_body
 from mimoc.body.kinematics import frames
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
 from mimoc.tasks.standup.build_grip import CLEAR_M, arm_to_bar, curled, grip_point
@@ -14,12 +15,12 @@ SIDES = ("right", "left")
 BODIES = [(age_months, hands) for age_months in (0, 9, 24) for hands in ("mitten", "five_finger")]
 
 
-def grown(age_months: float, hands: str) -> body.BodyTree:
+def grown(age_months: float, hands: str) -> BodyTree:
     keys = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}}
-    return body.grow_body(InfantSpec.model_validate(keys)).tree
+    return grow_body(InfantSpec.model_validate(keys)).tree
 
 
-def before(tree: body.BodyTree, side: str, share: float) -> np.ndarray:
+def before(tree: BodyTree, side: str, share: float) -> np.ndarray:
     """Return a place before a shoulder, so many lengths of the arm away, in the frame of the hip."""
     placed = frames(tree, {})
     shoulder, hand = placed[f"{side}_upper_arm"][0], placed[f"{side}_hand"][0]

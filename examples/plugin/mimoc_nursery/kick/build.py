@@ -2,7 +2,7 @@
 
 import math
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks.build_setup import TaskSetup, require

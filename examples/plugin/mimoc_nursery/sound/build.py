@@ -1,6 +1,6 @@
 """Two ears on the sides of the head."""
 
-from mimoc.body import BodyTree
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.infant import Site
 from mimoc.mjcf.scene import Placed
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
