@@ -23,8 +23,7 @@ from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.child import child_of
+from mimoc.compiler.child import check_available, child_of
 from mimoc.compiler.manifest import describe_toys, make_manifest, used_plugins
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes

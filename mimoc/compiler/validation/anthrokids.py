@@ -9,14 +9,13 @@ from typing import Any
 from mimoc import fits
 from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.child import child_of
+from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.tables import GroupMean
-from mimoc.schema.infant import InfantSpec, validated
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 
 TOLERANCE = 0.04
@@ -101,8 +100,7 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
-    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    check_available(infant)
+    infant = checked_or_average(spec)
     means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if fits.group_age(mean) <= LAST_MONTH]
     rows: list[MeasurementRow] = []
     for done, mean in enumerate(means, start=1):

@@ -12,7 +12,7 @@ from mimoc import fits
 from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
 from mimoc.body.kinematics import Stature
-from mimoc.compiler.availability import check_available
+from mimoc.compiler.child import checked_or_average
 from mimoc.compiler.validation.requests import (
     PRIMITIVES,
     ROOT,
@@ -26,7 +26,7 @@ from mimoc.compiler.validation.requests import (
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
-from mimoc.schema.infant import InfantSpec, validated
+from mimoc.schema.infant import InfantSpec
 
 MONTHS = range(25)
 """Ages of the comparison, in whole months."""
@@ -156,8 +156,7 @@ def grow_against_who(
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
-    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    check_available(infant)
+    infant = checked_or_average(spec)
     ages = sorted({*map(float, MONTHS if months is None else months), *([infant.age_months] if spec else ())})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
