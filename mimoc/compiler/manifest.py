@@ -6,6 +6,7 @@ from typing import Any, Literal
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.base.kinds import Kinds
+from mimoc.base.rounding import rounded
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.kinematics import stature
 from mimoc.body.parts import PARTS
@@ -36,7 +37,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks import TASKS
-from mimoc.tasks.build_setup import NO_TASK, TaskSetup
+from mimoc.tasks.build_setup import TaskSetup
 from mimoc.toys import TOY_SOURCES
 
 Side = Literal["left", "right"]
@@ -87,15 +88,16 @@ def _eyes(bodies: set[str]) -> Iterator[EyeEntry]:
 
 
 def make_manifest(
-    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
+    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup
 ) -> Manifest:
-    """Return the manifest of a scene."""
-    child = _child(spec, tree)
+    """Return the manifest of a scene, numbers rounded as in its file."""
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
-    return Manifest(
+    manifest = Manifest(
         name=spec.name,
-        child=child,
+        child=ChildEntry(
+            age_months=tree.age_months, sex=spec.body.individual and spec.body.individual.sex, **stature(tree)
+        ),
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
@@ -118,26 +120,19 @@ def make_manifest(
             skin="head" if scene.skin else None,
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
+        plugins=_used_plugins(spec),
     )
+    return Manifest.model_validate(rounded(manifest.model_dump()))
 
 
 def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
     """Return the entries of toys in the manifest."""
-    return tuple(
-        ToyEntry(
-            body=toy.name,
-            joint=toy.joint,
-            object=toy.object,
-            category=toy.category,
-            source=toy.source,
-            size_m=toy.size_m,
-            mass_kg=toy.mass_kg,
-        )
-        for toy in toys
-    )
+    keys = ("joint", "object", "category", "source", "size_m", "mass_kg")
+    data = ({"body": toy.name, **{key: getattr(toy, key) for key in keys}} for toy in toys)
+    return tuple(map(ToyEntry.model_validate, map(rounded, data)))
 
 
-def used_plugins(spec: InfantSpec) -> dict[str, str]:
+def _used_plugins(spec: InfantSpec) -> dict[str, str]:
     """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
 
     The distribution is empty for a kind that a script registered.
@@ -162,18 +157,6 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
     yield "scenes", SCENES, spec.scene.kind
     if spec.scene.toys:
         yield "toys", TOY_SOURCES, spec.scene.toys.source
-
-
-def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
-    measured = stature(tree)
-    return ChildEntry(
-        age_months=tree.age_months,
-        sex=spec.body.individual and spec.body.individual.sex,
-        length_cm=measured["length_cm"],
-        weight_kg=measured["weight_kg"],
-        head_circumference_cm=measured["head_circumference_cm"],
-        arm_circumference_cm=measured["arm_circumference_cm"],
-    )
 
 
 def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
