@@ -47,7 +47,7 @@ from mimoc.compiler.provenance import (
 from mimoc.delays.build_presets import trace_delays
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
-from mimoc.mjcf.mimo.model import find_target
+from mimoc.mjcf.mimo import find_target
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.build_presets import trace_noise
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated

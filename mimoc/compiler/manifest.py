@@ -27,7 +27,6 @@ from mimoc.compiler.placing import start_pose
 from mimoc.delays.build_presets import delays
 from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.infant import Actuator
-from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.mjcf.world import FreeObject
@@ -110,7 +109,7 @@ def make_manifest(
         delays=delays(spec, tree),
         noise=noise(spec),
         constraints=ConstraintsEntry(
-            locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked),
+            locks=tuple(LockEntry(equality=joint, joint=joint) for joint in locked),
             welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),
         ),
         task=setup.entry,

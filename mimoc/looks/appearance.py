@@ -5,7 +5,6 @@ from types import MappingProxyType
 
 from mimoc.looks.pictures import read_picture
 from mimoc.mjcf.furniture import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
-from mimoc.mjcf.mimo.lookups import face_texture
 
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 255."""
@@ -107,6 +106,11 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
             for name in layers
         ),
     )
+
+
+def face_texture(expression: str) -> str:
+    """Return the name of the texture that shows an expression; the neutral one is the one that MIMo's code looks up."""
+    return f"tex_head_{'default' if expression == 'neutral' else expression}"
 
 
 def face_material(expression: str) -> str:

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow_average
-from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material
+from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material, face_texture
 from mimoc.mjcf.furniture import Appearance
-from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
 
 REFERENCE_MATERIALS = {

@@ -1,7 +1,7 @@
 """A model in which code that was written for MIMo finds all that it looks for.
 
 This is what MIMo (1.1), BabyBench (its starter kit of 2025) and Lucignolo (0.1) look up by name or by place, beyond
-what every bundle has: `lookups` has that. `docs/compatibility.md` says what was tried.
+what every bundle has. `docs/compatibility.md` says what was tried.
 """
 
 import math
