@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from mimoc.looks.pictures import read_picture
-from mimoc.mjcf.furniture import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
+from mimoc.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
 
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 255."""
@@ -15,8 +15,8 @@ SKIN: Colour = (244, 205, 178)
 TOP: Colour = (247, 204, 112)
 PANTS: Colour = (112, 160, 172)
 
-GRID_SIZE, GRID_LAYOUT = "2 3", "RLUDFB"
-"""How the sides of a cube texture lie in its picture: rows and columns, and MuJoCo's letters of the sides."""
+GRID_LAYOUT = "RLUDFB"
+"""The sides of a cube texture in its picture, two rows of three, by MuJoCo's letters (`templates/infant.xml.j2`)."""
 HEAD_CUBE = "head_solid"
 """Texture of the head's solid under a skin."""
 
@@ -55,10 +55,10 @@ def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
         round_head: Whether its head is a sphere; else it is as much narrower as children's are.
     """
     face_shape = "face_round" if round_head else "face"
-    faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
-    eye = _cube("eye", "assets/eye.png")
-    ear = _cube("ear", "assets/ear.png")
-    stripes = _cube("stripes", "assets/stripes.png")
+    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
+    eye = Texture("eye", "assets/eye.png")
+    ear = Texture("ear", "assets/ear.png")
+    stripes = Texture("stripes", "assets/stripes.png")
     assets = {
         **{texture.file: read_picture(f"{face_shape}_{name}") for name, texture in faces.items()},
         **{texture.file: read_picture(texture.name) for texture in (eye, ear, stripes)},
@@ -80,8 +80,8 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
     """
     solid = add_materials(expression, round_head=round_head)
     shown = face_texture(expression)
-    faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
-    shades = {name: FlatTexture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
+    faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
+    shades = {name: Texture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
     cubes = tuple(
         replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
         for cube in solid.textures
@@ -116,11 +116,6 @@ def face_texture(expression: str) -> str:
 def face_material(expression: str) -> str:
     """Return the name of the material of an expression."""
     return f"head_{expression}"
-
-
-def _cube(name: str, file: str) -> Texture:
-    """Return a cube texture with the grid layout of all of mimoc's textures."""
-    return Texture(name, file, GRID_SIZE, GRID_LAYOUT)
 
 
 def _materials(expression: str) -> tuple[Material, ...]:

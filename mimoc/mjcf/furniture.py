@@ -48,16 +48,15 @@ class WorldMaterial:
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """One cube `<texture>`, all six sides in one file (2D ones look different on capsules in MuJoCo 3.5 and 3.17)."""
+    """One `<texture>` of an infant, a cube of six sides or, for a skin, a flat one.
+
+    Capsules have cubes: flat textures look different on them in MuJoCo 3.5 and 3.17.
+    """
 
     name: str
     """Name that a material refers to."""
     file: str
     """Path inside the bundle, a key of `Appearance.assets`."""
-    gridsize: str
-    """Rows and columns of the cube's grid."""
-    gridlayout: str
-    """MuJoCo's letter for each cell, row by row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,16 +78,6 @@ class Material:
 
 
 @dataclass(frozen=True, slots=True)
-class FlatTexture:
-    """One `<texture type="2d">` of a skin, whose vertices say where they are in it."""
-
-    name: str
-    """Name that a material refers to."""
-    file: str
-    """Path inside the bundle, a key of `Appearance.assets`."""
-
-
-@dataclass(frozen=True, slots=True)
 class PrintedSkin:
     """One `<skin>`: a mesh that several bodies move, seen but not felt."""
 
@@ -104,12 +93,12 @@ class Appearance:
     """The textures and materials of an infant."""
 
     textures: tuple[Texture, ...]
-    """In the order they are written."""
+    """The cubes, in the order they are written."""
     materials: tuple[Material, ...]
     """In the order they are written."""
     assets: Mapping[str, bytes]
     """Path inside the bundle to the bytes of a PNG."""
-    flat_textures: tuple[FlatTexture, ...] = ()
+    flat_textures: tuple[Texture, ...] = ()
     """Those of skins, in the order they are written."""
     skins: tuple[PrintedSkin, ...] = ()
     """In the order they are written, and drawn."""

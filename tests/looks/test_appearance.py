@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow_average
-from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material, face_texture
+from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT, HEAD_FEATURES, add_materials, face_material, face_texture
 from mimoc.mjcf.furniture import Appearance
 from mimoc.schema.body import Expression
 
@@ -27,7 +27,7 @@ REFERENCE_MATERIALS = {
 def mjcf(appearance: Appearance) -> str:
     """Return one sphere for each material."""
     textures = "".join(
-        f'<texture name="{t.name}" type="cube" file="{t.file}" gridsize="{t.gridsize}" gridlayout="{t.gridlayout}"/>'
+        f'<texture name="{t.name}" type="cube" file="{t.file}" gridsize="2 3" gridlayout="{GRID_LAYOUT}"/>'
         for t in appearance.textures
     )
     materials = "".join(
