@@ -10,7 +10,7 @@ from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import POSES, poses_of, resting_states, standing_height
 from mimoc.compiler.manifest import EYE, EYE_SIDES
-from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, add_materials, dress_skin
+from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
@@ -137,28 +137,26 @@ def _geom(geom: Geom, group: int) -> PrintedGeom:
 
 
 def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
-    """Return the visual geoms of the head: nose, ears, lids."""
+    """Return the visual geoms of the head: nose and ears."""
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)
-    return tuple(_feature(feature, head, SOLIDS_GROUP if has_skin else LOOKS_GROUP) for feature in HEAD_FEATURES)
-
-
-def _feature(feature: HeadFeature, head: Geom, group: int) -> PrintedGeom:
-    radius_m = head_radius(head)
-    return PrintedGeom(
-        name=feature.name,
-        type=feature.type,
-        size_m=tuple(radius_m * size for size in feature.size),
-        pos_m=on_head(head, feature.pos),
-        euler_rad=_radians(feature.euler_deg),
-        mass_kg=0.0,
-        material=feature.material,
-        friction=(1.0, 0.005, 0.0002),
-        contype=0,
-        conaffinity=0,
-        condim=3,
-        group=group,
+    return tuple(
+        PrintedGeom(
+            name=feature.name,
+            type=feature.type,
+            size_m=tuple(head_radius(head) * size for size in feature.size),
+            pos_m=on_head(head, feature.pos),
+            euler_rad=_radians(feature.euler_deg),
+            mass_kg=0.0,
+            material=feature.material,
+            friction=(1.0, 0.005, 0.0002),
+            contype=0,
+            conaffinity=0,
+            condim=3,
+            group=SOLIDS_GROUP if has_skin else LOOKS_GROUP,
+        )
+        for feature in HEAD_FEATURES
     )
 
 

@@ -42,7 +42,6 @@ from mimoc.compiler.provenance import (
     trace_spec,
     trace_task,
     trace_world,
-    who_percentiles,
 )
 from mimoc.delays.build_presets import trace_delays
 from mimoc.fits.tables import data_files
@@ -119,7 +118,7 @@ class Builder:
             **{key: entry for placed in self.senses.values() for key, entry in placed.origins.items()},
             **trace_task(manifest.task),
             **trace_plugins(manifest.plugins),
-            **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
+            **dict(trace_child(tree, manifest.child)),
         }
 
     def __repr__(self) -> str:
