@@ -1,7 +1,7 @@
 """What is fixed to the world in MJCF, and materials, lights and rails: SI units, angles in radians, all decided."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimoc.base.units import cm_to_m
 from mimoc.body import BodyTree
@@ -176,6 +176,11 @@ class WorldGeom:
     group: int = 0
     barrier: bool = False
     """Whether contacts with it are listed pairs instead of contact bits; see `barrier_pairs`."""
+
+
+def untouched(geom: WorldGeom) -> WorldGeom:
+    """Return a geom that is only seen, or touched by listed pairs alone."""
+    return replace(geom, contype=UNTOUCHED, conaffinity=UNTOUCHED)
 
 
 @dataclass(frozen=True, slots=True)
