@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mimoc.base.errors import BundleError, MimocError, Problem, SpecError
+from mimoc.base.errors import BundleError, Problem, SpecError
 from mimoc.base.rounding import rounded
 from mimoc.bundle.io import Bundle, LazyFiles
 from mimoc.bundle.model import load_model
@@ -184,36 +184,6 @@ def _kept(store: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value
     if len(store) > KEPT:
         del store[next(iter(store))]
     return value
-
-
-class BundleVariants:
-    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains."""
-
-    has_other_scenes = False
-
-    def __init__(self, bundle: Bundle):
-        """Take a bundle; it is built again when an age is first asked for."""
-        self._bundle = bundle
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the bundle."""
-        return BundleVariants, (self._bundle,)
-
-    def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in months as they stand in manifests.
-
-        Raises:
-            BundleError: If the bundle cannot be built at this age.
-        """
-        try:
-            return self._of_spec(age_months, scene_seed)
-        except MimocError as error:
-            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
-            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
-
-    @cached_property
-    def _of_spec(self) -> SpecVariants:
-        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:
