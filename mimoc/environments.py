@@ -165,7 +165,9 @@ def prepared_task(
     opened = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     if opened.manifest.task.kind == kind and not task_options:
         return _opened(opened), options
-    return _compiled(_for_task(opened, task), alone=alone), options
+    from mimoc.compiler.variants import spec_of
+
+    return _compiled(spec_of(opened).with_(task=None).with_(task=task), alone=alone), options
 
 
 def _given(choices: dict[str, Any]) -> dict[str, Any]:
@@ -239,10 +241,3 @@ def _child(
         "task": task,
     }
     return read_spec(source.parse(dump(data), f"<{kind}>"))
-
-
-def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
-    """Return the spec of a bundle with another task."""
-    from mimoc.compiler.variants import spec_of
-
-    return spec_of(bundle).with_(task=None).with_(task=task)

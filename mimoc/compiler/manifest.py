@@ -67,7 +67,11 @@ def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
         trunk=tuple(body.name for body in tree.bodies if body.region == "trunk"),
         arms=tuple(_limbs(ARM, bodies)),
         legs=tuple(_limbs(LEG, bodies)),
-        eyes=tuple(_eyes(bodies)),
+        eyes=tuple(
+            EyeEntry(side=side, body=EYE[0].format(side=side), camera=EYE[1].format(side=side))
+            for side in EYE_SIDES
+            if EYE[0].format(side=side) in bodies
+        ),
         groups={group: tuple(joints) for group, joints in sorted(groups.items())},
     )
 
@@ -77,13 +81,6 @@ def _limbs(ends: Ends, bodies: set[str]) -> Iterator[LimbEntry]:
         root, end = (name.format(side=side) for name in ends)
         if root in bodies:
             yield LimbEntry(side=side, root=root, end=end if end in bodies else None)
-
-
-def _eyes(bodies: set[str]) -> Iterator[EyeEntry]:
-    for side in EYE_SIDES:
-        body, camera = (name.format(side=side) for name in EYE)
-        if body in bodies:
-            yield EyeEntry(side=side, body=body, camera=camera)
 
 
 def make_manifest(
@@ -159,15 +156,17 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
 
 
 def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
-    entries = tuple(
-        ActuatorEntry(
-            name=actuator.name,
-            mimo_actuator=actuator.mimo_actuator,
-            joint=actuator.joint,
-            action_low=actuator.control_range[0],
-            action_high=actuator.control_range[1],
-            commanded=actuator.joint in commanded,
-        )
-        for actuator in actuators
+    return ActuationEntry(
+        model=model,
+        actuators=tuple(
+            ActuatorEntry(
+                name=actuator.name,
+                mimo_actuator=actuator.mimo_actuator,
+                joint=actuator.joint,
+                action_low=actuator.control_range[0],
+                action_high=actuator.control_range[1],
+                commanded=actuator.joint in commanded,
+            )
+            for actuator in actuators
+        ),
     )
-    return ActuationEntry(model=model, actuators=entries)

@@ -1,6 +1,6 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them, and their skins."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -140,7 +140,7 @@ class SpecVariants:
         """Return what gives out an infant, each time with a model of its own."""
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
-        files = LazyFiles(built.arrays, lambda: self._files(age_months, scene_seed))
+        files = LazyFiles(built.arrays, lambda: self._at(at_age(self._spec, age_months))(scene_seed, check=False).files)
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
         is_own_scene = scene_seed == self._spec.scene.seed
         casting = _instantiate(self._usable_mould(), furnished.scene) if is_own_scene else None
@@ -150,10 +150,6 @@ class SpecVariants:
 
     def _builder(self, age_months: float) -> Builder:
         return _kept(self._builders, age_months, lambda: self._at(at_age_unchecked(self._spec, age_months), self._own))
-
-    def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
-        """Return the files of an infant, among them its spec."""
-        return self._at(at_age(self._spec, age_months))(scene_seed, check=False).files
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)

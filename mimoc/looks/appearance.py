@@ -56,14 +56,12 @@ def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
     """
     face_shape = "face_round" if round_head else "face"
     faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
-    eye = Texture("eye", "assets/eye.png")
-    ear = Texture("ear", "assets/ear.png")
-    stripes = Texture("stripes", "assets/stripes.png")
+    others = [Texture(name, f"assets/{name}.png") for name in ("eye", "ear", "stripes")]
     assets = {
         **{texture.file: read_picture(f"{face_shape}_{name}") for name, texture in faces.items()},
-        **{texture.file: read_picture(texture.name) for texture in (eye, ear, stripes)},
+        **{texture.file: read_picture(texture.name) for texture in others},
     }
-    return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
+    return Appearance((*faces.values(), *others), _materials(expression), MappingProxyType(assets))
 
 
 SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers"}
@@ -125,15 +123,10 @@ def _materials(expression: str) -> tuple[Material, ...]:
         Material("head", UNTINTED, face_texture(expression)),
         *(Material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
         Material("ear", UNTINTED, "ear"),
-        Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
-        Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),
-        Material("top_down", UNTINTED, "stripes"),
-        Material("top_middle", UNTINTED, "stripes"),
-        Material("top_up", UNTINTED, "stripes"),
+        *(Material(f"eye_{side}", UNTINTED, "eye", specular=0.5, shininess=0.8) for side in ("left", "right")),
+        *(Material(f"top_{part}", UNTINTED, "stripes") for part in ("down", "middle", "up")),
         Material("top_sleeve", _rgba(TOP)),
-        Material("pants_down", _rgba(PANTS)),
-        Material("pants_up", _rgba(PANTS)),
-        Material("pants_leg", _rgba(PANTS)),
+        *(Material(f"pants_{part}", _rgba(PANTS)) for part in ("down", "up", "leg")),
     )
 
 
