@@ -43,15 +43,7 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
 def assemble_infant(
     spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
 ) -> SceneTree:
-    """Return a scene with the infant of a spec, with its poses at the origin of an empty world.
-
-    Args:
-        spec: The spec.
-        tree: The body.
-        actuation: Its actuators.
-        senses: Its senses.
-        has_skin: Whether a skin is drawn over its solids.
-    """
+    """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
     parts = _parts(tree, actuation, senses, has_skin)
     skin = skin_of(tree) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"

@@ -102,11 +102,7 @@ class Suspect:
 
 
 def child_of(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
-    """Return the body of a spec's child.
-
-    Args:
-        spec: The spec.
-        reference: What children of the same anatomy are compared with, if it is known.
+    """Return the body of a spec's child; the reference of its anatomy can be given if it is known.
 
     Raises:
         SpecError: If there is no such child; the error says which key makes it impossible, and what would be possible.

@@ -65,11 +65,7 @@ class ModelTemplate:
     """A scene whose numbers can be changed."""
 
     def __init__(self, files: Mapping[str, bytes], scene: SceneTree):
-        """Keep a scene.
-
-        Args:
-            files: As it is printed.
-            scene: The same before that.
+        """Keep a scene, and the model of the files that it was printed to.
 
         Raises:
             ModelError: If MuJoCo rejects it.

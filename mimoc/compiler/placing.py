@@ -45,10 +45,7 @@ class SceneAssets:
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
-    """Return the toys and wallpapers for the scenes of a spec.
-
-    Args:
-        spec: The spec; paths are relative to the folder of its file, and problems are located in this.
+    """Return the toys and wallpapers for the scenes of a spec, whose paths are relative to the folder of its file.
 
     Raises:
         SpecError: If a toy or a texture is missing or cannot be read.
@@ -166,15 +163,9 @@ def place_in_scene(
     setup: TaskSetup = NO_TASK,
     discs: FloatArray | None = None,
 ) -> PlacedScene:
-    """Return a scene with the world of its spec, and the infant's poses placed in it.
+    """Return a scene, whose infant is at the origin, with the world of its spec and the infant's poses placed in it.
 
-    Args:
-        scene: The infant, with its poses resting on the floor at the origin.
-        spec: The spec.
-        tree: The infant's body.
-        assets: Toys and wallpapers of the scene.
-        setup: The setup of its task.
-        discs: The infant's `covered_floor`, if it is known already: it is the same for every seed.
+    The infant's `covered_floor`, *discs*, can be given if it is known: it is the same for every seed.
 
     Raises:
         NoSpaceError: If there is not enough space for the toys.

@@ -69,11 +69,7 @@ PLUGIN_KEYS = {
 
 
 def trace_plugins(plugins: Mapping[str, str]) -> dict[str, Entry]:
-    """Return an entry for each kind that is not mimoc's own: the distribution that it comes from.
-
-    Args:
-        plugins: Distributions by kind, such as `senses.sound`; empty for a kind that a script registered.
-    """
+    """Return an entry for each kind that is not mimoc's own: its distribution, empty if a script registered it."""
     entries: dict[str, Entry] = {}
     for kind, distribution in plugins.items():
         rule = "the installed distribution that declares this kind" if distribution else "registered by a script"
@@ -118,14 +114,7 @@ OF_JOINTS = {
 
 
 def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: dict[str, Entry]) -> dict[str, Entry]:
-    """Return the entries of a body, with those of its actuators, and of the joints as an actuation model leaves them.
-
-    Args:
-        model: The actuation model.
-        tree: The body.
-        setup: What the actuation model makes of it.
-        entries: Those of the body and its motors.
-    """
+    """Return the entries of a body with those of its actuators, and of its joints as an actuation model leaves them."""
     unknown = Origin(f"set by the actuation model '{model}'", (MODEL_KEY,))
     shared = {
         f"actuator.{attribute}": origin.entry(float(value), f"infant.xml: default/general/@{attribute}")

@@ -24,11 +24,7 @@ from mimoc.schema.infant import InfantSpec, as_written, read_spec
 
 
 def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return the spec of a spec's child at another age (`schema/infant.py` says what changes).
-
-    Args:
-        spec: The child.
-        age_months: The age, as it stands in manifests.
+    """Return the spec of a spec's child at another age, which is as in manifests (`schema/infant.py`: what changes).
 
     Raises:
         SpecError: If no spec can say so; the error lists all problems.
@@ -81,11 +77,7 @@ class SpecVariants:
     has_other_scenes = True
 
     def __init__(self, spec: InfantSpec, skin: bool = True):
-        """Build the infant of the spec.
-
-        Args:
-            spec: The spec.
-            skin: Whether it has a skin, if the spec does not say.
+        """Build the infant of a spec; if the spec does not say, *skin* is whether it has one.
 
         Raises:
             SpecError: If it cannot be built.

@@ -50,9 +50,7 @@ HEAD_FEATURES = (
 def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
-    Args:
-        expression: One of `EXPRESSIONS`.
-        round_head: Whether its head is a sphere; else it is as much narrower as children's are.
+    A head that is not round, a sphere, is as much narrower as children's are.
     """
     face_shape = "face_round" if round_head else "face"
     faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
@@ -69,13 +67,7 @@ SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_
 
 
 def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = True) -> Appearance:
-    """Return the textures and materials of an infant with a skin; its solids show one expression only.
-
-    Args:
-        expression: One of `EXPRESSIONS`.
-        layers: Names of the layers of its skin.
-        round_head: Whether its head is a sphere.
-    """
+    """Return the textures and materials of an infant with layers of skin; its solids show one expression only."""
     solid = add_materials(expression, round_head=round_head)
     shown = face_texture(expression)
     faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}

@@ -162,12 +162,7 @@ MARKS = {"head": (0.8, 0.0, 0.0, 1.0), "left_hand": (0.0, 0.8, 0.0, 1.0), "right
 
 
 def fit_infant(infant: SceneTree, model: str) -> SceneTree:
-    """Return an infant, in no world yet, that is in a body of its own, with servos that take angles or plain motors.
-
-    Args:
-        infant: To change.
-        model: How it is actuated.
-    """
+    """Return an infant, in no world yet, in a body of its own: servos take angles, motors have no activation."""
     located = replace(infant, roots=tuple(map(_located, infant.roots)))
     if model == "torque":
         return replace(located, actuator_defaults=at_once(infant.actuator_defaults))

@@ -168,12 +168,7 @@ class World:
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
-    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits allowed them.
-
-    Args:
-        world: What is around the infant.
-        roots: The infant.
-    """
+    """Return the contacts that barriers have with an infant and with whatever moves, as if contact bits allowed them."""
     of_infant = (geom for root in roots for node in root.subtree() for geom in node.geoms)
     of_objects = (geom for item in world.objects for geom in item.geoms)
     moving = [geom for geom in (*of_infant, *of_objects) if SOLID & (geom.contype | geom.conaffinity)]

@@ -18,12 +18,7 @@ NOT_OF_ARMS = ("leg", "foot", "toe", "eye")
 
 
 def footprint(tree: BodyTree, states: Sequence[Sequence[float]]) -> FloatArray:
-    """Return discs that cover an infant in all of some poses, seen from above: x, y and radius, shape (n, 3), [m].
-
-    Args:
-        tree: The body.
-        states: The poses as `poses.keyframes` has them: place and quaternion of the hip, then the hinges.
-    """
+    """Return discs that cover an infant in some states (qpos), seen from above: x, y and radius, shape (n, 3), [m]."""
     return np.concatenate([np.array(list(_discs(_placed(tree, state)))) for state in states])
 
 

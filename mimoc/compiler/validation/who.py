@@ -215,11 +215,7 @@ def compare_with_who(
 ) -> list[Row]:
     """Return the rows of one age: one for each indicator that WHO has a standard for at that age.
 
-    Args:
-        age_months: The age.
-        measures: The measures of the infant.
-        reference: Whom it is judged by.
-        requests: What its spec asks for; None means the average child.
+    Without requests, the infant is judged as the average child.
     """
     rows = []
     for indicator, standard in fits.load_tables().who.items():
@@ -239,14 +235,10 @@ def _girth_m(model: mujoco.MjModel, geom: str) -> float:
 
 
 def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
-    """Return what a spec asks of each measure.
+    """Return what a spec asks of each measure of its compiled child.
 
     What an individual does not name follows from what it names, and what single measurements, factors of parts and
     missing parts change is not asked for by anything else.
-
-    Args:
-        spec: The spec.
-        measures: The measures of its compiled child.
     """
     requests: dict[str, float | None] = {}
     if spec.body.individual:

@@ -230,13 +230,7 @@ def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltS
 
 
 def draw_room(size_m: tuple[Range, Range, Range], seed: int, wallpapers: Wallpapers = OWN_WALLPAPERS) -> Room:
-    """Return a room; its size, floor, ceiling, walls, pictures and lamps each come from a stream of their own.
-
-    Args:
-        size_m: Ranges of depth, width and height.
-        seed: Of everything drawn.
-        wallpapers: What to draw from; with no pictures, none hang.
-    """
+    """Return a room; its size, floor, ceiling, walls, pictures and lamps each come from a stream of their own."""
     sizes = stream(seed, "room.size")
     depth, width, height = (between(sizes, low, high) for low, high in size_m)
     planes = sides(depth, width, height)
@@ -265,13 +259,7 @@ def draw_room(size_m: tuple[Range, Range, Range], seed: int, wallpapers: Wallpap
 
 
 def place_infant(size_m: Vec3, radius_m: float, generator: np.random.Generator) -> Placement:
-    """Return a place on the floor, anywhere clear of the walls; where a room is too narrow for that, in the middle.
-
-    Args:
-        size_m: Of the room.
-        radius_m: How far from the vertical through its origin the infant reaches.
-        generator: What to draw from.
-    """
+    """Return a place for an infant that reaches *radius_m* far, clear of the walls; in a narrow room, the middle."""
     free_m = [max(side / 2 - radius_m - CLEARANCE_M, 0.0) for side in size_m[:2]]
     x_m, y_m = (between(generator, -free, free) for free in free_m)
     return Placement(x_m, y_m, between(generator, 0.0, 2 * math.pi))
