@@ -60,21 +60,17 @@ class Builder:
     """A spec whose infant has been built, and whose scene is built for each seed."""
 
     spec: InfantSpec
-    """The spec."""
     target: str | None
     """Name of the other software that it is built for, if any."""
     grown: body.GrownBody
     """The infant's body as it grew."""
     tree: body.BodyTree
-    """The infant's body."""
+    """That body, as the target has it."""
     actuation: ActuationSetup
-    """What its actuation model makes of the body."""
     senses: Mapping[str, Placed]
-    """Its senses by name."""
     infant: SceneTree
     """The infant with senses and actuators, with its poses at the origin, before it is placed in a world."""
     task_setup: TaskSetup
-    """The setup of its task."""
     footprint: npt.NDArray[np.float64]
     """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
     scene_assets: SceneAssets
@@ -82,7 +78,6 @@ class Builder:
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
     has_skin: bool
-    """Whether a skin is drawn over its solids."""
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:

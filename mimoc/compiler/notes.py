@@ -61,7 +61,7 @@ def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> Itera
 
 
 def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: str | None = None) -> tuple[str, ...]:
-    """Return the notes of a bundle, for its README and manifest; *target* is the software that it is built for, if any."""
+    """Return the notes of a bundle for README and manifest; *target* is the software that it is built for, if any."""
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))

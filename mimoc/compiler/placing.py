@@ -39,9 +39,7 @@ class SceneAssets:
     """The toys and wallpapers that scenes choose from."""
 
     wallpapers: Wallpapers = OWN_WALLPAPERS
-    """Wallpapers for floors, ceilings and walls."""
     toybox: Toybox = BUILTIN_TOYS
-    """The toys to choose from."""
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
@@ -114,7 +112,6 @@ class PlacedScene:
     scene: SceneTree
     """The infant and its world, ready to print."""
     toys: tuple[FreeObject, ...]
-    """The toys."""
     task_objects: tuple[FreeObject, ...]
     """The movable objects of the task."""
     origins: Mapping[str, Entry]

@@ -26,7 +26,6 @@ class HeadFeature:
     """A visual geom of the head, without mass or contacts. Sizes are in head radii."""
 
     name: str
-    """Name of the geom."""
     type: str
     """`sphere` or `ellipsoid`."""
     size: tuple[float, ...]
@@ -36,7 +35,6 @@ class HeadFeature:
     euler_deg: tuple[float, float, float]
     """Successive rotations about x, y and z, in [deg]."""
     material: str
-    """Name of its material."""
 
 
 HEAD_FEATURES = (

@@ -43,7 +43,6 @@ class WorldMaterial:
     shininess: float = 0.1
     reflectance: float = 0.0
     emission: float = 0.0
-    """Emission of light, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +53,6 @@ class Texture:
     """
 
     name: str
-    """Name that a material refers to."""
     file: str
     """Path inside the bundle, a key of `Appearance.assets`."""
 
@@ -64,11 +62,9 @@ class Material:
     """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
 
     name: str
-    """Name that a geom refers to."""
     rgba: Rgba
-    """Colour, or what the texture is multiplied by; 0 to 1."""
+    """Colour, or what the texture is multiplied by."""
     texture: str | None = None
-    """Name of a texture, or None for plain colour."""
     specular: float = 0.1
     """Strength of highlights, 0 to 1; skin and cloth are dull."""
     shininess: float = 0.2
@@ -85,7 +81,6 @@ class PrintedSkin:
     file: str
     """Path inside the bundle, a key of `Appearance.assets`."""
     material: str
-    """Name of its material."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +90,6 @@ class Appearance:
     textures: tuple[Texture, ...]
     """The cubes, in the order they are written."""
     materials: tuple[Material, ...]
-    """In the order they are written."""
     assets: Mapping[str, bytes]
     """Path inside the bundle to the bytes of a PNG."""
     flat_textures: tuple[Texture, ...] = ()

@@ -94,7 +94,6 @@ class Weld:
     pos_m: Vec3
     """Where that point is in the world."""
     quat: tuple[float, float, float, float]
-    """Orientation."""
     torquescale: float
     """1 fixes the orientation; 0 leaves it free about the point."""
 
@@ -136,9 +135,7 @@ class World:
 
     gravity_m_s2: Vec3 = (0.0, 0.0, -9.81)
     grounds: tuple[Ground, ...] = ()
-    """Endless floors."""
     lights: tuple[DirectionalLight, ...] = ()
-    """Directional lights."""
     headlight: Headlight = OUTDOORS
     furniture: Furniture = BARE
     objects: tuple[FreeObject, ...] = ()
@@ -168,7 +165,7 @@ class World:
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
-    """Return the contacts that barriers have with an infant and with whatever moves, as if contact bits allowed them."""
+    """Return the contacts of barriers with an infant and with whatever else moves, as if contact bits allowed them."""
     of_infant = (geom for root in roots for node in root.subtree() for geom in node.geoms)
     of_objects = (geom for item in world.objects for geom in item.geoms)
     moving = [geom for geom in (*of_infant, *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
