@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from mimoc.base.errors import BundleError, Problem, SpecError
 from mimoc.base.rounding import rounded
@@ -68,8 +68,6 @@ RESOLVED = "resolved.yaml"
 KEPT = 8
 """Ages whose infants are kept, since environments return to them."""
 
-Value = TypeVar("Value")
-
 
 class SpecVariants:
     """Builds the infant of a spec at any age and in any scene."""
@@ -83,8 +81,8 @@ class SpecVariants:
             SpecError: If it cannot be built.
         """
         self._spec = spec
-        self._builders: dict[float, Builder] = {}
-        self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
+        self._builder = lru_cache(KEPT)(self._build_at)
+        self._infant = lru_cache(KEPT)(self._make)
         self._mould: ModelTemplate | None = None
         self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
@@ -126,7 +124,7 @@ class SpecVariants:
             ModelError: If MuJoCo rejects it.
         """
         with errors_at(self._spec, age_months):
-            return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))()
+            return self._infant(age_months, scene_seed)()
 
     def _make(self, age_months: float, scene_seed: int) -> Callable[[], Variant]:
         """Return what gives out an infant, each time with a model of its own."""
@@ -140,8 +138,8 @@ class SpecVariants:
             return Variant(bundle, load_model(bundle)).again
         return lambda: Variant(bundle, casting.model(), casting.dress)
 
-    def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: self._at(at_age_unchecked(self._spec, age_months), self._own))
+    def _build_at(self, age_months: float) -> Builder:
+        return self._at(at_age_unchecked(self._spec, age_months), self._own)
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)
@@ -163,15 +161,6 @@ def _instantiate(mould: ModelTemplate, scene: SceneTree) -> ModelInstance | None
         return mould.instantiate(scene)
     except (DifferenceError, ValueError):
         return None
-
-
-def _kept(store: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
-    """Return what is kept under a key, or make it; what was not asked for lately is forgotten."""
-    value = store.pop(key) if key in store else make()
-    store[key] = value
-    if len(store) > KEPT:
-        del store[next(iter(store))]
-    return value
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:
