@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
-from itertools import cycle, islice
 from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
@@ -194,7 +193,8 @@ def _joined(
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
     """Return what infants are made of, in turn, each with a model of its own where it comes with one."""
     infants = [*prepared]
-    for parts in islice(cycle(prepared), count - len(prepared)):
+    for index in range(len(prepared), count):
+        parts = prepared[index % len(prepared)]
         bundle = parts["bundle"]
         infants.append({**parts, "bundle": bundle.again() if isinstance(bundle, Variant) else bundle})
     return infants
