@@ -6,9 +6,9 @@ from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s
-from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import POSES, poses_of, resting_states, standing_height
+from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of

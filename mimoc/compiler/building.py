@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import body
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import rounded, rounded_array
 from mimoc.base.units import ms_to_s
+from mimoc.body.grow import GrownBody
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
+from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json
@@ -62,9 +63,9 @@ class Builder:
     spec: InfantSpec
     target: str | None
     """Name of the other software that it is built for, if any."""
-    grown: body.GrownBody
+    grown: GrownBody
     """The infant's body as it grew."""
-    tree: body.BodyTree
+    tree: BodyTree
     """That body, as the target has it."""
     actuation: ActuationSetup
     senses: Mapping[str, Placed]
@@ -237,7 +238,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     )
 
 
-def _scaled_parts(spec: InfantSpec, tree: body.BodyTree) -> dict[str, tuple[str, ...]]:
+def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]]:
     """Return the keys of the spec that scale each part, by its name in the body."""
     scaled: dict[str, tuple[str, ...]] = {}
     for name, part in spec.body.parts.items():

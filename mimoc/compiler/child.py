@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from mimoc.base.errors import GeometryError, IndividualError, Problem, SpecError
 from mimoc.base.units import m_to_cm
-from mimoc.body import GrownBody, assemble, grow_body
-from mimoc.body.grow import grow_child, measure_child, reference_of
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import GrownBody, grow_body, grow_child, measure_child, reference_of
 from mimoc.body.measurements import replace_given
 from mimoc.body.reference import Reference
 from mimoc.fits import measure

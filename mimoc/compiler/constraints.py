@@ -5,8 +5,8 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames_in_world
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.world import Lock, Weld
 from mimoc.schema.infant import InfantSpec

@@ -7,9 +7,9 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.base.kinds import Kinds
 from mimoc.base.rounding import rounded
-from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.kinematics import stature
 from mimoc.body.parts import PARTS
+from mimoc.body.tree import FREE_JOINT, BodyTree
 from mimoc.bundle.manifest import (
     AnatomyEntry,
     ChildEntry,

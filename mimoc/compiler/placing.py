@@ -10,9 +10,9 @@ from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
+from mimoc.body.tree import BodyTree
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.looks.user_textures import read_textures

@@ -5,9 +5,9 @@ from typing import Any
 
 from mimoc import fits
 from mimoc.actuation.build_setup import ActuationSetup, Origin
-from mimoc.body import BodyTree
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
+from mimoc.body.tree import BodyTree
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.placing import PlacedScene
 from mimoc.fits.who import percentile

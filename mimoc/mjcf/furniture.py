@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from mimoc.base.units import cm_to_m
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import stature
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 
 Rgba = tuple[float, float, float, float]

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 
 from mimoc.base.units import deg_to_rad
-from mimoc.body import BodyTree
 from mimoc.body.head_surface import as_on_mimos_head
 from mimoc.body.sections import BUTTOCKS, RUMP
+from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.infant import Camera, Sensor, Site
 

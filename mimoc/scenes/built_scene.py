@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
+from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import DirectionalLight, Headlight
 from mimoc.mjcf.world import World
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from mimoc.body import BodyTree, Geom
 from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose
+from mimoc.body.tree import BodyTree, Geom
 from mimoc.toys.placing import FADING, ReachableFloor
 
 LEAN_DEG = 60.0

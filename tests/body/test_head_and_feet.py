@@ -21,9 +21,11 @@ from support.segment_masses import (
     shares_table,
 )
 
-from mimoc.body import Body, BodyTree, assemble, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.body.reference import head_share
+from mimoc.body.tree import Body, BodyTree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 

@@ -12,7 +12,8 @@ from support.start_poses import DEPTH_M
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.body import assemble, grow_body, grow_tree
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_body, grow_tree
 from mimoc.compiler.validation.measuring import compile_infant
 from mimoc.compiler.validation.who import measure_compiled
 from mimoc.fits import load_tables, measure

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import assemble, grow_average
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_average
 from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT, HEAD_FEATURES, add_materials, face_material, face_texture
 from mimoc.mjcf.furniture import Appearance
 from mimoc.schema.body import Expression

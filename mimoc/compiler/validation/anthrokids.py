@@ -12,6 +12,7 @@ from mimoc.base.units import m_to_cm
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.validation.measuring import SAME, Progress, compare_at_ages, compile_infant, measure_body
 from mimoc.fits.curves import LAST_MONTH
+from mimoc.fits.growth import group_age
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 
@@ -110,7 +111,7 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
     """
     infant = checked_or_average(spec)
     means = fits.load_tables().anthrokids["crown_sole_length"]
-    ages_months = [age for age in map(fits.group_age, means) if age <= LAST_MONTH]
+    ages_months = [age for age in map(group_age, means) if age <= LAST_MONTH]
     return MeasurementReport(compare_at_ages(infant, ages_months, _compare, progress))
 
 
@@ -124,7 +125,7 @@ def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
     named = {unsided(key) for key in child.body.measurements if not key.startswith("right_")}
     for name, value_m in sorted(measured_m.items()):
         if name in tables.anthrokids:
-            mean = next(mean for mean in tables.anthrokids[name] if fits.group_age(mean) == age_months)
+            mean = next(mean for mean in tables.anthrokids[name] if group_age(mean) == age_months)
             mean_cm, origin = mean.mean_cm, f"anthrokids.csv:{mean.line}"
         else:
             mean_cm, origin = tables.published[name](age_months), f"anthrokids_published_fits.csv: {name}"
