@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 
-from mimoc.base.errors import MimocError, check_name
+from mimoc.base.errors import BundleError, MimocError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.plugins import load_plugins
@@ -144,35 +144,33 @@ def make_task(
         SpecError: If there is no such child, or it cannot do this task.
         MimocError: If a bundle is given, and an age, hands or an actuation model as well.
     """
-    parts, rest = prepared_task(kind, bundle, age_months, hands, actuation, **options)
+    parts, rest = prepared_task(kind, bundle, age_months=age_months, hands=hands, actuation=actuation, **options)
     check_options(rest)
     return InfantEnv(**parts, **rest)
 
 
 def prepared_task(
-    kind: str,
-    bundle: Bundle | str | Path | None = None,
-    age_months: float | None = None,
-    hands: str | None = None,
-    actuation: str | None = None,
-    alone: bool = True,
-    **options: Any,
+    kind: str, bundle: Bundle | str | Path | None = None, alone: bool = True, **options: Any
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
     load_plugins()
-    given = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
-    task, child = {"kind": kind, **given}, _given(age_months=age_months, hands=hands, actuation=actuation)
+    keys = [key for key in TASKS.find(kind).spec.model_fields if key in options]
+    task_options = _given({key: options.pop(key) for key in keys})
+    child = _given({key: options.pop(key, None) for key in ("age_months", "hands", "actuation")})
+    task = {"kind": kind, **task_options}
     if bundle is None:
         return _compiled(_child(task, **child), alone=alone), options
     if child:
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     opened = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    if opened.manifest.task.kind == kind and not given:
+    if opened.manifest.task.kind == kind and not task_options:
         return _opened(opened), options
-    return _compiled(_for_task(opened, task), alone=alone), options
+    from mimoc.compiler.variants import spec_of
+
+    return _compiled(spec_of(opened).with_(task=None).with_(task=task), alone=alone), options
 
 
-def _given(**choices: Any) -> dict[str, Any]:
+def _given(choices: dict[str, Any]) -> dict[str, Any]:
     """Return what was chosen, numbers of NumPy's as Python's."""
     chosen = {name: value for name, value in choices.items() if value is not None}
     return {name: value.item() if hasattr(value, "item") else value for name, value in chosen.items()}
@@ -180,7 +178,7 @@ def _given(**choices: Any) -> dict[str, Any]:
 
 def _opened(bundle: Bundle) -> dict[str, Any]:
     """Return what an environment is made of: a bundle, and its variants of other ages."""
-    return {"bundle": bundle, "variants": LaterVariants(bundle)}
+    return {"bundle": bundle, "variants": BundleVariants(bundle)}
 
 
 def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True) -> dict[str, Any]:
@@ -193,8 +191,11 @@ def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True
     return {"bundle": variant, "variants": variants}
 
 
-class LaterVariants:
-    """The infant of a bundle at other ages; the compiler is imported when one is first asked for."""
+class BundleVariants:
+    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains.
+
+    The compiler is imported when an age is first asked for.
+    """
 
     has_other_scenes = False
 
@@ -204,17 +205,25 @@ class LaterVariants:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the bundle."""
-        return LaterVariants, (self._bundle,)
+        return BundleVariants, (self._bundle,)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in the scene of the bundle; see `BundleVariants`."""
-        return self._variants(age_months, scene_seed)
+        """Return the infant at an age, in months as they stand in manifests.
+
+        Raises:
+            BundleError: If the bundle cannot be built at this age.
+        """
+        try:
+            return self._of_spec(age_months, scene_seed)
+        except MimocError as error:
+            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
 
     @cached_property
-    def _variants(self) -> Variants:
-        from mimoc.compiler.variants import BundleVariants
+    def _of_spec(self) -> Variants:
+        from mimoc.compiler.variants import SpecVariants, spec_of
 
-        return BundleVariants(self._bundle)
+        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
 
 
 def _child(
@@ -232,10 +241,3 @@ def _child(
         "task": task,
     }
     return read_spec(source.parse(dump(data), f"<{kind}>"))
-
-
-def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
-    """Return the spec of a bundle with another task."""
-    from mimoc.compiler.variants import spec_of
-
-    return spec_of(bundle).with_(task=None).with_(task=task)

@@ -96,7 +96,7 @@ def make_vec(
         )
     prepared = [environments.prepared(sources[0], alone=False)]
     prepared += [environments.prepared(source, prepared[0]["variants"], False) for source in sources[1:]]
-    return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
+    return _joined(prepared, count, threads, device, render_mode, autoreset_mode, **options)
 
 
 def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) -> "VecMonitor":
@@ -137,26 +137,14 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
     return monitored(infants)
 
 
-def make_vec_task(
-    kind: str,
-    num_envs: int = 1,
-    threads: int | None = None,
-    device: str = "cpu",
-    render_mode: RenderMode = None,
-    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-    **options: Any,
-) -> "BatchEnv | DeviceEnv":
+def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of a task, as `gymnasium.make_vec("mimoc/Reach-v0", ...)` does.
 
     Args:
         kind: Name of the task.
         num_envs: Number of infants.
-        threads: As for `make_vec`, as are the next three.
-        device: See there.
-        render_mode: See there.
-        autoreset_mode: See there.
-        options: Those of `mimoc.environments.make_task`; `bundle` and `age_months` can be lists, whose values are
-            repeated in turn.
+        options: Those of `make_vec`, and of `mimoc.environments.make_task`; `bundle` and `age_months` can be lists,
+            whose values are repeated in turn.
     """
     lists = {name: _listed(options[name]) for name in ("bundle", "age_months") if name in options}
     prepared, rest = [], options
@@ -164,7 +152,7 @@ def make_vec_task(
         options_of_infant = {name: values[index % len(values)] for name, values in lists.items()}
         parts, rest = environments.prepared_task(kind, **{**options, **options_of_infant}, alone=False)
         prepared.append(parts)
-    return _joined(prepared, num_envs, threads, device, render_mode, autoreset_mode, rest)
+    return _joined(prepared, num_envs, **rest)
 
 
 def make_vec_infant(
@@ -180,11 +168,11 @@ def make_vec_infant(
 def _joined(
     prepared: Sequence[dict[str, Any]],
     count: int,
-    threads: int | None,
-    device: str,
-    render_mode: RenderMode,
-    autoreset_mode: AutoresetMode | str,
-    options: dict[str, Any],
+    threads: int | None = None,
+    device: str = "cpu",
+    render_mode: RenderMode = None,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    **options: Any,
 ) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of some infants, which are repeated in turn."""
     if render_mode not in (None, "rgb_array"):
@@ -204,12 +192,12 @@ def _joined(
 
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
     """Return what infants are made of, in turn, each with a model of its own where it comes with one."""
-    again = [prepared[index % len(prepared)] for index in range(len(prepared), count)]
-    infants = [(parts, parts["bundle"]) for parts in again]
-    return [
-        *prepared,
-        *({**parts, "bundle": bundle.again() if isinstance(bundle, Variant) else bundle} for parts, bundle in infants),
-    ]
+    infants = [*prepared]
+    for index in range(len(prepared), count):
+        parts = prepared[index % len(prepared)]
+        bundle = parts["bundle"]
+        infants.append({**parts, "bundle": bundle.again() if isinstance(bundle, Variant) else bundle})
+    return infants
 
 
 def _on_device(
@@ -234,11 +222,7 @@ def _on_device(
 
 
 def _check_numbers(**given: Any) -> None:
-    """Check numbers of infants or threads, where they are given.
-
-    Raises:
-        ValueError: If one is not a whole number, or negative.
-    """
+    """Check that numbers of infants or threads, where they are given, are whole and not negative."""
     for name, number in given.items():
         if number is not None and (isinstance(number, bool) or not isinstance(number, Integral) or number < 0):
             raise ValueError(f"expected a whole number that is not negative as {name}, got {number!r}")

@@ -111,7 +111,7 @@ LAYERS = {
     "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording",
+        f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
         "gymnasium mujoco stable_baselines3 torch tensorboard",
     ),
     "studies": layer(

@@ -15,7 +15,8 @@ from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, J
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
     from mimoc.cohorts.plan import Plan, StepPlan
-    from mimoc.compiler.validation import GrowthReport, MeasurementReport, MeasurementRow, Row
+    from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow
+    from mimoc.compiler.validation.who import GrowthReport, Row
     from mimoc.fits.who import Reference
     from mimoc.studies.milestones import Milestone, MilestoneReport
 

@@ -39,11 +39,11 @@ class Findings:
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_growth
-    from mimoc.compiler import validation
+    from mimoc.compiler.validation import who
     from mimoc.render.plots.growth import growth_sheet
 
-    report = validation.grow_against_who(infant, progress=progress)
-    shown = partial(print_growth, report, validation.REQUESTED_SD)
+    report = who.grow_against_who(infant, progress=progress)
+    shown = partial(print_growth, report, who.REQUESTED_SD)
     return Findings(report.passed, report.to_data(), shown, lambda: growth_sheet(report.series, report.reference))
 
 

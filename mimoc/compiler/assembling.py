@@ -10,7 +10,7 @@ from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import poses_of, resting_states, standing_height
 from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
-from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, add_materials, dress_skin
+from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
@@ -44,15 +44,7 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
 def assemble_infant(
     spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
 ) -> SceneTree:
-    """Return a scene with the infant of a spec, with its poses at the origin of an empty world.
-
-    Args:
-        spec: The spec.
-        tree: The body.
-        actuation: Its actuators.
-        senses: Its senses.
-        has_skin: Whether a skin is drawn over its solids.
-    """
+    """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
     parts = _parts(tree, actuation, senses, has_skin)
     skin = skin_of(tree) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"
@@ -138,28 +130,26 @@ def _geom(geom: Geom, group: int) -> PrintedGeom:
 
 
 def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
-    """Return the visual geoms of the head: nose, ears, lids."""
+    """Return the visual geoms of the head: nose and ears."""
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)
-    return tuple(_feature(feature, head, SOLIDS_GROUP if has_skin else LOOKS_GROUP) for feature in HEAD_FEATURES)
-
-
-def _feature(feature: HeadFeature, head: Geom, group: int) -> PrintedGeom:
-    radius_m = head_radius(head)
-    return PrintedGeom(
-        name=feature.name,
-        type=feature.type,
-        size_m=tuple(radius_m * size for size in feature.size),
-        pos_m=on_head(head, feature.pos),
-        euler_rad=_radians(feature.euler_deg),
-        mass_kg=0.0,
-        material=feature.material,
-        friction=(1.0, 0.005, 0.0002),
-        contype=0,
-        conaffinity=0,
-        condim=3,
-        group=group,
+    return tuple(
+        PrintedGeom(
+            name=feature.name,
+            type=feature.type,
+            size_m=tuple(head_radius(head) * size for size in feature.size),
+            pos_m=on_head(head, feature.pos),
+            euler_rad=_radians(feature.euler_deg),
+            mass_kg=0.0,
+            material=feature.material,
+            friction=(1.0, 0.005, 0.0002),
+            contype=0,
+            conaffinity=0,
+            condim=3,
+            group=SOLIDS_GROUP if has_skin else LOOKS_GROUP,
+        )
+        for feature in HEAD_FEATURES
     )
 
 

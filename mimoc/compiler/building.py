@@ -1,6 +1,6 @@
 """Builders, which compile the bundles of a spec for any seed of its scene."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -14,19 +14,17 @@ from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, Uns
 from mimoc.base.rounding import rounded, rounded_array
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
-from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.json_text import render_json
-from mimoc.bundle.manifest import Manifest, ToyEntry, to_data as manifest_data
+from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.child import child_of
-from mimoc.compiler.manifest import describe_toys, make_manifest, used_plugins
+from mimoc.compiler.child import check_available, child_of
+from mimoc.compiler.manifest import describe_toys, make_manifest
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.placing import (
@@ -45,12 +43,11 @@ from mimoc.compiler.provenance import (
     trace_spec,
     trace_task,
     trace_world,
-    who_percentiles,
 )
 from mimoc.delays.build_presets import trace_delays
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
-from mimoc.mjcf.mimo.model import CompatibilityTarget, find_target
+from mimoc.mjcf.mimo import find_target
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.build_presets import trace_noise
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
@@ -59,39 +56,29 @@ from mimoc.tasks.build_setup import TaskSetup
 from mimoc.version import __version__
 
 
-@dataclass(frozen=True, slots=True)
-class BuildRecord:
-    """What an infant was built from, for its provenance."""
-
-    grown: GrownBody
-    actuation: ActuationSetup
-    senses: Mapping[str, Placed]
-
-
 @dataclass(frozen=True, repr=False)
 class Builder:
     """A spec whose infant has been built, and whose scene is built for each seed."""
 
     spec: InfantSpec
-    """The spec."""
     target: str | None
     """Name of the other software that it is built for, if any."""
+    grown: GrownBody
+    """The infant's body as it grew."""
     tree: BodyTree
-    """The infant's body."""
+    """That body, as the target has it."""
+    actuation: ActuationSetup
+    senses: Mapping[str, Placed]
     infant: SceneTree
     """The infant with senses and actuators, with its poses at the origin, before it is placed in a world."""
     task_setup: TaskSetup
-    """The setup of its task."""
     footprint: npt.NDArray[np.float64]
     """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
     scene_assets: SceneAssets
     """The toys and wallpapers that scenes choose from."""
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
-    sources: BuildRecord
-    """What the infant was built from."""
     has_skin: bool
-    """Whether a skin is drawn over its solids."""
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:
@@ -107,23 +94,27 @@ class Builder:
     @cached_property
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
         """The large arrays of all senses by name, as they are in the file, read-only."""
-        return MappingProxyType(dict(_arrays(self.sources.senses)))
+        arrays = {}
+        for sense, placed in self.senses.items():
+            for name, array in placed.arrays.items():
+                arrays[f"{sense}/{name}"] = rounded_array(array).view()
+                arrays[f"{sense}/{name}"].flags.writeable = False
+        return MappingProxyType(arrays)
 
     @cached_property
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
         spec, tree, manifest = self.spec, self.tree, self.manifest
-        of_body = trace_body(self.sources.grown, tree, _scaled_parts(spec, tree))
-        actuation = self.sources.actuation
-        written = replace(actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
+        of_body = trace_body(self.grown, tree, _scaled_parts(spec, tree))
+        written = replace(self.actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
         return {
             **trace_actuation(spec.actuation.model, tree, written, of_body),
             **dict(trace_delays(spec, manifest.delays)),
             **dict(trace_noise(spec, manifest.noise)),
-            **{key: entry for placed in self.sources.senses.values() for key, entry in placed.origins.items()},
+            **{key: entry for placed in self.senses.values() for key, entry in placed.origins.items()},
             **trace_task(manifest.task),
             **trace_plugins(manifest.plugins),
-            **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
+            **dict(trace_child(tree, manifest.child)),
         }
 
     def __repr__(self) -> str:
@@ -161,7 +152,15 @@ class Builder:
         spec = _with_seed(self.spec, seed)
         world_origins = {**trace_spec(spec, as_written(spec)), **trace_world(spec, furnished)}
         manifest = self.manifest_of(seed, furnished)
-        files = self._files(spec, furnished, manifest, world_origins)
+        files = {
+            **self.files,
+            **printing.render_world(furnished.scene, self._inhabitant),
+            SPEC_FILE: as_written(spec).text.encode(),
+            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
+            PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
+            "manifest.json": render_json(manifest_data(manifest)),
+            "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
+        }
         try:
             if check:
                 compile_model(files)
@@ -185,23 +184,8 @@ class Builder:
 
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
         """Return the manifest of a seed."""
-        spec = _with_seed(self.spec, seed)
-        toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished.toys))
-        remarks = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
-        return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": remarks})
-
-    def _files(
-        self, spec: InfantSpec, furnished: PlacedScene, manifest: Manifest, world_origins: Mapping[str, Entry]
-    ) -> dict[str, bytes]:
-        return {
-            **self.files,
-            **printing.render_world(furnished.scene, self._inhabitant),
-            SPEC_FILE: as_written(spec).text.encode(),
-            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
-            "manifest.json": render_json(manifest_data(manifest)),
-            "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
-        }
+        remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
+        return self.manifest.model_copy(update={"seed": seed, "toys": describe_toys(furnished.toys), "notes": remarks})
 
 
 def sees_skin(spec: InfantSpec) -> bool:
@@ -226,48 +210,32 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     if younger is None:
         spec = validated(spec)
         check_available(spec)
-    grown = child_of(spec, younger and younger.sources.grown.reference)
+    grown = child_of(spec, younger and younger.grown.reference)
     tree = compatibility.body(grown.tree)
     usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
     has_skin = usual if spec.body.skin is None else spec.body.skin
-    actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
-    return Builder(
-        spec=spec,
-        target=target,
-        tree=tree,
-        infant=infant,
-        task_setup=task_setup,
-        footprint=covered_floor(infant, spec.scene, tree),
-        scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
-        manifest=manifest,
-        sources=BuildRecord(grown, actuation, senses),
-        has_skin=has_skin,
-    )
-
-
-def _equip(
-    spec: InfantSpec, tree: BodyTree, compatibility: CompatibilityTarget, has_skin: bool
-) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
-    """Return actuators and senses of a body, the setup of its task, the complete infant, and its manifest."""
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
         scene, task_setup = set_up_task(assemble_infant(spec, tree, actuation, senses, has_skin), spec, tree, actuation)
         infant = compatibility.infant(scene, spec.actuation.model)
-        described = make_manifest(spec, tree, infant, senses, task_setup)
+        manifest = make_manifest(spec, tree, infant, senses, task_setup)
     except UnsupportedTaskError as error:
         raise SpecError([as_written(spec).problem(error.key, str(error))]) from None
-    data = {**described.model_dump(), "plugins": used_plugins(spec)}
-    return actuation, senses, task_setup, infant, Manifest.model_validate(rounded(data))
-
-
-def _arrays(senses: Mapping[str, Placed]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    """Yield the large arrays of all senses, with their names."""
-    for sense, placed in senses.items():
-        for name, array in placed.arrays.items():
-            kept = rounded_array(array).view()
-            kept.flags.writeable = False
-            yield f"{sense}/{name}", kept
+    return Builder(
+        spec=spec,
+        target=target,
+        grown=grown,
+        tree=tree,
+        actuation=actuation,
+        senses=senses,
+        infant=infant,
+        task_setup=task_setup,
+        footprint=covered_floor(infant, spec.scene, tree),
+        scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
+        manifest=manifest,
+        has_skin=has_skin,
+    )
 
 
 def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]]:

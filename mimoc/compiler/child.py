@@ -6,21 +6,67 @@ from dataclasses import dataclass
 
 from mimoc.base.errors import GeometryError, IndividualError, Problem, SpecError
 from mimoc.base.units import m_to_cm
+from mimoc.body.anatomy import assemble
 from mimoc.body.grow import GrownBody, grow_body, grow_child, measure_child, reference_of
 from mimoc.body.measurements import replace_given
 from mimoc.body.reference import Reference
+from mimoc.fits import measure
 from mimoc.geometry.solvers import root
 from mimoc.schema.base import KeyPath
-from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.infant import InfantSpec, as_written, validated
 from mimoc.schema.names import unsided
-from mimoc.schema.source import Source
 
+LEAST, LARGEST = 0.4, 2.0
+"""Range of a measurement, relative to the average child's at the same age.
+
+Children born after 22 weeks are .57 times as long as those born at term, weigh .15 times as much (Fenton and Kim 2013,
+BMC Pediatrics 13:59), and so have .5 times their girths; their heads have .59 times the girth. Hydrocephalus makes a
+newborn's head up to 1.8 times as large (60 cm). Overgrowth and lymphoedema double the girth of a limb.
+"""
 PRECISION = 1e-7
 """Precision of the limit of possible values, relative to its distance from a possible value."""
 FARTHEST = 0.5
 """Smallest value that is tried, relative to the default value; its inverse is the largest."""
 
-Possible = Callable[[InfantSpec], bool]
+
+def checked_or_average(spec: InfantSpec | None) -> InfantSpec:
+    """Return a spec that this version can build; of None, that of the average child.
+
+    Raises:
+        SpecError: If it is invalid, or as `check_available`.
+    """
+    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
+    check_available(infant)
+    return infant
+
+
+def check_available(spec: InfantSpec) -> None:
+    """Check that this version can build a spec, and that its measurements are a child's.
+
+    Raises:
+        SpecError: If not; the error lists everything that is unavailable or implausible.
+    """
+    if spec.body.measurements and (problems := [*_problems_of_measurements(spec)]):
+        raise SpecError(problems)
+
+
+def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
+    """Yield a problem for each measurement that this body does not follow, or that no child of its age has."""
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
+    written, average = as_written(spec), measure(spec.age_months)
+    for key, value_cm in spec.body.measurements.items():
+        path, average_cm = ("body", "measurements", key), m_to_cm(average[unsided(key)])
+        if unsided(key) not in anatomy.follows:
+            what = f"a {spec.body.hands} body that follows this is not available in this version of mimoc; leave it out"
+            yield written.problem(path, what, at="key")
+        if not LEAST <= value_cm / average_cm <= LARGEST:
+            least_cm, largest_cm = math.ceil(10 * LEAST * average_cm) / 10, math.floor(10 * LARGEST * average_cm) / 10
+            message = (
+                f"{value_cm:g} cm is {value_cm / average_cm:.2g} times what the average child of {spec.age_months:g} "
+                f"months has ({average_cm:.1f} cm), and children have {LEAST:g} to {LARGEST:g} times as much; "
+                f"give {least_cm:.1f} to {largest_cm:.1f} cm"
+            )
+            yield written.problem(path, message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,49 +93,54 @@ class Suspect:
 
     def advise(self, limit: float) -> str:
         """Return advice, given that values between neutral and *limit* are possible."""
-        digits = 1 if self.path[1] == "measurements" else 2
-        if self.value > limit:
-            bound = f"{math.floor(limit * 10**digits) / 10**digits:.{digits}f}"
-            return f"give less than {bound} cm" if digits == 1 else f"give a {self.path[-1]} below {bound}"
-        bound = f"{math.ceil(limit * 10**digits) / 10**digits:.{digits}f}"
-        return f"give more than {bound} cm" if digits == 1 else f"give a {self.path[-1]} above {bound}"
+        is_measurement, is_less = self.path[1] == "measurements", self.value > limit
+        digits = 1 if is_measurement else 2
+        bound = (math.floor if is_less else math.ceil)(limit * 10**digits) / 10**digits
+        if is_measurement:
+            return f"give {'less' if is_less else 'more'} than {bound:.1f} cm"
+        return f"give a {self.path[-1]} {'below' if is_less else 'above'} {bound:.2f}"
 
 
-def diagnose(error: GeometryError | IndividualError, spec: InfantSpec, written: Source) -> Problem:
-    """Return the problem, located at the key of the spec that causes an error of the body.
+def child_of(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
+    """Return the body of a spec's child; the reference of its anatomy can be given if it is known.
+
+    Raises:
+        SpecError: If there is no such child; the error says which key makes it impossible, and what would be possible.
+    """
+    try:
+        return grow_body(spec, reference)
+    except IndividualError as error:
+        raise SpecError([as_written(spec).problem(("body", "individual"), str(error))]) from None
+    except GeometryError as error:
+        path, advice = _culprit(spec)
+        raise SpecError([as_written(spec).problem(path, f"{error}; {advice}")]) from None
+
+
+def _culprit(spec: InfantSpec) -> tuple[KeyPath, str]:
+    """Return the key of a spec that makes its child impossible, and advice.
 
     That is the number without which the child would be possible; of several, the one that deviates most from its
     neutral value. The limit of possible values is found by bisection.
-
-    Args:
-        error: The error.
-        spec: The spec.
-        written: The file of the spec.
     """
-    if isinstance(error, IndividualError):
-        return written.problem(("body", "individual"), str(error))
     reference = reference_of(spec)
-    measurements = measure_child(_plain(spec), reference)
+    plain = spec.body.model_copy(update={"measurements": {}, "parts": {}})
+    average_m = measure_child(spec.model_copy(update={"body": plain}), reference)
 
     def is_possible(other: InfantSpec) -> bool:
         try:
-            grow_child(other, replace_given(measurements, other), reference)
+            grow_child(other, replace_given(average_m, other), reference)
         except GeometryError:
             return False
         return True
 
-    path, advice = _likeliest(spec, dict(measurements), is_possible)
-    return written.problem(path, f"{error}; {advice}")
-
-
-def _plain(spec: InfantSpec) -> InfantSpec:
-    """Return the spec without overrides."""
-    return spec.model_copy(update={"body": spec.body.model_copy(update={"measurements": {}, "parts": {}})})
-
-
-def _likeliest(spec: InfantSpec, average_m: dict[str, float], is_possible: Possible) -> tuple[KeyPath, str]:
-    """Return the key that most likely causes the error, and advice."""
-    suspects = sorted(_suspects(spec, average_m), key=lambda suspect: (-suspect.deviation, suspect.path))
+    suspects = [
+        Suspect(("body", "parts", name, key), factor, 1.0)
+        for name, part in spec.body.parts.items()
+        for key, factor in part
+    ]
+    for key, value_cm in spec.body.measurements.items():
+        suspects.append(Suspect(("body", "measurements", key), value_cm, m_to_cm(average_m[unsided(key)])))
+    suspects.sort(key=lambda suspect: (-suspect.deviation, suspect.path))
     for farther in (1.0, FARTHEST):
         for suspect in suspects:
             good = suspect.neutral * (farther if suspect.value >= suspect.neutral else 1 / farther)
@@ -100,14 +151,7 @@ def _likeliest(spec: InfantSpec, average_m: dict[str, float], is_possible: Possi
     return ("body", "individual") if spec.body.individual else ("age_months",), "give one nearer to the average"
 
 
-def _suspects(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Suspect]:
-    for name, part in spec.body.parts.items():
-        yield from (Suspect(("body", "parts", name, key), factor, 1.0) for key, factor in part)
-    for key, value_cm in spec.body.measurements.items():
-        yield Suspect(("body", "measurements", key), value_cm, m_to_cm(average_m[unsided(key)]))
-
-
-def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Possible) -> float:
+def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Callable[[InfantSpec], bool]) -> float:
     """Return the possible value that is nearest to the given one."""
 
     def value(share: float) -> float:
@@ -116,21 +160,4 @@ def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Possibl
     def sign(share: float) -> float:
         return -1.0 if is_possible(suspect.replaced(spec, value(share))) else 1.0
 
-    change = root(sign, 0.0, 1.0, PRECISION, method="bisect")
-    return value(change - PRECISION)
-
-
-def child_of(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
-    """Return the body of a spec's child.
-
-    Args:
-        spec: The spec.
-        reference: What children of the same anatomy are compared with, if it is known.
-
-    Raises:
-        SpecError: If there is no such child; the error says which key makes it impossible, and what would be possible.
-    """
-    try:
-        return grow_body(spec, reference)
-    except (GeometryError, IndividualError) as error:
-        raise SpecError([diagnose(error, spec, as_written(spec))]) from None
+    return value(root(sign, 0.0, 1.0, PRECISION, method="bisect") - PRECISION)

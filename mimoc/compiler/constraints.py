@@ -5,10 +5,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
-from mimoc.body.kinematics import FloatArray, frames_in_world
+from mimoc.body.kinematics import frames_in_world
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import quaternion_from_matrix
-from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.world import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
@@ -73,20 +72,26 @@ def hold_name(body: str) -> str:
 
 
 def lock(joints: Collection[str], tree: BodyTree, state: Sequence[float]) -> tuple[Lock, ...]:
-    """Return constraints that lock some hinges at their angles in a state (qpos), and inactive ones for the others."""
-    angles_rad = dict(zip(tree.joints, state[7:], strict=False))
+    """Return constraints that lock some hinges at their angles in a state (qpos), and inactive ones for the others.
+
+    MIMo's code looks each up by the name of its hinge.
+    """
     return tuple(
-        Lock(lock_name(joint), joint, angle_rad, active=True)
-        if joint in joints
-        else Lock(lock_name(joint), joint, 0.0, active=False)
-        for joint, angle_rad in angles_rad.items()
+        Lock(name=joint, joint=joint, angle_rad=angle_rad if joint in joints else 0.0, active=joint in joints)
+        for joint, angle_rad in zip(tree.joints, state[7:], strict=False)
     )
 
 
 def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tuple[Weld, ...]:
     """Return constraints that fix some parts at their poses in a state (qpos)."""
     placed = frames_in_world(tree, state) if held else {}
-    return tuple(_weld(hold, *placed[hold.body]) for hold in held)
+    welds = []
+    for hold in held:
+        origin, rotation = placed[hold.body]
+        x, y, z = (origin + rotation @ hold.anchor_m).tolist()
+        quat, torquescale = quaternion_from_matrix(rotation), LOOSE if hold.turns else FIRM
+        welds.append(Weld(hold_name(hold.body), hold.body, hold.anchor_m, (x, y, z), quat, torquescale))
+    return tuple(welds)
 
 
 def keeps(
@@ -103,15 +108,3 @@ def keeps(
         for at in (start, state)
     ]
     return bool(np.allclose(*places, rtol=0.0, atol=SAME))
-
-
-def _weld(hold: Hold, origin: FloatArray, rotation: FloatArray) -> Weld:
-    x, y, z = (origin + rotation @ hold.anchor_m).tolist()
-    return Weld(
-        name=hold_name(hold.body),
-        body=hold.body,
-        anchor_m=hold.anchor_m,
-        pos_m=(x, y, z),
-        quat=quaternion_from_matrix(rotation),
-        torquescale=LOOSE if hold.turns else FIRM,
-    )

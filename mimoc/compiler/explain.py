@@ -77,7 +77,7 @@ def explain(bundle: Bundle, key: str) -> Explanation:
 
 def legend(explanation: Explanation) -> str:
     """Return what the letters mean that say how certain the sources of a number are; empty if there are none."""
-    used = {letter for text in _texts(explanation) for letter in MARK.findall(text)}
+    used = MARK.findall("\n".join(_texts(explanation)))
     return "; ".join(f"{letter}: {meaning}" for letter, meaning in CERTAINTIES.items() if letter in used)
 
 
@@ -109,16 +109,11 @@ def entries_of(bundle: Bundle) -> Entries:
 
 
 def _explain(key: str, entries: Entries) -> Explanation:
-    entry = entries[key]
-    sources = entry.get("from", ())
+    sources = entries[key].get("from", ())
     if len(sources) > MOST_FOLLOWED:
-        return Explanation(key, _lines(entry), tuple(_named(source, entries) for source in sources))
-    return Explanation(key, _lines(entry), tuple(_explain(source, entries) for source in sources))
-
-
-def _named(key: str, entries: Entries) -> Explanation:
-    """Return a number without its provenance."""
-    return Explanation(key, (value_text(entries[key]),), ())
+        values = tuple(Explanation(source, (value_text(entries[source]),), ()) for source in sources)
+        return Explanation(key, _lines(entries[key]), values)
+    return Explanation(key, _lines(entries[key]), tuple(_explain(source, entries) for source in sources))
 
 
 def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from typing import Any, Literal
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.base.kinds import Kinds
+from mimoc.base.rounding import rounded
 from mimoc.body.kinematics import stature
 from mimoc.body.parts import PARTS
 from mimoc.body.tree import FREE_JOINT, BodyTree
@@ -26,7 +27,6 @@ from mimoc.compiler.placing import start_pose
 from mimoc.delays.build_presets import delays
 from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.infant import Actuator
-from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.mjcf.world import FreeObject
@@ -36,7 +36,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks import TASKS
-from mimoc.tasks.build_setup import NO_TASK, TaskSetup
+from mimoc.tasks.build_setup import TaskSetup
 from mimoc.toys import TOY_SOURCES
 
 Side = Literal["left", "right"]
@@ -67,7 +67,11 @@ def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
         trunk=tuple(body.name for body in tree.bodies if body.region == "trunk"),
         arms=tuple(_limbs(ARM, bodies)),
         legs=tuple(_limbs(LEG, bodies)),
-        eyes=tuple(_eyes(bodies)),
+        eyes=tuple(
+            EyeEntry(side=side, body=EYE[0].format(side=side), camera=EYE[1].format(side=side))
+            for side in EYE_SIDES
+            if EYE[0].format(side=side) in bodies
+        ),
         groups={group: tuple(joints) for group, joints in sorted(groups.items())},
     )
 
@@ -79,23 +83,17 @@ def _limbs(ends: Ends, bodies: set[str]) -> Iterator[LimbEntry]:
             yield LimbEntry(side=side, root=root, end=end if end in bodies else None)
 
 
-def _eyes(bodies: set[str]) -> Iterator[EyeEntry]:
-    for side in EYE_SIDES:
-        body, camera = (name.format(side=side) for name in EYE)
-        if body in bodies:
-            yield EyeEntry(side=side, body=body, camera=camera)
-
-
 def make_manifest(
-    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
+    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup
 ) -> Manifest:
-    """Return the manifest of a scene."""
-    child = _child(spec, tree)
+    """Return the manifest of a scene, numbers rounded as in its file."""
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
-    return Manifest(
+    manifest = Manifest(
         name=spec.name,
-        child=child,
+        child=ChildEntry(
+            age_months=tree.age_months, sex=spec.body.individual and spec.body.individual.sex, **stature(tree)
+        ),
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
@@ -108,7 +106,7 @@ def make_manifest(
         delays=delays(spec, tree),
         noise=noise(spec),
         constraints=ConstraintsEntry(
-            locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked),
+            locks=tuple(LockEntry(equality=joint, joint=joint) for joint in locked),
             welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),
         ),
         task=setup.entry,
@@ -118,26 +116,19 @@ def make_manifest(
             skin="head" if scene.skin else None,
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
+        plugins=_used_plugins(spec),
     )
+    return Manifest.model_validate(rounded(manifest.model_dump()))
 
 
 def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
     """Return the entries of toys in the manifest."""
-    return tuple(
-        ToyEntry(
-            body=toy.name,
-            joint=toy.joint,
-            object=toy.object,
-            category=toy.category,
-            source=toy.source,
-            size_m=toy.size_m,
-            mass_kg=toy.mass_kg,
-        )
-        for toy in toys
-    )
+    keys = ("joint", "object", "category", "source", "size_m", "mass_kg")
+    data = ({"body": toy.name, **{key: getattr(toy, key) for key in keys}} for toy in toys)
+    return tuple(map(ToyEntry.model_validate, map(rounded, data)))
 
 
-def used_plugins(spec: InfantSpec) -> dict[str, str]:
+def _used_plugins(spec: InfantSpec) -> dict[str, str]:
     """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
 
     The distribution is empty for a kind that a script registered.
@@ -164,28 +155,18 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
         yield "toys", TOY_SOURCES, spec.scene.toys.source
 
 
-def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
-    measured = stature(tree)
-    return ChildEntry(
-        age_months=tree.age_months,
-        sex=spec.body.individual and spec.body.individual.sex,
-        length_cm=measured["length_cm"],
-        weight_kg=measured["weight_kg"],
-        head_circumference_cm=measured["head_circumference_cm"],
-        arm_circumference_cm=measured["arm_circumference_cm"],
-    )
-
-
 def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
-    entries = tuple(
-        ActuatorEntry(
-            name=actuator.name,
-            mimo_actuator=actuator.mimo_actuator,
-            joint=actuator.joint,
-            action_low=actuator.control_range[0],
-            action_high=actuator.control_range[1],
-            commanded=actuator.joint in commanded,
-        )
-        for actuator in actuators
+    return ActuationEntry(
+        model=model,
+        actuators=tuple(
+            ActuatorEntry(
+                name=actuator.name,
+                mimo_actuator=actuator.mimo_actuator,
+                joint=actuator.joint,
+                action_low=actuator.control_range[0],
+                action_high=actuator.control_range[1],
+                commanded=actuator.joint in commanded,
+            )
+            for actuator in actuators
+        ),
     )
-    return ActuationEntry(model=model, actuators=entries)

@@ -25,13 +25,7 @@ def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
 
 
 def trace_model_error(error: ModelError, written: Source, provenance: Mapping[str, Mapping[str, Any]]) -> ModelError:
-    """Return the error with the places in the spec that determine the element it is about.
-
-    Args:
-        error: The error of `compile_model`.
-        written: The file of the spec.
-        provenance: Provenance of each number of the bundle, by key.
-    """
+    """Return the error of `compile_model` with the places in the spec that determine the element it is about."""
     if error.element is None:
         return ModelError(f"{written.file}: {error}; please report this")
     keys = sorted(tuple(key.split(".")[1:]) for key in _sources(error.element, provenance) if key.startswith("spec."))

@@ -65,11 +65,7 @@ class ModelTemplate:
     """A scene whose numbers can be changed."""
 
     def __init__(self, files: Mapping[str, bytes], scene: SceneTree):
-        """Keep a scene.
-
-        Args:
-            files: As it is printed.
-            scene: The same before that.
+        """Keep a scene, and the model of the files that it was printed to.
 
         Raises:
             ModelError: If MuJoCo rejects it.
@@ -77,7 +73,8 @@ class ModelTemplate:
         self._model, self._spec = compile_model(files), _without_textures(files)
         self._numbers, self._rest = read(scene)
         self._slots = slots(scene, self._spec)
-        self._views = [*map(_view, self._slots)]
+        values = (getattr(*slot) for slot in self._slots)
+        self._views = [value if isinstance(value, np.ndarray) else None for value in values]
         self._arrays = _same_arrays(self._model, self._spec.compile())
         self.broken = False
         """Whether MuJoCo has rejected a scene; it is of no use then."""
@@ -129,12 +126,6 @@ def _same_arrays(model: mujoco.MjModel, without_textures: mujoco.MjModel) -> lis
     names = [name for name in dir(model) if name.split("_")[0].rstrip("0") in KINDS or name.startswith("qpos")]
     arrays = [name for name in names if isinstance(getattr(model, name), np.ndarray) and getattr(model, name).size]
     return [name for name in arrays if np.array_equal(getattr(model, name), getattr(without_textures, name))]
-
-
-def _view(slot: Slot) -> npt.NDArray[Any] | None:
-    """Return the array that MuJoCo keeps an attribute in, if it is one."""
-    now = getattr(*slot)
-    return now if isinstance(now, np.ndarray) else None
 
 
 def _write(changes: Sequence[tuple[Slot, npt.NDArray[Any] | None, Any]]) -> None:

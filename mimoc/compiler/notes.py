@@ -19,53 +19,26 @@ from mimoc.senses.vision import VisionSpec
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.spec import ToysSpec
 
 
 def unused_keys(spec: InfantSpec) -> tuple[str, ...]:
     """Return a note for each key of a spec that is given, is not the default, and has no effect."""
-    unused = {
-        **_other_kinds("actuation", "model", spec.actuation, ACTUATIONS),
-        **_other_kinds("scene", "kind", spec.scene, SCENES),
-        **(_of_toys(spec.scene.toys) if spec.scene.toys else {}),
-        **(_of_vision(spec.senses.vision) if spec.senses.vision else {}),
-        **dict(_others(spec)),
-    }
-    return tuple(f"'{key}' has no effect: {why}" for key, why in unused.items())
+    return tuple(f"'{key}' has no effect: {why}" for key, why in _unused(spec))
 
 
-def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> dict[str, str]:
-    """Return why sections have no effect that belong to other kinds than the chosen one."""
-    chosen = getattr(given, key)
-    others = (kind for kind in kinds.values() if kind.spec and kind.name != chosen)
-    return {
-        f"{section}.{kind.name}": f"{section}.{key} is '{chosen}'"
-        for kind in others
-        if getattr(given, kind.name) != kind.spec()
-    }
-
-
-def _of_toys(toys: ToysSpec) -> dict[str, str]:
-    unused = _other_kinds("scene.toys", "source", toys, TOY_SOURCES)
-    if toys.root is not None and not TOY_SOURCES[toys.source].needs_root:
-        unused["scene.toys.root"] = f"scene.toys.source is '{toys.source}', which needs no folder"
-    return unused
-
-
-def _of_vision(vision: VisionSpec) -> Mapping[str, str]:
-    unused, usual = {}, VisionSpec()
-    if (
-        vision.acuity_profile != usual.acuity_profile
-        and not isinstance(vision.acuity, float)
-        and vision.acuity != "age"
-    ):
-        unused["senses.vision.acuity_profile"] = "senses.vision.acuity follows no age"
-    if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
-        unused["senses.vision.foveation_radius"] = "senses.vision.foveation is 0"
-    return unused
-
-
-def _others(spec: InfantSpec) -> Iterator[tuple[str, str]]:
+def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
+    yield from _other_kinds("actuation", "model", spec.actuation, ACTUATIONS)
+    yield from _other_kinds("scene", "kind", spec.scene, SCENES)
+    if toys := spec.scene.toys:
+        yield from _other_kinds("scene.toys", "source", toys, TOY_SOURCES)
+        if toys.root is not None and not TOY_SOURCES[toys.source].needs_root:
+            yield "scene.toys.root", f"scene.toys.source is '{toys.source}', which needs no folder"
+    if vision := spec.senses.vision:
+        usual, follows_age = VisionSpec(), isinstance(vision.acuity, float) or vision.acuity == "age"
+        if vision.acuity_profile != usual.acuity_profile and not follows_age:
+            yield "senses.vision.acuity_profile", "senses.vision.acuity follows no age"
+        if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
+            yield "senses.vision.foveation_radius", "senses.vision.foveation is 0"
     locked = single_groups(spec.actuation.locked)
     for name in spec.actuation.strength:
         if single_groups([name]) <= locked:
@@ -79,15 +52,16 @@ def _others(spec: InfantSpec) -> Iterator[tuple[str, str]]:
                 yield f"scene.textures.{key}", f"scene.kind '{spec.scene.kind}' has no wallpaper"
 
 
-def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: str | None = None) -> tuple[str, ...]:
-    """Return the notes of a bundle, for its README and manifest.
+def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> Iterator[tuple[str, str]]:
+    """Yield sections that belong to other kinds than the chosen one, and why they have no effect."""
+    chosen = getattr(given, key)
+    for kind in kinds.values():
+        if kind.spec and kind.name != chosen and getattr(given, kind.name) != kind.spec():
+            yield f"{section}.{kind.name}", f"{section}.{key} is '{chosen}'"
 
-    Args:
-        spec: The spec.
-        toybox: The toys to choose from.
-        plugins: Distributions of the kinds that are not part of mimoc.
-        target: Name of the other software that it was built for, if any.
-    """
+
+def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: str | None = None) -> tuple[str, ...]:
+    """Return the notes of a bundle for README and manifest; *target* is the software that it is built for, if any."""
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))

@@ -16,7 +16,7 @@ def build(
 
     Args:
         spec: The spec, or the path of its YAML file.
-        target: Other software to build it for, by a name of `mjcf.mimo.model.TARGETS`.
+        target: Other software to build it for, by a name of `mjcf.mimo.TARGETS`.
         progress: Called with the number of toys loaded and their total; the first time, meshes take long.
 
     Raises:

@@ -1,6 +1,6 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, qua
 from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
 from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import FreeObject, World, barrier_pairs
+from mimoc.mjcf.world import FreeObject, barrier_pairs
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
@@ -39,32 +39,24 @@ class SceneAssets:
     """The toys and wallpapers that scenes choose from."""
 
     wallpapers: Wallpapers = OWN_WALLPAPERS
-    """Wallpapers for floors, ceilings and walls."""
     toybox: Toybox = BUILTIN_TOYS
-    """The toys to choose from."""
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
-    """Return the toys and wallpapers for the scenes of a spec.
-
-    Args:
-        spec: The spec; paths are relative to the folder of its file, and problems are located in this.
+    """Return the toys and wallpapers for the scenes of a spec, whose paths are relative to the folder of its file.
 
     Raises:
         SpecError: If a toy or a texture is missing or cannot be read.
     """
     if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
         return SceneAssets()
-    written = as_written(spec)
-    folder = written.folder
+    written, toys = as_written(spec), spec.scene.toys
     wallpapers = Wallpapers(
-        floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),
-        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written, folder)),
-        walls=(*WALLS.values(), *_own("wall", spec, written, folder)),
+        floors=(*FLOORS.values(), *_own("floor", spec, written)),
+        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written)),
+        walls=(*WALLS.values(), *_own("wall", spec, written)),
     )
-    if spec.scene.toys is None:
-        return SceneAssets(wallpapers)
-    return SceneAssets(wallpapers, _toybox(spec.scene.toys, written))
+    return SceneAssets(wallpapers, BUILTIN_TOYS if toys is None else _toybox(toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:
@@ -78,12 +70,12 @@ def _toybox(toys: ToysSpec, written: Source) -> Toybox:
         raise SpecError(written.problem(("scene", "toys", "root"), problem) for problem in problems) from None
 
 
-def _own(kind: str, spec: InfantSpec, written: Source, folder: Path) -> tuple[Wallpaper, ...]:
+def _own(kind: str, spec: InfantSpec, written: Source) -> tuple[Wallpaper, ...]:
     path = getattr(spec.scene.textures, kind)
     if path is None:
         return ()
     try:
-        return read_textures(folder / Path(path).expanduser())
+        return read_textures(written.folder / Path(path).expanduser())
     except TextureError as error:
         problems = str(error).splitlines()
         raise SpecError(written.problem(("scene", "textures", kind), problem) for problem in problems) from None
@@ -120,7 +112,6 @@ class PlacedScene:
     scene: SceneTree
     """The infant and its world, ready to print."""
     toys: tuple[FreeObject, ...]
-    """The toys."""
     task_objects: tuple[FreeObject, ...]
     """The movable objects of the task."""
     origins: Mapping[str, Entry]
@@ -169,15 +160,9 @@ def place_in_scene(
     setup: TaskSetup = NO_TASK,
     discs: FloatArray | None = None,
 ) -> PlacedScene:
-    """Return a scene with the world of its spec, and the infant's poses placed in it.
+    """Return a scene, whose infant is at the origin, with the world of its spec and the infant's poses placed in it.
 
-    Args:
-        scene: The infant, with its poses resting on the floor at the origin.
-        spec: The spec.
-        tree: The infant's body.
-        assets: Toys and wallpapers of the scene.
-        setup: The setup of its task.
-        discs: The infant's `covered_floor`, if it is known already: it is the same for every seed.
+    The infant's `covered_floor`, *discs*, can be given if it is known: it is the same for every seed.
 
     Raises:
         NoSpaceError: If there is not enough space for the toys.
@@ -193,31 +178,20 @@ def place_in_scene(
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
-        _with_task(built.world, setup),
+        built.world,
+        furniture=built.world.furniture + setup.furniture,
+        gravity_m_s2=WEIGHTLESS if setup.weightless else built.world.gravity_m_s2,
         objects=(*toys, *task_objects),
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
-    return PlacedScene(_in_world(scene, world, starts.values()), toys, task_objects, built.origins)
-
-
-def _in_world(scene: SceneTree, world: World, poses: Iterable[Keyframe]) -> SceneTree:
-    """Return an infant in a world: its poses and the objects at rest, and contacts with barriers."""
     resting = tuple(number for item in world.objects for number in (*item.pos_m, *item.quat))
-    return replace(
+    placed = replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
-        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in poses),
+        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values()),
     )
-
-
-def _with_task(world: World, setup: TaskSetup) -> World:
-    """Return a world with the furniture of a task, and without gravity if the task is weightless."""
-    return replace(
-        world,
-        furniture=world.furniture + setup.furniture,
-        gravity_m_s2=WEIGHTLESS if setup.weightless else world.gravity_m_s2,
-    )
+    return PlacedScene(placed, toys, task_objects, built.origins)
 
 
 def _toys(

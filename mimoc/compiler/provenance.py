@@ -69,21 +69,16 @@ PLUGIN_KEYS = {
 
 
 def trace_plugins(plugins: Mapping[str, str]) -> dict[str, Entry]:
-    """Return an entry for each kind that is not mimoc's own: the distribution that it comes from.
-
-    Args:
-        plugins: Distributions by kind, such as `senses.sound`; empty for a kind that a script registered.
-    """
-    return {f"plugins.{kind}": _plugin_entry(kind, distribution) for kind, distribution in plugins.items()}
-
-
-def _plugin_entry(kind: str, distribution: str) -> Entry:
-    rule = "the installed distribution that declares this kind" if distribution else "registered by a script"
-    section, _, name = kind.partition(".")
-    sources = PLUGIN_KEYS.get(section, [])
-    if section == "parts":
-        sources = ["spec.body.hands" if PARTS[name].replaces else "spec.body.extra"]
-    return {"value": distribution, "rule": rule, "from": sources}
+    """Return an entry for each kind that is not mimoc's own: its distribution, empty if a script registered it."""
+    entries: dict[str, Entry] = {}
+    for kind, distribution in plugins.items():
+        rule = "the installed distribution that declares this kind" if distribution else "registered by a script"
+        section, _, name = kind.partition(".")
+        sources = PLUGIN_KEYS.get(section, [])
+        if section == "parts":
+            sources = ["spec.body.hands" if PARTS[name].replaces else "spec.body.extra"]
+        entries[f"plugins.{kind}"] = {"value": distribution, "rule": rule, "from": sources}
+    return entries
 
 
 def trace_world(spec: InfantSpec, furnished: PlacedScene) -> dict[str, Entry]:
@@ -104,29 +99,29 @@ def trace_world(spec: InfantSpec, furnished: PlacedScene) -> dict[str, Entry]:
 
 def _trace_task_object(thing: FreeObject) -> Iterator[tuple[str, Entry]]:
     key, at = f"task_object.{thing.name}", f"scene.xml: body[@name='{thing.name}']"
-    sources = ["spec.task.kind", "spec.age_months"]
-    yield f"{key}.size", {"value": thing.size_m, "unit": "m", "rule": "that of MIMo's task", "from": sources}
+    yield f"{key}.size", {"value": thing.size_m, "unit": "m", "rule": "that of MIMo's task", "from": TASK_KEYS}
     yield f"{key}.mass", mass_entry(thing, [f"{key}.size"])
     rule = "where the task begins, by the body of the infant"
-    yield f"{key}.pos", {"value": thing.pos_m, "unit": "m", "rule": rule, "from": sources, "xml": f"{at}/@pos"}
+    yield f"{key}.pos", {"value": thing.pos_m, "unit": "m", "rule": rule, "from": TASK_KEYS, "xml": f"{at}/@pos"}
 
 
 MODEL_KEY = "spec.actuation.model"
-JOINT_UNITS = {"stiffness": "N m/rad", "damping": "N m s/rad"}
-"""What an actuation model may change of a joint."""
+OF_JOINTS = {
+    "stiffness": ("stiffness_nm_per_rad", "N m/rad"),
+    "damping": ("damping_nms_per_rad", "N m s/rad"),
+}
+"""What an actuation model may change of a joint: its field, and its unit."""
 
 
 def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: dict[str, Entry]) -> dict[str, Entry]:
-    """Return the entries of a body, with those of its actuators, and of the joints as an actuation model leaves them.
-
-    Args:
-        model: The actuation model.
-        tree: The body.
-        setup: What the actuation model makes of it.
-        entries: Those of the body and its motors.
-    """
+    """Return the entries of a body with those of its actuators, and of its joints as an actuation model leaves them."""
     unknown = Origin(f"set by the actuation model '{model}'", (MODEL_KEY,))
-    entries = {**entries, **dict(_trace_shared(setup)), **dict(_trace_joints(tree, setup, unknown))}
+    shared = {
+        f"actuator.{attribute}": origin.entry(float(value), f"infant.xml: default/general/@{attribute}")
+        for attribute, value in setup.defaults
+        if (origin := setup.origins.get(f"actuator.{attribute}"))
+    }
+    entries = {**entries, **shared, **dict(_trace_joints(tree, setup, unknown))}
     strengths = {motor.name: motor for motor in tree.motors}
     for actuator in setup.actuators:
         if actuator.name in strengths and actuator.gear == strengths[actuator.name].gear_nm:
@@ -141,50 +136,47 @@ def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: 
     return entries
 
 
-def _trace_shared(setup: ActuationSetup) -> Iterator[tuple[str, Entry]]:
-    """Yield an entry for each number that all actuators share and whose origin is told."""
-    for attribute, value in setup.defaults:
-        if origin := setup.origins.get(f"actuator.{attribute}"):
-            yield f"actuator.{attribute}", origin.entry(float(value), f"infant.xml: default/general/@{attribute}")
-
-
 def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each spring and damper that is not as the body has it."""
     for name, joint in setup.joints.items():
-        was = tree.joints[name]
-        changes = {
-            "stiffness": (was.stiffness_nm_per_rad, joint.stiffness_nm_per_rad),
-            "damping": (was.damping_nms_per_rad, joint.damping_nms_per_rad),
-        }
-        for attribute, (before, value) in changes.items():
-            if value != before:
+        for attribute, (field, unit) in OF_JOINTS.items():
+            value = getattr(joint, field)
+            if value != getattr(tree.joints[name], field):
                 key, xml = f"joint.{name}.{attribute}", f"infant.xml: joint[@name='{name}']/@{attribute}"
-                yield key, setup.origins.get(key, unknown).entry(value, xml, JOINT_UNITS[attribute])
+                yield key, setup.origins.get(key, unknown).entry(value, xml, unit)
 
 
 def _xml(actuator: str, attribute: str) -> str:
     return f"infant.xml: general[@name='{actuator}']/@{attribute}"
 
 
-UNITS = {"length_cm": "cm", "weight_kg": "kg", "head_circumference_cm": "cm", "arm_circumference_cm": "cm"}
-RULES = {
-    "length_cm": "crown to sole: how far the geoms reach along the vertical, no joint turned",
-    "weight_kg": "sum of all bodies",
-    "head_circumference_cm": "perimeter of the head's level section",
-    "arm_circumference_cm": "2 pi x radius of the upper arm",
+MEASURES = {
+    "length_cm": ("cm", "crown to sole: how far the geoms reach along the vertical, no joint turned"),
+    "weight_kg": ("kg", "sum of all bodies"),
+    "head_circumference_cm": ("cm", "perimeter of the head's level section"),
+    "arm_circumference_cm": ("cm", "2 pi x radius of the upper arm"),
 }
+"""Unit and rule of each measure of a child."""
 AMONG = {"male": "boys", "female": "girls", None: "the mean of boys and girls"}
 
 
-def trace_child(tree: BodyTree, child: ChildEntry, percentiles: Mapping[str, float]) -> dict[str, Entry]:
-    """Return an entry for each measure of a child, and for each percentile.
-
-    Args:
-        tree: Its body.
-        child: What it measures.
-        percentiles: Among WHO's children, 0 to 100, by indicator.
-    """
-    return {**dict(_trace_measures(tree, child)), **dict(_trace_percentiles(child, percentiles))}
+def trace_child(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each measure of a child, and for each percentile among WHO's children."""
+    arms = [name for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    sources = {
+        "length_cm": ["measurements.crown_sole_length_cm"],
+        "weight_kg": [f"body.{body.name}.mass" for body in tree.bodies],
+        "head_circumference_cm": ["geom.head.size"],
+        "arm_circumference_cm": [f"geom.{name}.size" for name in arms[:1]],
+    }
+    for name, (unit, rule) in MEASURES.items():
+        value = getattr(child, name)
+        if value is not None:
+            yield f"child.{name}", {"value": value, "unit": unit, "rule": rule, "from": sources[name]}
+    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
+    for name, value in who_percentiles(child).items():
+        place = {"value": value, "unit": "%", "rule": rule, "from": [f"child.{name}", "spec.age_months"]}
+        yield f"who.{name}.percentile", place
 
 
 def who_percentiles(child: ChildEntry) -> dict[str, float]:
@@ -198,24 +190,3 @@ def who_percentiles(child: ChildEntry) -> dict[str, float]:
         for indicator, standard in fits.load_tables().who.items()
         if standard.covers(child.age_months) and measures[indicator] is not None
     }
-
-
-def _trace_measures(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]]:
-    arms = [name for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
-    sources = {
-        "length_cm": ["measurements.crown_sole_length_cm"],
-        "weight_kg": [f"body.{body.name}.mass" for body in tree.bodies],
-        "head_circumference_cm": ["geom.head.size"],
-        "arm_circumference_cm": [f"geom.{name}.size" for name in arms[:1]],
-    }
-    for name, unit in UNITS.items():
-        value = getattr(child, name)
-        if value is not None:
-            yield f"child.{name}", {"value": value, "unit": unit, "rule": RULES[name], "from": sources[name]}
-
-
-def _trace_percentiles(child: ChildEntry, percentiles: Mapping[str, float]) -> Iterator[tuple[str, Entry]]:
-    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
-    for name, value in percentiles.items():
-        sources = [f"child.{name}", "spec.age_months"]
-        yield f"who.{name}.percentile", {"value": value, "unit": "%", "rule": rule, "from": sources}

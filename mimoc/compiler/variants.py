@@ -1,12 +1,12 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them, and their skins."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from mimoc.base.errors import BundleError, MimocError, Problem, SpecError
+from mimoc.base.errors import BundleError, Problem, SpecError
 from mimoc.base.rounding import rounded
 from mimoc.bundle.io import Bundle, LazyFiles
 from mimoc.bundle.model import load_model
@@ -24,11 +24,7 @@ from mimoc.schema.infant import InfantSpec, as_written, read_spec
 
 
 def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return the spec of a spec's child at another age (`schema/infant.py` says what changes).
-
-    Args:
-        spec: The child.
-        age_months: The age, as it stands in manifests.
+    """Return the spec of a spec's child at another age, which is as in manifests (`schema/infant.py`: what changes).
 
     Raises:
         SpecError: If no spec can say so; the error lists all problems.
@@ -72,8 +68,6 @@ RESOLVED = "resolved.yaml"
 KEPT = 8
 """Ages whose infants are kept, since environments return to them."""
 
-Value = TypeVar("Value")
-
 
 class SpecVariants:
     """Builds the infant of a spec at any age and in any scene."""
@@ -81,18 +75,14 @@ class SpecVariants:
     has_other_scenes = True
 
     def __init__(self, spec: InfantSpec, skin: bool = True):
-        """Build the infant of the spec.
-
-        Args:
-            spec: The spec.
-            skin: Whether it has a skin, if the spec does not say.
+        """Build the infant of a spec; if the spec does not say, *skin* is whether it has one.
 
         Raises:
             SpecError: If it cannot be built.
         """
         self._spec = spec
-        self._builders: dict[float, Builder] = {}
-        self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
+        self._builder = lru_cache(KEPT)(self._build_at)
+        self._infant = lru_cache(KEPT)(self._make)
         self._mould: ModelTemplate | None = None
         self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
@@ -134,13 +124,13 @@ class SpecVariants:
             ModelError: If MuJoCo rejects it.
         """
         with errors_at(self._spec, age_months):
-            return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))()
+            return self._infant(age_months, scene_seed)()
 
     def _make(self, age_months: float, scene_seed: int) -> Callable[[], Variant]:
         """Return what gives out an infant, each time with a model of its own."""
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
-        files = LazyFiles(built.arrays, lambda: self._files(age_months, scene_seed))
+        files = LazyFiles(built.arrays, lambda: self._at(at_age(self._spec, age_months))(scene_seed, check=False).files)
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
         is_own_scene = scene_seed == self._spec.scene.seed
         casting = _instantiate(self._usable_mould(), furnished.scene) if is_own_scene else None
@@ -148,12 +138,8 @@ class SpecVariants:
             return Variant(bundle, load_model(bundle)).again
         return lambda: Variant(bundle, casting.model(), casting.dress)
 
-    def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: self._at(at_age_unchecked(self._spec, age_months), self._own))
-
-    def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
-        """Return the files of an infant, among them its spec."""
-        return self._at(at_age(self._spec, age_months))(scene_seed, check=False).files
+    def _build_at(self, age_months: float) -> Builder:
+        return self._at(at_age_unchecked(self._spec, age_months), self._own)
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)
@@ -175,45 +161,6 @@ def _instantiate(mould: ModelTemplate, scene: SceneTree) -> ModelInstance | None
         return mould.instantiate(scene)
     except (DifferenceError, ValueError):
         return None
-
-
-def _kept(store: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
-    """Return what is kept under a key, or make it; what was not asked for lately is forgotten."""
-    value = store.pop(key) if key in store else make()
-    store[key] = value
-    if len(store) > KEPT:
-        del store[next(iter(store))]
-    return value
-
-
-class BundleVariants:
-    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains."""
-
-    has_other_scenes = False
-
-    def __init__(self, bundle: Bundle):
-        """Take a bundle; it is built again when an age is first asked for."""
-        self._bundle = bundle
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the bundle."""
-        return BundleVariants, (self._bundle,)
-
-    def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in months as they stand in manifests.
-
-        Raises:
-            BundleError: If the bundle cannot be built at this age.
-        """
-        try:
-            return self._of_spec(age_months, scene_seed)
-        except MimocError as error:
-            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
-            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
-
-    @cached_property
-    def _of_spec(self) -> SpecVariants:
-        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:

@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from mimoc.looks.pictures import read_picture
-from mimoc.mjcf.furniture import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
-from mimoc.mjcf.mimo.lookups import face_texture
+from mimoc.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
 
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 255."""
@@ -16,8 +15,8 @@ SKIN: Colour = (244, 205, 178)
 TOP: Colour = (247, 204, 112)
 PANTS: Colour = (112, 160, 172)
 
-GRID_SIZE, GRID_LAYOUT = "2 3", "RLUDFB"
-"""How the sides of a cube texture lie in its picture: rows and columns, and MuJoCo's letters of the sides."""
+GRID_LAYOUT = "RLUDFB"
+"""The sides of a cube texture in its picture, two rows of three, by MuJoCo's letters (`templates/infant.xml.j2`)."""
 HEAD_CUBE = "head_solid"
 """Texture of the head's solid under a skin."""
 
@@ -27,7 +26,6 @@ class HeadFeature:
     """A visual geom of the head, without mass or contacts. Sizes are in head radii."""
 
     name: str
-    """Name of the geom."""
     type: str
     """`sphere` or `ellipsoid`."""
     size: tuple[float, ...]
@@ -37,7 +35,6 @@ class HeadFeature:
     euler_deg: tuple[float, float, float]
     """Successive rotations about x, y and z, in [deg]."""
     material: str
-    """Name of its material."""
 
 
 HEAD_FEATURES = (
@@ -51,20 +48,16 @@ HEAD_FEATURES = (
 def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
-    Args:
-        expression: One of `EXPRESSIONS`.
-        round_head: Whether its head is a sphere; else it is as much narrower as children's are.
+    A head that is not round, a sphere, is as much narrower as children's are.
     """
     face_shape = "face_round" if round_head else "face"
-    faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
-    eye = _cube("eye", "assets/eye.png")
-    ear = _cube("ear", "assets/ear.png")
-    stripes = _cube("stripes", "assets/stripes.png")
+    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
+    others = [Texture(name, f"assets/{name}.png") for name in ("eye", "ear", "stripes")]
     assets = {
         **{texture.file: read_picture(f"{face_shape}_{name}") for name, texture in faces.items()},
-        **{texture.file: read_picture(texture.name) for texture in (eye, ear, stripes)},
+        **{texture.file: read_picture(texture.name) for texture in others},
     }
-    return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
+    return Appearance((*faces.values(), *others), _materials(expression), MappingProxyType(assets))
 
 
 SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers"}
@@ -72,17 +65,11 @@ SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_
 
 
 def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = True) -> Appearance:
-    """Return the textures and materials of an infant with a skin; its solids show one expression only.
-
-    Args:
-        expression: One of `EXPRESSIONS`.
-        layers: Names of the layers of its skin.
-        round_head: Whether its head is a sphere.
-    """
+    """Return the textures and materials of an infant with layers of skin; its solids show one expression only."""
     solid = add_materials(expression, round_head=round_head)
     shown = face_texture(expression)
-    faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
-    shades = {name: FlatTexture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
+    faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
+    shades = {name: Texture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
     cubes = tuple(
         replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
         for cube in solid.textures
@@ -109,14 +96,14 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
     )
 
 
+def face_texture(expression: str) -> str:
+    """Return the name of the texture that shows an expression; the neutral one is the one that MIMo's code looks up."""
+    return f"tex_head_{'default' if expression == 'neutral' else expression}"
+
+
 def face_material(expression: str) -> str:
     """Return the name of the material of an expression."""
     return f"head_{expression}"
-
-
-def _cube(name: str, file: str) -> Texture:
-    """Return a cube texture with the grid layout of all of mimoc's textures."""
-    return Texture(name, file, GRID_SIZE, GRID_LAYOUT)
 
 
 def _materials(expression: str) -> tuple[Material, ...]:
@@ -126,15 +113,10 @@ def _materials(expression: str) -> tuple[Material, ...]:
         Material("head", UNTINTED, face_texture(expression)),
         *(Material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
         Material("ear", UNTINTED, "ear"),
-        Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
-        Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),
-        Material("top_down", UNTINTED, "stripes"),
-        Material("top_middle", UNTINTED, "stripes"),
-        Material("top_up", UNTINTED, "stripes"),
+        *(Material(f"eye_{side}", UNTINTED, "eye", specular=0.5, shininess=0.8) for side in ("left", "right")),
+        *(Material(f"top_{part}", UNTINTED, "stripes") for part in ("down", "middle", "up")),
         Material("top_sleeve", _rgba(TOP)),
-        Material("pants_down", _rgba(PANTS)),
-        Material("pants_up", _rgba(PANTS)),
-        Material("pants_leg", _rgba(PANTS)),
+        *(Material(f"pants_{part}", _rgba(PANTS)) for part in ("down", "up", "leg")),
     )
 
 

@@ -71,7 +71,8 @@ def _decode(file: Path) -> Image.Image:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow warns of sizes that are rejected here anyway.
             with Image.open(file, formats=["PNG"]) as image:
-                _refuse_huge(file, *image.size)
+                if image.width * image.height > MOST_PX:
+                    raise TextureError(f"{file}: {_TOO_LARGE}")
                 return _rgb(image)
     except TextureError:
         raise
@@ -86,11 +87,6 @@ def _decode(file: Path) -> Image.Image:
 
 _ADVICE = "give a PNG file or a folder of PNG files"
 _TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"
-
-
-def _refuse_huge(file: Path, width_px: int, height_px: int) -> None:
-    if width_px * height_px > MOST_PX:
-        raise TextureError(f"{file}: {_TOO_LARGE}")
 
 
 def _rgb(image: Image.Image) -> Image.Image:

@@ -1,7 +1,7 @@
 """What is fixed to the world in MJCF, and materials, lights and rails: SI units, angles in radians, all decided."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import stature
@@ -43,21 +43,18 @@ class WorldMaterial:
     shininess: float = 0.1
     reflectance: float = 0.0
     emission: float = 0.0
-    """Emission of light, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """One cube `<texture>`, all six sides in one file (2D ones look different on capsules in MuJoCo 3.5 and 3.17)."""
+    """One `<texture>` of an infant, a cube of six sides or, for a skin, a flat one.
+
+    Capsules have cubes: flat textures look different on them in MuJoCo 3.5 and 3.17.
+    """
 
     name: str
-    """Name that a material refers to."""
     file: str
     """Path inside the bundle, a key of `Appearance.assets`."""
-    gridsize: str
-    """Rows and columns of the cube's grid."""
-    gridlayout: str
-    """MuJoCo's letter for each cell, row by row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,27 +62,15 @@ class Material:
     """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
 
     name: str
-    """Name that a geom refers to."""
     rgba: Rgba
-    """Colour, or what the texture is multiplied by; 0 to 1."""
+    """Colour, or what the texture is multiplied by."""
     texture: str | None = None
-    """Name of a texture, or None for plain colour."""
     specular: float = 0.1
     """Strength of highlights, 0 to 1; skin and cloth are dull."""
     shininess: float = 0.2
     """Narrowness of highlights, 0 to 1."""
     reflectance: float = 0.0
     """0: nothing on an infant mirrors the room."""
-
-
-@dataclass(frozen=True, slots=True)
-class FlatTexture:
-    """One `<texture type="2d">` of a skin, whose vertices say where they are in it."""
-
-    name: str
-    """Name that a material refers to."""
-    file: str
-    """Path inside the bundle, a key of `Appearance.assets`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +81,6 @@ class PrintedSkin:
     file: str
     """Path inside the bundle, a key of `Appearance.assets`."""
     material: str
-    """Name of its material."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +88,11 @@ class Appearance:
     """The textures and materials of an infant."""
 
     textures: tuple[Texture, ...]
-    """In the order they are written."""
+    """The cubes, in the order they are written."""
     materials: tuple[Material, ...]
-    """In the order they are written."""
     assets: Mapping[str, bytes]
     """Path inside the bundle to the bytes of a PNG."""
-    flat_textures: tuple[FlatTexture, ...] = ()
+    flat_textures: tuple[Texture, ...] = ()
     """Those of skins, in the order they are written."""
     skins: tuple[PrintedSkin, ...] = ()
     """In the order they are written, and drawn."""
@@ -187,6 +170,11 @@ class WorldGeom:
     group: int = 0
     barrier: bool = False
     """Whether contacts with it are listed pairs instead of contact bits; see `barrier_pairs`."""
+
+
+def untouched(geom: WorldGeom) -> WorldGeom:
+    """Return a geom that is only seen, or touched by listed pairs alone."""
+    return replace(geom, contype=UNTOUCHED, conaffinity=UNTOUCHED)
 
 
 @dataclass(frozen=True, slots=True)

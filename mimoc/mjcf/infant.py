@@ -1,5 +1,6 @@
 """The elements of an infant in MJCF: SI units, angles in radians, every value decided."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
@@ -69,12 +70,18 @@ class Node:
     name: str
     pos_m: Vec3
     euler_rad: Vec3
-    free_joints: tuple[str, ...]
-    joints: tuple[PrintedJoint, ...]
-    geoms: tuple[PrintedGeom, ...]
-    sites: tuple[Site, ...]
-    cameras: tuple[Camera, ...]
-    children: tuple["Node", ...]
+    free_joints: tuple[str, ...] = ()
+    joints: tuple[PrintedJoint, ...] = ()
+    geoms: tuple[PrintedGeom, ...] = ()
+    sites: tuple[Site, ...] = ()
+    cameras: tuple[Camera, ...] = ()
+    children: tuple["Node", ...] = ()
+
+    def subtree(self) -> Iterator["Node"]:
+        """Yield this body and its descendants, each before its children."""
+        yield self
+        for child in self.children:
+            yield from child.subtree()
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,11 +35,8 @@ def render_inhabitant(scene: SceneTree) -> bytes:
 def render_world(scene: SceneTree, inhabitant: bytes) -> dict[str, bytes]:
     """Return the MJCF of an infant in its world, and the assets of the world.
 
-    It includes the file of the infant alone, unless the infant has a skin; then it is complete by itself.
-
-    Args:
-        scene: Both.
-        inhabitant: What `render_inhabitant` returned for the infant.
+    It includes the file of the infant alone, unless the infant has a skin; then it is complete by itself, from what
+    `render_inhabitant` returned.
     """
     whole = _parsed(render_text("scene.xml.j2", scene=scene))
     if scene.skin:

@@ -49,7 +49,8 @@ def torque_sensors(tree: BodyTree) -> tuple[Sensor, ...]:
     places = {body.name: body.torque_site for body in tree.bodies if body.torque_site}
     known = [name for name in _IN_ORDER_OF_SENSORS if name in places]
     in_order = (places[name] for name in dict.fromkeys((*known, *places)))
-    return tuple(Sensor("torque", f"proprio:{_sensor_name(place)}", place) for place in in_order)
+    names = ((_OTHER_NAMES.get(place, place.removeprefix("torque_")), place) for place in in_order)
+    return tuple(Sensor("torque", f"proprio:{name}", place) for name, place in names)
 
 
 def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
@@ -76,10 +77,6 @@ def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camer
         for side in ("left", "right")
         if f"{side}_eye" in {body.name for body in tree.bodies}
     }
-
-
-def _sensor_name(site: str) -> str:
-    return _OTHER_NAMES.get(site, site.removeprefix("torque_"))
 
 
 PREFIX = "BODY_25:"

@@ -5,7 +5,7 @@ one body, the boxes of planes are infinite, and so the tree of a whole room cost
 nothing. A listed pair bypasses the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
@@ -94,7 +94,6 @@ class Weld:
     pos_m: Vec3
     """Where that point is in the world."""
     quat: tuple[float, float, float, float]
-    """Orientation."""
     torquescale: float
     """1 fixes the orientation; 0 leaves it free about the point."""
 
@@ -136,9 +135,7 @@ class World:
 
     gravity_m_s2: Vec3 = (0.0, 0.0, -9.81)
     grounds: tuple[Ground, ...] = ()
-    """Endless floors."""
     lights: tuple[DirectionalLight, ...] = ()
-    """Directional lights."""
     headlight: Headlight = OUTDOORS
     furniture: Furniture = BARE
     objects: tuple[FreeObject, ...] = ()
@@ -168,27 +165,17 @@ class World:
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
-    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits allowed them.
-
-    Args:
-        world: What is around the infant.
-        roots: The infant.
-    """
+    """Return the contacts of barriers with an infant and with whatever else moves, as if contact bits allowed them."""
+    of_infant = (geom for root in roots for node in root.subtree() for geom in node.geoms)
     of_objects = (geom for item in world.objects for geom in item.geoms)
-    moving = [geom for geom in (*_geoms(roots), *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
+    moving = [geom for geom in (*of_infant, *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
     barriers = (geom for geom in world.furniture.geoms if geom.barrier)
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)
 
 
-def _geoms(nodes: Iterable[Node]) -> Iterator[PrintedGeom]:
-    for node in nodes:
-        yield from node.geoms
-        yield from _geoms(node.children)
-
-
 def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
     """Return a contact with what MuJoCo mixes of two geoms that are equally soft."""
-    sliding, spinning, rolling = _larger(barrier.friction, geom.friction)
+    sliding, spinning, rolling = map(max, barrier.friction, geom.friction)
     return Pair(
         geom1=barrier.name,
         geom2=geom.name,
@@ -197,8 +184,3 @@ def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
         solref=barrier.solref,
         solimp=barrier.solimp,
     )
-
-
-def _larger(left: Vec3, right: Vec3) -> Vec3:
-    x, y, z = map(max, left, right)
-    return x, y, z

@@ -7,8 +7,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.compiler.validation.measuring import Figure
-from mimoc.compiler.validation.requests import own_solids, solid_extents
+from mimoc.compiler.validation.measuring import Figure, own_solids, solid_extents
 from mimoc.render.plots.drawing import Path, Point, area
 
 CORNERS = 24

@@ -13,15 +13,12 @@ LEAN_DEG = 60.0
 """How far a sitting infant leans over to reach something."""
 FINE = 0.5
 """Distance of the discs that cover a long part, in its radii."""
+NOT_OF_ARMS = ("leg", "foot", "toe", "eye")
+"""Parts of the names of a side's other geoms."""
 
 
 def footprint(tree: BodyTree, states: Sequence[Sequence[float]]) -> FloatArray:
-    """Return discs that cover an infant in all of some poses, seen from above: x, y and radius, shape (n, 3), [m].
-
-    Args:
-        tree: The body.
-        states: The poses as `poses.keyframes` has them: place and quaternion of the hip, then the hinges.
-    """
+    """Return discs that cover an infant in some states (qpos), seen from above: x, y and radius, shape (n, 3), [m]."""
     return np.concatenate([np.array(list(_discs(_placed(tree, state)))) for state in states])
 
 
@@ -47,13 +44,7 @@ def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | 
 
 
 def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
-    """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches.
-
-    Args:
-        arm_m: Length of an arm.
-        shoulder_m: Height of the shoulders.
-        hip_m: Height of the hip.
-    """
+    """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches."""
     lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))
     ahead_m, height_m = (shoulder_m - hip_m) * np.sin(lean), hip_m + (shoulder_m - hip_m) * np.cos(lean)
     reaches_floor = height_m < arm_m
@@ -71,26 +62,19 @@ def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
 
 def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
     """Return where an upper arm begins, shape (3,): at one end of its axis."""
-    index = _index(posed, upper_arm)
+    index = next(index for index, geom in enumerate(posed.geoms) if geom.name == upper_arm)
     return posed.centres[index] - posed.rotations[index][:, 2] * posed.geoms[index].size_m[1]
 
 
 def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
     """Return the distance from a shoulder to the tip of its hand."""
     shoulder = _shoulder(posed, upper_arm)
-    arm = posed.only([i for i, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)])
+    of_side = [(index, geom.name) for index, geom in enumerate(posed.geoms) if side in geom.name]
+    arm = posed.only([index for index, name in of_side if not any(part in name for part in NOT_OF_ARMS)])
     offsets = arm.centres - shoulder
     distances = np.linalg.norm(offsets, axis=1)
     local = np.einsum("nij,ni->nj", arm.rotations, offsets / distances[:, None])
     return float((distances + arm.extents.along(local)).max())
-
-
-def _is_of_arm(geom: str) -> bool:
-    return not any(part in geom for part in ("leg", "foot", "toe", "eye"))
-
-
-def _index(posed: Posed, name: str) -> int:
-    return next(index for index, geom in enumerate(posed.geoms) if geom.name == name)
 
 
 def _discs(posed: Posed) -> Iterator[tuple[float, float, float]]:

@@ -15,9 +15,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.base.errors import TrainingError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.variants import Variant, open_variant
+from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.compiler import pipeline
-from mimoc.compiler.variants import BundleVariants
 from mimoc.recording.folder import check_recordable
 from mimoc.recording.recorder import Recording
 from mimoc.render.plots.file import encode, require_matplotlib
@@ -179,9 +178,7 @@ def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bu
     check_recordable(folder, bundles)
 
 
-def _open_one(
-    infant: Variant, task: Any, senses: Mapping[str, Any], variants: BundleVariants | None = None
-) -> InfantEnv:
+def _open_one(infant: Variant, task: Any, senses: Mapping[str, Any], variants: Variants | None = None) -> InfantEnv:
     """Open one of the parallel environments, with a copy of the model and of a script's objects of its own."""
     return InfantEnv(infant.again(), variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
 

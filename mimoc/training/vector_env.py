@@ -23,7 +23,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.variants import BundleVariants
+from mimoc.environments import BundleVariants
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body

@@ -7,7 +7,7 @@ import pytest
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
-from mimoc.compiler.validation import compile_infant
+from mimoc.compiler.validation.measuring import compile_infant
 
 TIMESTEP_S = 0.005
 

@@ -6,13 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-
-from mimoc.body.anatomy import assemble
-from mimoc.body.grow import grow_tree
-from mimoc.body.kinematics import stature
-from mimoc.body.reference import head_share
-from mimoc.body.tree import Body, BodyTree
-from mimoc.compiler.validation.segment_masses import (
+from support.segment_masses import (
     ARMS,
     DUMMIES,
     FOOT,
@@ -26,6 +20,12 @@ from mimoc.compiler.validation.segment_masses import (
     segment_masses,
     shares_table,
 )
+
+from mimoc.body.anatomy import assemble
+from mimoc.body.grow import grow_tree
+from mimoc.body.kinematics import stature
+from mimoc.body.reference import head_share
+from mimoc.body.tree import Body, BodyTree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 

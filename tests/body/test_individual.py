@@ -14,7 +14,8 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_body, grow_tree
-from mimoc.compiler.validation import compile_infant, measure_compiled
+from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.validation.who import measure_compiled
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse

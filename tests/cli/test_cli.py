@@ -12,7 +12,7 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.bundle.io import LOCK, lock_files
-from mimoc.compiler import validation
+from mimoc.compiler.validation import who
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
@@ -85,8 +85,8 @@ def check_tables(text):
 
 
 def test_validate_fails_outside_one_sd(invoke, monkeypatch):
-    row = validation.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
-    monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
+    row = who.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
+    monkeypatch.setattr(who, "grow_against_who", lambda *_, **__: who.GrowthReport((row,)))
     done = invoke("validate")
     assert done.code == 1
     assert re.search(r"\+1\.20\* .* missed *│$", done.out, re.MULTILINE)
@@ -298,6 +298,6 @@ def test_every_problem_of_a_spec_is_reported_with_its_line(invoke, here):
 
 
 def test_a_bug_in_mimoc_is_not_hidden(invoke, monkeypatch):
-    monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(who, "grow_against_who", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         invoke("validate")

@@ -10,8 +10,7 @@ from support.full import full_but
 from mimoc import fits
 from mimoc.body.parts import kinds_of_hands
 from mimoc.compiler.validation.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
-from mimoc.compiler.validation.measuring import MEASURES, measure_body
-from mimoc.compiler.validation.requests import compile_infant
+from mimoc.compiler.validation.measuring import MEASURES, compile_infant, measure_body
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import SIDES, limb_bodies
 

@@ -5,7 +5,7 @@ from hypothesis import assume, given, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.compiler.availability import LARGEST, LEAST, check_available
+from mimoc.compiler.child import LARGEST, LEAST, check_available
 from mimoc.compiler.variants import at_age
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec

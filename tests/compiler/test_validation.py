@@ -10,15 +10,9 @@ from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import Stature, stature
-from mimoc.compiler import validation
-from mimoc.compiler.validation import (
-    GrowthReport,
-    Row,
-    compare_with_who,
-    compile_infant,
-    grow_against_who,
-    measure_compiled,
-)
+from mimoc.compiler import child
+from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.validation.who import GrowthReport, Row, compare_with_who, grow_against_who, measure_compiled
 from mimoc.schema import InfantSpec
 
 MITTEN = assemble("mitten", False)
@@ -112,7 +106,7 @@ def test_a_spec_that_cannot_be_built_is_refused(monkeypatch):
     def refuse(spec: InfantSpec) -> None:
         raise SpecError([Problem("one.yaml", 1, 1, "body", "not today")])
 
-    monkeypatch.setattr(validation.who, "check_available", refuse)
+    monkeypatch.setattr(child, "check_available", refuse)
     with pytest.raises(SpecError, match="not today"):
         grow_against_who(infant(9))
 

@@ -6,9 +6,8 @@ import pytest
 
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average
-from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, add_materials, face_material
+from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT, HEAD_FEATURES, add_materials, face_material, face_texture
 from mimoc.mjcf.furniture import Appearance
-from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
 
 REFERENCE_MATERIALS = {
@@ -29,7 +28,7 @@ REFERENCE_MATERIALS = {
 def mjcf(appearance: Appearance) -> str:
     """Return one sphere for each material."""
     textures = "".join(
-        f'<texture name="{t.name}" type="cube" file="{t.file}" gridsize="{t.gridsize}" gridlayout="{t.gridlayout}"/>'
+        f'<texture name="{t.name}" type="cube" file="{t.file}" gridsize="2 3" gridlayout="{GRID_LAYOUT}"/>'
         for t in appearance.textures
     )
     materials = "".join(

@@ -21,7 +21,7 @@ from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import load_model
 from mimoc.cli.commands import app
 from mimoc.compiler.building import builder
-from mimoc.mjcf.mimo.model import TARGETS
+from mimoc.mjcf.mimo import TARGETS
 from mimoc.runtime.check import check_stability
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.compiler.validation import grow_against_who
+from mimoc.compiler.validation.who import grow_against_who
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
 from mimoc.schema.source import parse
 

@@ -9,7 +9,8 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.body.measurements import targets
 from mimoc.bundle.model import load_model
-from mimoc.compiler.validation import compare_with_anthrokids, grow_against_who
+from mimoc.compiler.validation.anthrokids import compare_with_anthrokids
+from mimoc.compiler.validation.who import grow_against_who
 from mimoc.compiler.variants import SpecVariants
 from mimoc.fits import load_tables, measure
 from mimoc.fits.who import percentile

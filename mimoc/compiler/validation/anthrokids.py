@@ -9,15 +9,11 @@ from typing import Any
 from mimoc import fits
 from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.child import child_of
-from mimoc.compiler.validation.measuring import measure_body
-from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
-from mimoc.compiler.variants import at_age_unchecked, errors_at
+from mimoc.compiler.child import checked_or_average, child_of
+from mimoc.compiler.validation.measuring import SAME, Progress, compare_at_ages, compile_infant, measure_body
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.growth import group_age
-from mimoc.fits.tables import GroupMean
-from mimoc.schema.infant import InfantSpec, validated
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 
 TOLERANCE = 0.04
@@ -56,6 +52,17 @@ class MeasurementRow:
         """Whether it deviates by more than `TOLERANCE`."""
         return self.is_judged and abs(self.deviation) > TOLERANCE
 
+    def to_data(self) -> dict[str, Any]:
+        """Return the row as plain data, not rounded."""
+        return {name: getattr(self, name) for name in COLUMNS}
+
+
+COLUMNS = (
+    *("age_months", "measurement", "value_cm", "mean_cm", "requested", "deviation"),
+    *("is_judged", "outside", "origin"),
+)
+"""What plain data says of each row."""
+
 
 @dataclass(frozen=True, slots=True)
 class MeasurementReport:
@@ -87,7 +94,7 @@ class MeasurementReport:
                 "survey": "AnthroKids (Snyder et al. 1977)",
                 "tolerance": TOLERANCE,
                 "within_tolerance": self.within_tolerance,
-                "rows": [_row_data(row) for row in self.rows],
+                "rows": [row.to_data() for row in self.rows],
             }
         )
 
@@ -102,21 +109,14 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
-    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    check_available(infant)
-    means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if group_age(mean) <= LAST_MONTH]
-    rows: list[MeasurementRow] = []
-    for done, mean in enumerate(means, start=1):
-        age_months = group_age(mean)
-        with errors_at(infant, age_months):
-            rows += _compare(at_age_unchecked(infant, age_months), mean.first_month)
-        if progress:
-            progress(done, len(means))
-    return MeasurementReport(tuple(rows))
+    infant = checked_or_average(spec)
+    means = fits.load_tables().anthrokids["crown_sole_length"]
+    ages_months = [age for age in map(group_age, means) if age <= LAST_MONTH]
+    return MeasurementReport(compare_at_ages(infant, ages_months, _compare, progress))
 
 
-def _compare(child: InfantSpec, first_month: int) -> Iterator[MeasurementRow]:
-    """Yield the rows of a child of an age, beside the group of ages that begins with some month."""
+def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
+    """Yield the rows of a child in the middle of an age group."""
     tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
     wanted = child_of(child).measurements
     wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))
@@ -125,28 +125,10 @@ def _compare(child: InfantSpec, first_month: int) -> Iterator[MeasurementRow]:
     named = {unsided(key) for key in child.body.measurements if not key.startswith("right_")}
     for name, value_m in sorted(measured_m.items()):
         if name in tables.anthrokids:
-            mean = _of_group(tables.anthrokids[name], first_month)
+            mean = next(mean for mean in tables.anthrokids[name] if group_age(mean) == age_months)
             mean_cm, origin = mean.mean_cm, f"anthrokids.csv:{mean.line}"
         else:
             mean_cm, origin = tables.published[name](age_months), f"anthrokids_published_fits.csv: {name}"
         requested = wanted_m[name] / average[name]
         is_judged = name in named or math.isclose(value_m, unchanged_m[name], rel_tol=SAME)
         yield MeasurementRow(age_months, name, m_to_cm(value_m), mean_cm, origin, requested, is_judged)
-
-
-def _of_group(means: Sequence[GroupMean], first_month: int) -> GroupMean:
-    return next(mean for mean in means if mean.first_month == first_month)
-
-
-def _row_data(row: MeasurementRow) -> dict[str, Any]:
-    return {
-        "age_months": row.age_months,
-        "measurement": row.measurement,
-        "value_cm": row.value_cm,
-        "mean_cm": row.mean_cm,
-        "requested": row.requested,
-        "deviation": row.deviation,
-        "is_judged": row.is_judged,
-        "outside": row.outside,
-        "origin": row.origin,
-    }

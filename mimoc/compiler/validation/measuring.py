@@ -4,19 +4,98 @@ The survey's own descriptions of the postures were not at hand (M): lengths of l
 right angles, breadths and girths on the straight body, girths around the convex hull of a section.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TypeVar
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-from mimoc.base.units import deg_to_rad
-from mimoc.compiler.validation.requests import own_solids, solid_extents
+from mimoc.actuation.build_setup import build_actuation
+from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
+from mimoc.base.units import deg_to_rad, ms_to_s
+from mimoc.bundle.model import in_subtrees
+from mimoc.compiler.assembling import assemble_infant
+from mimoc.compiler.child import child_of
+from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.placing import SceneAssets, place_in_scene
+from mimoc.compiler.variants import at_age_unchecked, errors_at
+from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
+from mimoc.mjcf import printing
+from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
+
+SAME = 1e-6
+"""Relative difference from which on a key is said to change a measure; files hold nine digits."""
+ROOT = "hip"
+"""The root body of the infant."""
+
+IntArray = npt.NDArray[np.intp]
+Row = TypeVar("Row")
+Progress = Callable[[int, int], None]
+"""Called with the number of infants measured and their total number."""
+
+PRIMITIVES: Mapping[int, Kind] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+}
+"""Kinds of primitives by MuJoCo's geom type."""
+
+
+def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
+    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
+
+    Raises:
+        SpecError: If there is no such child.
+        ModelError: If MuJoCo rejects it.
+    """
+    tree = child_of(spec).tree
+    plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
+    actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+    infant = place_in_scene(assemble_infant(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
+    return compile_model(printing.render_scene(infant))
+
+
+def own_solids(model: mujoco.MjModel) -> IntArray:
+    """Return the indices of the solids of an infant's body, shape (n,): no clothes, toys or floor."""
+    is_infants = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
+    return np.flatnonzero(is_infants & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
+
+
+def solid_extents(model: mujoco.MjModel, geoms: IntArray) -> Extents:
+    """Return how far some geoms reach from their centres, from their indices, shape (n,)."""
+    return extents((PRIMITIVES[model.geom_type[geom]], model.geom_size[geom]) for geom in geoms)
+
+
+def compare_at_ages(
+    spec: InfantSpec,
+    ages_months: Sequence[float],
+    compare: Callable[[InfantSpec], Iterable[Row]],
+    progress: Progress | None,
+) -> tuple[Row, ...]:
+    """Return the rows of an infant that has grown to each of some ages; *progress* is called after each.
+
+    Raises:
+        SpecError: If there is no such child at some age.
+    """
+    rows: list[Row] = []
+    for done, age_months in enumerate(ages_months, start=1):
+        with errors_at(spec, age_months):
+            rows += compare(at_age_unchecked(spec, age_months))
+        if progress:
+            progress(done, len(ages_months))
+    return tuple(rows)
+
 
 FORWARD, LEFT, UP = np.eye(3)
 TRUNK = ("hip", "lower_body", "upper_body", "chest")
+THIGHS = ("left_upper_leg", "right_upper_leg")
 
 STRAIGHT: Mapping[str, float] = {}
 SITTING = {"{side}_hip1": -90.0, "{side}_knee": -90.0}
@@ -67,21 +146,18 @@ class Figure:
         return self.data.body(body).xmat.reshape(3, 3).T
 
     def solids(self, *bodies: str) -> Solids:
-        """Return the solids of some bodies; without their names of all."""
-        wanted = [self.model.body(name).id for name in bodies] or range(self.model.nbody)
-        return self._of([geom for geom in self._solids if self.model.geom_bodyid[geom] in wanted])
+        """Return the solids of some bodies, of those that this infant has."""
+        wanted = [self.model.body(name).id for name in bodies if name in self.bodies]
+        return self._of(self._solids[np.isin(self.model.geom_bodyid[self._solids], wanted)])
 
     def geoms(self, *names: str) -> Solids:
         """Return some geoms."""
-        return self._of([self.model.geom(name).id for name in names])
+        return self._of(np.array([self.model.geom(name).id for name in names]))
 
     def limb(self, *roots: str) -> Solids:
         """Return the solids of some bodies and of all that is attached to them."""
-        bodies = {self.model.body(name).id for name in roots}
-        for body in range(1, self.model.nbody):
-            if self.model.body_parentid[body] in bodies:
-                bodies.add(body)
-        return self._of([geom for geom in self._solids if self.model.geom_bodyid[geom] in bodies])
+        inside = in_subtrees(self.model, [self.model.body(name).id for name in roots])
+        return self._of(self._solids[inside[self.model.geom_bodyid[self._solids]]])
 
     def centre(self, geom: str) -> FloatArray:
         """Return the centre of a geom, shape (3,)."""
@@ -91,10 +167,9 @@ class Figure:
         """Return the anchor of a joint, shape (3,)."""
         return self.data.joint(f"robot:{joint}").xanchor
 
-    def _of(self, geoms: Sequence[int]) -> Solids:
-        chosen = np.asarray(geoms, dtype=np.intp)
-        rotations = self.data.geom_xmat[chosen].reshape(-1, 3, 3)
-        return Solids(solid_extents(self.model, chosen), self.data.geom_xpos[chosen], rotations)
+    def _of(self, geoms: IntArray) -> Solids:
+        rotations = self.data.geom_xmat[geoms].reshape(-1, 3, 3)
+        return Solids(solid_extents(self.model, geoms), self.data.geom_xpos[geoms], rotations)
 
 
 Measure = Callable[[Figure, str], float]
@@ -121,8 +196,7 @@ def _level_girth(geom: str, *limbs: str) -> Measure:
     """Return the measurement with a tape around the trunk, and some bodies, at the height of a geom."""
 
     def measure(figure: Figure, side: str) -> float:
-        around = [limb for limb in (*TRUNK, *limbs) if limb in figure.bodies]
-        return figure.solids(*around).girth(UP, float(figure.centre(geom)[2]))
+        return figure.solids(*TRUNK, *limbs).girth(UP, float(figure.centre(geom)[2]))
 
     return measure
 
@@ -130,16 +204,6 @@ def _level_girth(geom: str, *limbs: str) -> Measure:
 def _chest_breadth(figure: Figure, side: str) -> float:
     reach = figure.solids(*TRUNK).section_reach(UP, float(figure.centre("ub2")[2]), np.array([LEFT, -LEFT]))
     return float(reach.sum())
-
-
-def _hip_breadth(figure: Figure, side: str) -> float:
-    thighs = [f"{side}_upper_leg" for side in ("left", "right") if f"{side}_upper_leg" in figure.bodies]
-    return _length(figure.solids("hip", *thighs).span(LEFT))
-
-
-def _crown_rump(figure: Figure, side: str) -> float:
-    thighs = [f"{side}_upper_leg" for side in ("left", "right") if f"{side}_upper_leg" in figure.bodies]
-    return _length(figure.pose(SITTING).solids("head", *TRUNK, *thighs).span(UP))
 
 
 def _rump_sole(figure: Figure, side: str) -> float:
@@ -158,14 +222,6 @@ def _knee_sole(figure: Figure, side: str) -> float:
     knee = figure.solids(f"{side}_upper_leg", f"{side}_lower_leg")
     top_m = knee.section_reach(FORWARD, float(figure.anchor(f"{side}_knee")[0]), UP[None])
     return float(top_m[0]) - sole_m
-
-
-def _shoulder_breadth(figure: Figure, side: str) -> float:
-    return _length(figure.solids("left_upper_arm", "right_upper_arm").span(LEFT))
-
-
-def _shoulder_elbow(figure: Figure, side: str) -> float:
-    return _length(figure.pose(ELBOWS_BENT).solids(f"{side}_upper_arm", f"{side}_lower_arm").span(UP))
 
 
 def _elbow_hand(figure: Figure, side: str) -> float:
@@ -197,6 +253,13 @@ def _extent(root: str, direction: FloatArray) -> Measure:
     return lambda figure, side: _length(figure.limb(root.format(side=side)).span(direction))
 
 
+def _span(direction: FloatArray, *bodies: str, posture: Mapping[str, float] = STRAIGHT) -> Measure:
+    """Return the measurement of some bodies with calipers, in a posture."""
+    return lambda figure, side: _length(
+        figure.pose(posture).solids(*(body.format(side=side) for body in bodies)).span(direction)
+    )
+
+
 def _head_extent(direction: FloatArray) -> Measure:
     return lambda figure, side: _length(figure.geoms("head").span(direction))
 
@@ -212,7 +275,7 @@ MEASURES: Mapping[str, tuple[Measure, tuple[str, ...]]] = {
     "calf_circumference": (_girth_of("{side}_lower_leg1"), ("{side}_lower_leg",)),
     "chest_breadth": (_chest_breadth, ()),
     "chest_circumference": (_level_girth("ub2"), ()),
-    "crown_rump_length": (_crown_rump, ()),
+    "crown_rump_length": (_span(UP, "head", *TRUNK, *THIGHS, posture=SITTING), ()),
     "crown_sole_length": (_extent("hip", UP), ("{side}_foot",)),
     "elbow_hand_length": (_elbow_hand, ("{side}_hand",)),
     "foot_breadth": (_extent("{side}_foot", LEFT), ("{side}_foot",)),
@@ -226,16 +289,19 @@ MEASURES: Mapping[str, tuple[Measure, tuple[str, ...]]] = {
         (),
     ),
     "head_length": (_head_extent(FORWARD), ()),
-    "hip_breadth": (_hip_breadth, ()),
-    "hip_circumference": (_level_girth("lb", "left_upper_leg", "right_upper_leg"), ()),
+    "hip_breadth": (_span(LEFT, "hip", *THIGHS), ()),
+    "hip_circumference": (_level_girth("lb", *THIGHS), ()),
     "knee_sole_length": (_knee_sole, ("{side}_foot",)),
     "maximum_fist_breadth": (_fist_breadth, ("{side}_hand",)),
     "mid_thigh_circumference": (_girth_of("{side}_upper_leg1"), ("{side}_upper_leg",)),
     "middle_finger_diameter": (_diameter("{side}_mfknuckle1"), ("{side}_mfknuckle",)),
     "rump_knee_length": (_rump_knee, ("{side}_lower_leg",)),
     "rump_sole_length": (_rump_sole, ("{side}_foot",)),
-    "shoulder_breadth": (_shoulder_breadth, ("left_upper_arm", "right_upper_arm")),
-    "shoulder_elbow_length": (_shoulder_elbow, ("{side}_lower_arm",)),
+    "shoulder_breadth": (_span(LEFT, "left_upper_arm", "right_upper_arm"), ("left_upper_arm", "right_upper_arm")),
+    "shoulder_elbow_length": (
+        _span(UP, "{side}_upper_arm", "{side}_lower_arm", posture=ELBOWS_BENT),
+        ("{side}_lower_arm",),
+    ),
     "thumb_diameter": (_diameter("{side}_thbase1"), ("{side}_thbase",)),
     "upper_arm_circumference": (_girth_of("{side}_uarm1"), ("{side}_upper_arm",)),
     "waist_circumference": (_level_girth("cb"), ()),
@@ -250,11 +316,8 @@ def measure_body(model: mujoco.MjModel) -> dict[str, float]:
     """
     figure, measured = Figure(model), {}
     for name, (measure, needed) in MEASURES.items():
-        side = next((side for side in SIDES if _has(figure, needed, side)), None)
-        if side:
-            measured[name] = measure(figure.pose(STRAIGHT), side)
+        for side in SIDES:
+            if all(figure.bodies.intersection(bodies.format(side=side).split("|")) for bodies in needed):
+                measured[name] = measure(figure.pose(STRAIGHT), side)
+                break
     return measured
-
-
-def _has(figure: Figure, needed: Sequence[str], side: str) -> bool:
-    return all(figure.bodies.intersection(bodies.format(side=side).split("|")) for bodies in needed)

@@ -1,32 +1,36 @@
 """Comparison of the compiled infant with WHO's growth standards, by age."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from mimoc import fits
 from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
-from mimoc.body.kinematics import Stature
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.validation.requests import (
+from mimoc.body.kinematics import Stature, stature
+from mimoc.body.measurements import targets
+from mimoc.compiler.child import checked_or_average, child_of
+from mimoc.compiler.validation.measuring import (
     PRIMITIVES,
     ROOT,
+    SAME,
+    UP,
     Progress,
-    Requests,
+    compare_at_ages,
     compile_infant,
     own_solids,
-    requests_of,
     solid_extents,
 )
-from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
-from mimoc.schema.infant import InfantSpec, validated
+from mimoc.geometry.sections import Solids
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import unsided
+from mimoc.schema.sizes import MEASUREMENT_OF
 
 MONTHS = range(25)
 """Ages of the comparison, in whole months."""
@@ -35,6 +39,11 @@ AVERAGE_SD = 1.0
 REQUESTED_SD = 0.01
 """How far a measure may be from what the spec asks for, in standard deviations of WHO's children: at the 3rd percentile
 that is 0.07 percentiles, at the 50th 0.4. Bodies are solved to 1e-7."""
+MEASUREMENTS: Mapping[str, str] = {**MEASUREMENT_OF, "arm_circumference_cm": "upper_arm_circumference"}
+"""The measurement that is the same as a measure, by indicator."""
+
+Requests = Mapping[str, float | None]
+"""Requested value by indicator, in cm or kg; None if it follows from other keys; of average children, there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +75,11 @@ class Row:
         return self.z[self.reference] - (self.requested_z or 0.0)
 
     @property
+    def requested_percentile(self) -> float | None:
+        """The percentile of `requested_z`, by `reference`."""
+        return None if self.requested_z is None else percentile(self.requested_z)
+
+    @property
     def outside_one_sd(self) -> bool:
         """Whether it is more than one standard deviation from the median, whatever the spec asks for."""
         return abs(self.z[self.reference]) > 1
@@ -75,6 +89,17 @@ class Row:
         """Whether it is not what the spec asks for, or of the average child, too far from the mean of both sexes."""
         limit = AVERAGE_SD if self.requested_z is None else REQUESTED_SD
         return self.is_judged and abs(self.deviation) > limit
+
+    def to_data(self) -> dict[str, Any]:
+        """Return the row as plain data, not rounded."""
+        return {name: getattr(self, name) for name in COLUMNS}
+
+
+COLUMNS = (
+    *("age_months", "indicator", "value", "z", "percentile", "requested_z", "requested_percentile"),
+    *("is_judged", "missed", "outside_one_sd"),
+)
+"""What plain data says of each row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +156,8 @@ class GrowthReport:
                 "tolerance_sd": {"average": AVERAGE_SD, "requested": REQUESTED_SD},
                 "passed": self.passed,
                 "within_one_sd": self.within_one_sd,
-                "worst": {indicator: _row_data(row) for indicator, row in self.worst.items()},
-                "rows": [_row_data(row) for row in self.rows],
+                "worst": {indicator: row.to_data() for indicator, row in self.worst.items()},
+                "rows": [row.to_data() for row in self.rows],
             }
         )
 
@@ -156,34 +181,32 @@ def grow_against_who(
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
-    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    check_available(infant)
+    infant = checked_or_average(spec)
     ages = sorted({*map(float, MONTHS if months is None else months), *([infant.age_months] if spec else ())})
-    rows: list[Row] = []
-    for done, age_months in enumerate(ages, start=1):
-        rows += _rows_at(infant, age_months)
-        if progress:
-            progress(done, len(ages))
-    return GrowthReport(tuple(rows))
+    return GrowthReport(compare_at_ages(infant, ages, _rows, progress))
 
 
-def _rows_at(infant: InfantSpec, age_months: float) -> list[Row]:
-    """Return the rows of an infant that has grown to an age."""
-    with errors_at(infant, age_months):
-        child = at_age_unchecked(infant, age_months)
-        measures = measure_compiled(compile_infant(child))
-        individual = child.body.individual
-        sex = individual.sex if individual else None
-        return compare_with_who(age_months, measures, sex or "mean", requests_of(child, measures))
+def _rows(child: InfantSpec) -> list[Row]:
+    """Return the rows of a child at its age."""
+    measures, individual = measure_compiled(compile_infant(child)), child.body.individual
+    reference: Reference = (individual and individual.sex) or "mean"
+    return compare_with_who(child.age_months, measures, reference, requests_of(child, measures))
 
 
 def measure_compiled(model: mujoco.MjModel) -> Stature:
-    """Return length, weight and circumferences of a compiled infant with all joints at zero, of the left arm."""
+    """Return length, weight and girths of a compiled infant, all joints at zero, of the left arm if it has one."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    geoms = own_solids(model)
+    solids = Solids(solid_extents(model, geoms), data.geom_xpos[geoms], data.geom_xmat[geoms].reshape(-1, 3, 3))
+    low_m, high_m = solids.span(UP)
+    names = {model.geom(geom).name for geom in geoms}
+    arms_cm = [m_to_cm(_girth_m(model, arm)) for arm in ("left_uarm1", "right_uarm1") if arm in names]
     return Stature(
-        length_cm=m_to_cm(_standing_height_m(model)),
+        length_cm=m_to_cm(high_m - low_m),
         weight_kg=float(model.body_subtreemass[model.body(ROOT).id]),
         head_circumference_cm=m_to_cm(_girth_m(model, "head")),
-        arm_circumference_cm=_arm_circumference_cm(model),
+        arm_circumference_cm=arms_cm[0] if arms_cm else None,
     )
 
 
@@ -192,11 +215,7 @@ def compare_with_who(
 ) -> list[Row]:
     """Return the rows of one age: one for each indicator that WHO has a standard for at that age.
 
-    Args:
-        age_months: The age.
-        measures: The measures of the infant.
-        reference: Whom it is judged by.
-        requests: What its spec asks for; None means the average child.
+    Without requests, the infant is judged as the average child.
     """
     rows = []
     for indicator, standard in fits.load_tables().who.items():
@@ -210,39 +229,43 @@ def compare_with_who(
     return rows
 
 
-def _row_data(row: Row) -> dict[str, Any]:
-    return {
-        "age_months": row.age_months,
-        "indicator": row.indicator,
-        "value": row.value,
-        "z": row.z,
-        "percentile": row.percentile,
-        "requested_z": row.requested_z,
-        "requested_percentile": None if row.requested_z is None else percentile(row.requested_z),
-        "is_judged": row.is_judged,
-        "missed": row.missed,
-        "outside_one_sd": row.outside_one_sd,
-    }
-
-
-def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
-    """Return the circumference of the left upper arm, or of the right one if there is no left one, or None."""
-    geom = mujoco.mjtObj.mjOBJ_GEOM
-    arms = [name for name in ("left_uarm1", "right_uarm1") if mujoco.mj_name2id(model, geom, name) >= 0]
-    return m_to_cm(_girth_m(model, arms[0])) if arms else None
-
-
 def _girth_m(model: mujoco.MjModel, geom: str) -> float:
     shape = model.geom(geom)
     return float(girth(PRIMITIVES[shape.type[0]], shape.size))
 
 
-def _standing_height_m(model: mujoco.MjModel) -> float:
-    """Return the crown-sole length: the vertical extent of the infant's geoms with all joints at zero."""
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    flesh = own_solids(model)
-    middles = data.geom_xpos[flesh, 2]
-    up = data.geom_xmat[flesh].reshape(-1, 3, 3)[:, 2]  # The vertical, in the frame of each geom.
-    halves = solid_extents(model, flesh).along(up)
-    return float(np.max(middles + halves) - np.min(middles - halves))
+def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
+    """Return what a spec asks of each measure of its compiled child.
+
+    What an individual does not name follows from what it names, and what single measurements, factors of parts and
+    missing parts change is not asked for by anything else.
+    """
+    requests: dict[str, float | None] = {}
+    if spec.body.individual:
+        wanted = targets(spec.body.individual, spec.age_months)
+        requests = {
+            "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
+            "weight_kg": wanted.weight_kg,
+            "head_circumference_cm": wanted.head_m and m_to_cm(wanted.head_m),
+            "arm_circumference_cm": None,
+        }
+    for indicator, value in measures.items():
+        name = MEASUREMENTS.get(indicator)
+        given_cm = spec.body.measurements.get(f"left_{name}_cm", spec.body.measurements.get(f"{name}_cm"))
+        if given_cm is not None:
+            requests[indicator] = given_cm
+        if isinstance(value, float) and _is_changed(spec, indicator, value):
+            requests[indicator] = None
+    return requests
+
+
+def _is_changed(spec: InfantSpec, indicator: str, value: float) -> bool:
+    """Return whether a measure differs from that of the same child without other single measurements and factors."""
+    body, name = spec.body, MEASUREMENTS.get(indicator)
+    alone = {key: value_cm for key, value_cm in body.measurements.items() if unsided(key) == name}
+    if len(alone) == len(body.measurements) and not body.parts and not body.remove:
+        return False
+    plain = body.model_copy(update={"measurements": alone, "parts": {}, "remove": ()})
+    tree = child_of(spec.model_copy(update={"body": plain})).tree
+    before = dict(stature(tree))[indicator]
+    return not (isinstance(before, float) and math.isclose(value, before, rel_tol=SAME))

@@ -1,19 +1,17 @@
 """The skin of a child, carried from the sculpture by the child's solids."""
 
 import pickle
-from collections.abc import Mapping
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
-from mimoc.body.head_surface import head_radius
-from mimoc.body.kinematics import Posed, frames, pose
-from mimoc.body.tree import BodyTree
+from mimoc.body.head_surface import half_axes, head_radius
+from mimoc.body.kinematics import frames, pose
+from mimoc.body.tree import BodyTree, Geom
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
-from mimoc.looks.skin.face import deform_head
 from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
-from mimoc.looks.skin.template_mesh import HEAD, LAYERS, SculptedLayer, Sculpture, template_mesh
+from mimoc.looks.skin.template_mesh import HEAD, LAYERS, SculptedHead, SculptedLayer, Sculpture, template_mesh
 from mimoc.mjcf.skin import Skin, SkinLayer
 
 ROUNDS = 2
@@ -22,6 +20,11 @@ FARTHEST = 0.06
 """Largest of these steps, in head radii."""
 GONE = 0.98
 """Share of missing bodies in a vertex above which it is left out."""
+NEWBORN_UNTIL, CHANGED_BY = 0.0, 6.0
+"""Ages between which the face of a newborn changes into that of a child, in months (D)."""
+AT_EYE, BESIDE_EYE = 1.35, 3.0
+"""Within so many radii of an eye the skin goes with the eyeball, and beyond so many it goes with the head."""
+SIDES = (("right", 1.0), ("left", -1.0))
 
 
 def skin_of(tree: BodyTree) -> Skin:
@@ -50,30 +53,16 @@ class _Carrying:
 
     def __init__(self, sculpted: Sculpture, tree: BodyTree):
         self.sculpted, self.tree = sculpted, tree
-        self.placed = frames(tree, sculpted.angles_rad)
-
-    @cached_property
-    def posed(self) -> Posed:
-        return pose(self.tree, self.sculpted.angles_rad)
-
-    @cached_property
-    def homes(self) -> tuple[str, ...]:
-        """The body that moves what each body of the sculpture does: itself, or the nearest that is not missing."""
-        return tuple(self._home(part) for part in self.sculpted.parts)
-
-    @cached_property
-    def is_missing(self) -> np.ndarray:
-        return np.array([self.tree.home(part) not in self.placed for part in self.sculpted.parts])
-
-    @cached_property
-    def scale(self) -> float:
-        return head_radius(self.tree.geoms["head"]) / self.sculpted.head_radius_m
-
-    @cached_property
-    def boxes(self) -> Mapping[str, tuple[FloatArray, FloatArray]]:
-        return boxes(self.tree)
+        self.placed, self.posed = frames(tree, sculpted.angles_rad), pose(tree, sculpted.angles_rad)
+        self.boxes = boxes(tree)
+        self.scale = head_radius(tree.geoms["head"]) / sculpted.head_radius_m
+        self.homes = [self._home(part) for part in sculpted.parts]
+        self.is_missing = np.array([tree.home(part) not in self.placed for part in sculpted.parts])
+        stretches = [self._stretched(index, part) for index, part in enumerate(sculpted.parts)]
+        self.turns, self.shifts, self.sizes = map(np.array, zip(*stretches, strict=True))
 
     def _home(self, part: str) -> str:
+        """Return the body that moves what a body of the sculpture does: itself, or the nearest that is not missing."""
         home = self.tree.home(part)
         return home if home in self.placed else self._home(self.sculpted.parents[part])
 
@@ -81,7 +70,8 @@ class _Carrying:
         verts_m, sizes = self._moved(layer)
         lost = (layer.weights * self.is_missing[layer.bones]).sum(axis=1)
         verts_m = self._on_solids(layer, verts_m, sizes, lost)
-        bones = sorted({*(self.homes[index] for index in np.unique(layer.bones[layer.weights > 0]))}, key=self._order)
+        moved_by = {self.homes[index] for index in np.unique(layer.bones[layer.weights > 0])}
+        bones = sorted(moved_by, key=[*self.placed].index)
         column = np.array([bones.index(home) if home in bones else 0 for home in self.homes])
         weights = np.zeros((len(verts_m), len(bones)))
         np.add.at(weights, (np.arange(len(verts_m))[:, None], column[layer.bones]), layer.weights)
@@ -117,28 +107,18 @@ class _Carrying:
             np.ones((len(verts_m), 1)),
         )
 
-    def _order(self, bone: str) -> int:
-        return list(self.placed).index(bone)
-
     def _moved(self, layer: SculptedLayer) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""
-        turns, shifts, sizes = self._stretches
-        turn = np.einsum("nk,nkij->nij", layer.weights, turns[layer.bones])
-        shift = np.einsum("nk,nki->ni", layer.weights, shifts[layer.bones])
-        return np.einsum("nij,nj->ni", turn, layer.verts_m) + shift, (layer.weights * sizes[layer.bones]).sum(axis=1)
-
-    @cached_property
-    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """How each body of the sculpture is stretched: x goes to matrix @ x + shift, and how large that is.
-
-        Shapes (bodies, 3, 3), (bodies, 3) and (bodies,).
-        """
-        every = [self._stretched(index, part) for index, part in enumerate(self.sculpted.parts)]
-        matrices, shifts, sizes = zip(*every, strict=True)
-        return np.array(matrices), np.array(shifts), np.array(sizes)
+        turn = np.einsum("nk,nkij->nij", layer.weights, self.turns[layer.bones])
+        shift = np.einsum("nk,nki->ni", layer.weights, self.shifts[layer.bones])
+        sizes = (layer.weights * self.sizes[layer.bones]).sum(axis=1)
+        return np.einsum("nij,nj->ni", turn, layer.verts_m) + shift, sizes
 
     def _stretched(self, index: int, part: str) -> tuple[FloatArray, FloatArray, float]:
-        """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size."""
+        """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size.
+
+        A place x goes to matrix @ x + shift.
+        """
         sculpted, home = self.sculpted, self.tree.home(part)
         if home not in self.placed:  # All of it goes to the joint above.
             parent = sculpted.parents[part]
@@ -176,3 +156,49 @@ def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
         centres = np.array([geom.pos_m for geom in body.geoms])
         corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
     return corners
+
+
+def newborn_share(age_months: float) -> float:
+    """Return how much a face is that of a newborn: 1 at birth, 0 from `CHANGED_BY` on."""
+    return 1 - float(_smooth_step((age_months - NEWBORN_UNTIL) / (CHANGED_BY - NEWBORN_UNTIL)))
+
+
+def deform_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
+    """Return the vertices of a child's head in the frame of its body, shape (n, 3), [m]."""
+    geoms = tree.geoms
+    head = geoms["head"]
+    share = newborn_share(tree.age_months)
+    shape_m = sculpted.verts_m + share * (sculpted.newborn_m - sculpted.verts_m)
+    verts_m = shape_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
+    eyes = {body.name: np.array(body.pos_m) for body in tree.bodies}
+    for side, sign in SIDES:
+        place = eyes.get(f"{side}_eye")
+        if place is None:
+            verts_m = verts_m + sculpted.closing_m[side] * (np.array(half_axes(head)) / sculpted.half_axes_m)
+        else:
+            verts_m = _around_eye(verts_m, shape_m, sculpted, head, sign, place, geoms[f"{side}_eye1"].size_m[0])
+    return verts_m + np.array(head.pos_m)
+
+
+def _around_eye(
+    verts_m: FloatArray,
+    shape_m: FloatArray,
+    sculpted: SculptedHead,
+    head: Geom,
+    sign: float,
+    place: FloatArray,
+    radius_m: float,
+) -> FloatArray:
+    """Return vertices of which those near an eye are as far from its middle as they were sculpted, by its size."""
+    middle_m = sculpted.eye_m * (1, sign, 1)
+    from_eye = shape_m - middle_m
+    t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
+    near = _smooth_step(t)[:, None]
+    on_ball = place - np.array(head.pos_m) + from_eye * (radius_m / sculpted.eye_radius_m)
+    return verts_m + near * (on_ball - verts_m)
+
+
+def _smooth_step(t: FloatArray | float) -> FloatArray:
+    """Return 0 for what is below 0, 1 for what is above 1, and what rises smoothly between."""
+    t = np.clip(t, 0, 1)
+    return t * t * (3 - 2 * t)

@@ -61,7 +61,8 @@ def height_above(kind: str, sizes: FloatArray, points: FloatArray) -> tuple[Floa
         axis = points.copy()
         if kind == "capsule":
             axis[:, 2] -= np.clip(points[:, 2], -sizes[:, 1], sizes[:, 1])
-        return _from(axis, sizes[:, 0])
+        far = np.linalg.norm(axis, axis=1)
+        return far - sizes[:, 0], axis / np.maximum(far, 1e-9)[:, None]
     if kind == "ellipsoid":
         inner = np.linalg.norm(points / sizes, axis=1)
         slope = points / sizes**2
@@ -75,11 +76,6 @@ def height_above(kind: str, sizes: FloatArray, points: FloatArray) -> tuple[Floa
         return height, np.column_stack((across, parts[:, 1] * np.sign(points[:, 2])))
     height, parts = _beyond(np.abs(points) - sizes)
     return height, parts * np.sign(points)
-
-
-def _from(vectors: FloatArray, radius_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-    far = np.linalg.norm(vectors, axis=1)
-    return far - radius_m, vectors / np.maximum(far, 1e-9)[:, None]
 
 
 def _beyond(excess: FloatArray) -> tuple[FloatArray, FloatArray]:

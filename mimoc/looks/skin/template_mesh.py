@@ -1,7 +1,7 @@
 """The sculpted skin of a child of nine months, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -102,10 +102,7 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
         parents=MappingProxyType(
             {part: str(name) for part, name in zip(parts, arrays["parents"], strict=True) if name}
         ),
-        origins_m=_real(arrays["origins_m"]),
-        turns=_real(arrays["turns"]),
-        low_m=_real(arrays["low_m"]),
-        high_m=_real(arrays["high_m"]),
+        **{name: _fixed(arrays[name]) for name in ("origins_m", "turns", "low_m", "high_m")},
         solids=tuple(map(str, arrays["solids"])),
         angles_rad=MappingProxyType(dict(zip(map(str, arrays["joints"]), arrays["angles_rad"].tolist(), strict=True))),
         head_radius_m=float(arrays["head_radius_m"]),
@@ -115,38 +112,21 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
 
 
 def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
-    return SculptedLayer(
-        verts_m=_real(arrays[f"{name}/verts_m"]),
-        faces=_whole(arrays[f"{name}/faces"]),
-        texcoords=_real(arrays[f"{name}/texcoords"]),
-        bones=_whole(arrays[f"{name}/bones"]),
-        weights=_real(arrays[f"{name}/weights"]) / 255,
-        solids=_whole(arrays[f"{name}/solids"]),
-        offsets_m=_real(arrays[f"{name}/offsets_m"]),
-        blend_m=_real(arrays[f"{name}/blend_m"]),
-    )
+    values = {field.name: _fixed(arrays[f"{name}/{field.name}"]) for field in fields(SculptedLayer)}
+    return SculptedLayer(**{**values, "weights": values["weights"] / 255})
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
+    names = ("verts_m", "newborn_m", "faces", "texcoords", "half_axes_m", "eye_m")
     return SculptedHead(
-        verts_m=_real(arrays["verts_m"]),
-        newborn_m=_real(arrays["newborn_m"]),
-        closing_m=MappingProxyType({side: _real(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
-        faces=_whole(arrays["faces"]),
-        texcoords=_real(arrays["texcoords"]),
-        half_axes_m=_real(arrays["half_axes_m"]),
-        eye_m=_real(arrays["eye_m"]),
+        **{name: _fixed(arrays[name]) for name in names},
+        closing_m=MappingProxyType({side: _fixed(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
         eye_radius_m=float(arrays["eye_radius_m"]),
     )
 
 
-def _real(array: npt.NDArray[Any]) -> FloatArray:
-    real = array.astype(np.float64)
-    real.flags.writeable = False
-    return real
-
-
-def _whole(array: npt.NDArray[Any]) -> IntArray:
-    whole = array.astype(np.intp)
-    whole.flags.writeable = False
-    return whole
+def _fixed(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return whole numbers as indices and others in double precision, read-only."""
+    fixed = array.astype(np.float64 if array.dtype.kind == "f" else np.intp)
+    fixed.flags.writeable = False
+    return fixed

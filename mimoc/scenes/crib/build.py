@@ -9,16 +9,17 @@ import numpy as np
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import stature
 from mimoc.body.origins import Entry
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.wallpaper import WALLS, Wallpapers
 from mimoc.mjcf.furniture import (
     DOMINANT_SOLMIX,
     RAIL_IN_CHILDREN,
     RAIL_RADIUS_M,
-    UNTOUCHED,
     Furniture,
     WorldGeom,
     WorldMaterial,
     WorldTexture,
+    untouched,
 )
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
@@ -61,9 +62,6 @@ class Crib:
     """Length and width inside."""
     rail_height_m: float
     """Of the middle of the rail, above the mattress."""
-    rail_radius_m: float
-    floor_m: float
-    """Height of the floor that it stands on; negative."""
     furniture: Furniture
 
 
@@ -72,8 +70,7 @@ def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltS
     x_m, y_m = (np.abs(occupant.discs[:, :2]) + occupant.discs[:, 2:]).max(axis=0).tolist()
     made = crib(cm_to_m(stature(occupant.body)["length_cm"]), (x_m, y_m))
     length, width = made.inner_m
-    floor = Ground("floor", made.floor_m)
-    world = World(grounds=(floor,), lights=(WINDOW,), headlight=HEADLIGHT, furniture=made.furniture)
+    world = World(grounds=(Ground("floor", -LEGS_M),), lights=(WINDOW,), headlight=HEADLIGHT, furniture=made.furniture)
     return BuiltScene(world, half_size_m=(length / 2, width / 2), origins=_origins(made))
 
 
@@ -90,8 +87,6 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
     return Crib(
         inner,
         rail,
-        RAIL_RADIUS_M,
-        -LEGS_M,
         Furniture(
             geoms=(*_bed(*inner), *_posts(*inner, rail), *_rails(*inner, rail), *_bars(*inner, rail)),
             materials=_materials(inner),
@@ -129,16 +124,8 @@ def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
     one contact at a time, and toys tremble. Toys thrown out of the crib rest beside it at the height of the sheet.
     """
     half = (length / 2, width / 2, (MATTRESS_M - SHEET_M) / 2)
-    mattress = WorldGeom(
-        "crib_mattress",
-        "box",
-        half,
-        (0.0, 0.0, -(MATTRESS_M + SHEET_M) / 2),
-        _UNTURNED,
-        "crib_mattress",
-        contype=UNTOUCHED,
-        conaffinity=UNTOUCHED,
-    )
+    z = -(MATTRESS_M + SHEET_M) / 2
+    mattress = untouched(WorldGeom("crib_mattress", "box", half, (0.0, 0.0, z), _UNTURNED, "crib_mattress"))
     sheet = WorldGeom(
         "crib_sheet",
         "plane",
@@ -166,26 +153,30 @@ def _posts(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
 def _rails(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
     """Yield the rails to hold, and those below that carry the bars."""
     for name, z in ("rail", rail), ("ledge", -MATTRESS_M / 2):
-        for side, turn, half_length, (x, y) in (
-            ("front", _ALONG_Y, width / 2, (length / 2 + RAIL_RADIUS_M, 0.0)),
-            ("back", _ALONG_Y, width / 2, (-length / 2 - RAIL_RADIUS_M, 0.0)),
-            ("left", _ALONG_X, length / 2, (0.0, width / 2 + RAIL_RADIUS_M)),
-            ("right", _ALONG_X, length / 2, (0.0, -width / 2 - RAIL_RADIUS_M)),
-        ):
+        for side, turn, half_length, (x, y) in _sides(length, width):
             size = (RAIL_RADIUS_M, half_length)
             yield WorldGeom(f"crib_{name}_{side}", "capsule", size, (x, y, z), turn, "crib_wood")
+
+
+def _sides(length: float, width: float) -> tuple[tuple[str, Vec3, float, tuple[float, float]], ...]:
+    """Return name, direction, half length and middle of the rails on each side."""
+    x, y = length / 2 + RAIL_RADIUS_M, width / 2 + RAIL_RADIUS_M
+    return (
+        ("front", _ALONG_Y, width / 2, (x, 0.0)),
+        ("back", _ALONG_Y, width / 2, (-x, 0.0)),
+        ("left", _ALONG_X, length / 2, (0.0, y)),
+        ("right", _ALONG_X, length / 2, (0.0, -y)),
+    )
 
 
 def _bars(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
     """Yield the bars, evenly between the posts, from ledge to rail."""
     low = -MATTRESS_M / 2
     size, z = (BAR_RADIUS_M, (rail - low) / 2), (rail + low) / 2
-    for side, across in ("front", length / 2 + RAIL_RADIUS_M), ("back", -length / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_bar_positions(width), start=1):
-            yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (across, along, z), _UNTURNED, "crib_wood")
-    for side, across in ("left", width / 2 + RAIL_RADIUS_M), ("right", -width / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_bar_positions(length), start=1):
-            yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (along, across, z), _UNTURNED, "crib_wood")
+    for side, turn, half_length, (x, y) in _sides(length, width):
+        for number, along in enumerate(_bar_positions(2 * half_length), start=1):
+            pos = (x, along, z) if turn == _ALONG_Y else (along, y, z)
+            yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, pos, _UNTURNED, "crib_wood")
 
 
 def _bar_positions(span: float) -> list[float]:

@@ -11,15 +11,13 @@ from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import Vec3
 from mimoc.looks.wallpaper import OWN_WALLPAPERS, Wallpaper, Wallpapers
 from mimoc.mjcf.furniture import (
-    SOLID,
     UNTINTED,
-    UNTOUCHED,
     Furniture,
-    Headlight,
     SpotLight,
     WorldGeom,
     WorldMaterial,
     WorldTexture,
+    untouched,
 )
 from mimoc.mjcf.world import World
 from mimoc.scenes.built_scene import HEADLIGHT, BuiltScene, Occupant, Placement
@@ -60,18 +58,9 @@ def sides(depth: float, width: float, height: float) -> tuple[Side, ...]:
 def plane(side: Side) -> WorldGeom:
     """Return the geom of a side; of these, only the floor touches by contact bits."""
     across, up = side.extent_m
-    barrier = side.name != "floor"
-    return WorldGeom(
-        side.name,
-        "plane",
-        (across / 2, up / 2, max(across, up) / QUADS),
-        side.pos_m,
-        side.euler_rad,
-        side.name,
-        contype=UNTOUCHED if barrier else SOLID,
-        conaffinity=UNTOUCHED if barrier else SOLID,
-        barrier=barrier,
-    )
+    size_m, is_barrier = (across / 2, up / 2, max(across, up) / QUADS), side.name != "floor"
+    geom = WorldGeom(side.name, "plane", size_m, side.pos_m, side.euler_rad, side.name, barrier=is_barrier)
+    return untouched(geom) if is_barrier else geom
 
 
 def papered(side: Side, paper: Wallpaper) -> WorldMaterial:
@@ -107,12 +96,7 @@ def hang_pictures(
 def _hung(name: str, wall: Side, picture: Wallpaper, sideways: float, eye_height_m: float) -> WorldGeom:
     """Return a picture on a wall, smaller or lower than drawn where it would not fit.
 
-    Args:
-        name: Of the geom.
-        wall: The wall it hangs on.
-        picture: Its texture and size.
-        sideways: Where along the wall: -1 for as far left as it can be, 1 for right.
-        eye_height_m: Of its middle.
+    It is as far left as it can be where *sideways* is -1, and as far right where it is 1.
     """
     room = [extent - 2 * MARGIN_M for extent in wall.extent_m]
     scale = min(1.0, *(space / side for space, side in zip(room, picture.tile_m, strict=True)))
@@ -121,35 +105,17 @@ def _hung(name: str, wall: Side, picture: Wallpaper, sideways: float, eye_height
     z = min(eye_height_m, wall.extent_m[1] - MARGIN_M - half_height)
     x, y, _ = wall.pos_m
     in_x, in_y, _ = wall.inwards
-    return WorldGeom(
-        name,
-        "plane",
-        (half_width, half_height, max(half_width, half_height) / QUADS * 2),
-        (x + OFF_THE_WALL_M * in_x - along * in_y, y + OFF_THE_WALL_M * in_y + along * in_x, z),
-        wall.euler_rad,
-        name,
-        contype=UNTOUCHED,
-        conaffinity=UNTOUCHED,
-    )
-
-
-def trace_room(size_m: Vec3, furniture: Furniture, start: Placement) -> dict[str, Entry]:
-    """Return where the numbers of a room come from, by key in `provenance.json`.
-
-    Args:
-        size_m: Depth, width and height.
-        furniture: What stands and hangs in it.
-        start: Where the infant is in it.
-    """
-    return dict(_trace_room(size_m, furniture, start))
+    size_m = (half_width, half_height, max(half_width, half_height) / QUADS * 2)
+    pos_m = (x + OFF_THE_WALL_M * in_x - along * in_y, y + OFF_THE_WALL_M * in_y + along * in_x, z)
+    return untouched(WorldGeom(name, "plane", size_m, pos_m, wall.euler_rad, name))
 
 
 def _trace_room(size_m: Vec3, furniture: Furniture, start: Placement) -> Iterator[tuple[str, Entry]]:
+    """Yield where the numbers of a room, its furniture and the place of the infant in it come from."""
     rule = drawn_rule("as depth, width and height, each between the ends of its range", "room.size")
     yield "room.size", {"value": size_m, "unit": "m", "rule": rule, "from": [SEED, "spec.scene.room.size_m"]}
     rule = drawn_rule("anywhere that is clear of the walls", "infant.place")
-    place = {"value": (start.x_m, start.y_m), "unit": "m", "rule": rule, "from": [SEED, "room.size"]}
-    yield "room.infant.pos", place
+    yield "room.infant.pos", {"value": (start.x_m, start.y_m), "unit": "m", "rule": rule, "from": [SEED, "room.size"]}
     rule = drawn_rule("from all directions", "infant.place")
     yield "room.infant.yaw", {"value": start.yaw_rad, "unit": "rad", "rule": rule, "from": [SEED]}
     papers = {material.name: material.texture for material in furniture.materials if material.texture}
@@ -176,11 +142,8 @@ def _trace_hung(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, 
     is_picture = geom.material in papers
     aspect, at = "room.pictures" if is_picture else "room.light", f"scene.xml: geom[@name='{geom.name}']"
     rule = drawn_rule("on a wall of its own, at eye height" if is_picture else "in a row on the ceiling", aspect)
-    sources = [SEED, "room.size"]
-    yield (
-        f"room.{geom.name}.pos",
-        {"value": geom.pos_m, "unit": "m", "rule": rule, "from": sources, "xml": f"{at}/@pos"},
-    )
+    place = {"value": geom.pos_m, "unit": "m", "rule": rule, "from": [SEED, "room.size"], "xml": f"{at}/@pos"}
+    yield f"room.{geom.name}.pos", place
     rule = "half of the picture's sides, smaller where the wall is" if is_picture else "that of every lamp"
     yield f"room.{geom.name}.size", {"value": geom.size_m[:2], "unit": "m", "rule": rule, "xml": f"{at}/@size"}
     if is_picture:
@@ -211,39 +174,31 @@ def hang_lamps(
     if depth < width:
         shares = [(across, down) for down, across in shares]
     places = [(depth * share_x, width * share_y) for share_x, share_y in shares]
-    lamps = list(_lamps(places, height))
-    lights = list(_lights(places, height, (red, green, blue)))
-    return tuple(lamps), tuple(lights)
+    lamps = tuple(_lamp(number, (x, y, height)) for number, (x, y) in enumerate(places, start=1))
+    lights = tuple(_light(number, (x, y, height), (red, green, blue)) for number, (x, y) in enumerate(places, start=1))
+    return lamps, lights
 
 
-def _lamps(places: list[tuple[float, float]], height: float) -> Iterator[WorldGeom]:
-    for number, (x, y) in enumerate(places, start=1):
-        yield WorldGeom(
-            f"lamp_{number}",
-            "cylinder",
-            (LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M),
-            (x, y, height - OFF_THE_WALL_M - LAMP_HALF_HEIGHT_M),
-            (0.0, 0.0, 0.0),
-            SHADE.name,
-            contype=UNTOUCHED,
-            conaffinity=UNTOUCHED,
-        )
+def _lamp(number: int, ceiling_m: Vec3) -> WorldGeom:
+    x, y, height = ceiling_m
+    size_m, z = (LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M), height - OFF_THE_WALL_M - LAMP_HALF_HEIGHT_M
+    return untouched(WorldGeom(f"lamp_{number}", "cylinder", size_m, (x, y, z), (0.0, 0.0, 0.0), SHADE.name))
 
 
-def _lights(places: list[tuple[float, float]], height: float, diffuse: Vec3) -> Iterator[SpotLight]:
-    """Yield the light of each lamp; only that of the first casts shadows."""
-    for number, (x, y) in enumerate(places, start=1):
-        yield SpotLight(
-            f"lamp_{number}",
-            (x, y, height - 3 * LAMP_HALF_HEIGHT_M),
-            (0.0, 0.0, -1.0),
-            diffuse,
-            specular=(0.05, 0.05, 0.05),
-            attenuation=(1.0, 0.0, 0.0),
-            cutoff_deg=90.0,
-            exponent=0.0,
-            castshadow=number == 1,
-        )
+def _light(number: int, ceiling_m: Vec3, diffuse: Vec3) -> SpotLight:
+    """Return the light of a lamp; only that of the first casts shadows."""
+    x, y, height = ceiling_m
+    return SpotLight(
+        f"lamp_{number}",
+        (x, y, height - 3 * LAMP_HALF_HEIGHT_M),
+        (0.0, 0.0, -1.0),
+        diffuse,
+        specular=(0.05, 0.05, 0.05),
+        attenuation=(1.0, 0.0, 0.0),
+        cutoff_deg=90.0,
+        exponent=0.0,
+        castshadow=number == 1,
+    )
 
 
 Range = tuple[float, float]
@@ -259,7 +214,6 @@ class Room:
     size_m: Vec3
     """Depth, width and height: along x, y and z."""
     furniture: Furniture
-    headlight: Headlight = HEADLIGHT
 
 
 def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltScene:
@@ -268,21 +222,15 @@ def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltS
     depth, width, _ = room.size_m
     start = place_infant(room.size_m, reach_of(occupant.discs), stream(spec.seed, "infant.place"))
     return BuiltScene(
-        World(headlight=room.headlight, furniture=room.furniture),
+        World(headlight=HEADLIGHT, furniture=room.furniture),
         start,
         (depth / 2, width / 2),
-        trace_room(room.size_m, room.furniture, start),
+        dict(_trace_room(room.size_m, room.furniture, start)),
     )
 
 
 def draw_room(size_m: tuple[Range, Range, Range], seed: int, wallpapers: Wallpapers = OWN_WALLPAPERS) -> Room:
-    """Return a room; its size, floor, ceiling, walls, pictures and lamps each come from a stream of their own.
-
-    Args:
-        size_m: Ranges of depth, width and height.
-        seed: Of everything drawn.
-        wallpapers: What to draw from; with no pictures, none hang.
-    """
+    """Return a room; its size, floor, ceiling, walls, pictures and lamps each come from a stream of their own."""
     sizes = stream(seed, "room.size")
     depth, width, height = (between(sizes, low, high) for low, high in size_m)
     planes = sides(depth, width, height)
@@ -311,13 +259,7 @@ def draw_room(size_m: tuple[Range, Range, Range], seed: int, wallpapers: Wallpap
 
 
 def place_infant(size_m: Vec3, radius_m: float, generator: np.random.Generator) -> Placement:
-    """Return a place on the floor, anywhere clear of the walls; where a room is too narrow for that, in the middle.
-
-    Args:
-        size_m: Of the room.
-        radius_m: How far from the vertical through its origin the infant reaches.
-        generator: What to draw from.
-    """
+    """Return a place for an infant that reaches *radius_m* far, clear of the walls; in a narrow room, the middle."""
     free_m = [max(side / 2 - radius_m - CLEARANCE_M, 0.0) for side in size_m[:2]]
     x_m, y_m = (between(generator, -free, free) for free in free_m)
     return Placement(x_m, y_m, between(generator, 0.0, 2 * math.pi))

@@ -13,7 +13,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.body.poses import Pose, resting_state
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
-from mimoc.compiler.validation.requests import compile_infant
+from mimoc.compiler.validation.measuring import compile_infant
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development

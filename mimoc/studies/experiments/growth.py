@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mimoc.compiler.validation import GrowthReport, Row, grow_against_who
+from mimoc.compiler.validation.who import GrowthReport, Row, grow_against_who
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.growth import growth_sheet
 from mimoc.studies.experiments.notebook import Notebook, table_rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.compiler.validation.requests import ROOT
+from mimoc.compiler.validation.measuring import ROOT
 from mimoc.render.body_camera import STILL, BodyCamera
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.schema.infant import InfantSpec

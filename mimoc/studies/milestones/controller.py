@@ -17,7 +17,7 @@ import numpy as np
 
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation.requests import ROOT
+from mimoc.compiler.validation.measuring import ROOT
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation.requests import ROOT, compile_infant, solid_extents
+from mimoc.compiler.validation.measuring import ROOT, compile_infant, solid_extents
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.delays.build_presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from mimoc.base.rounding import rounded
-from mimoc.compiler.availability import check_available
-from mimoc.compiler.child import child_of
+from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.render.plots.growth import AgeRow
 from mimoc.schema.base import Model
-from mimoc.schema.infant import InfantSpec, validated
+from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
 from mimoc.studies.milestones.trial import Trial
@@ -153,8 +152,7 @@ def validate_milestones(
         >>> [tried["success"] for tried in report.to_data()["milestones"][0]["tried"]]
         [False, True]
     """
-    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
-    check_available(infant)
+    infant = checked_or_average(spec)
     for age_months in ages or AGES:  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))

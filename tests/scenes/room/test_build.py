@@ -12,6 +12,7 @@ from PIL import Image
 from mimoc.base.random_streams import stream
 from mimoc.looks.wallpaper import FLOORS, PICTURES, WALLS, Wallpapers
 from mimoc.mjcf.furniture import WorldGeom
+from mimoc.scenes.built_scene import HEADLIGHT
 from mimoc.scenes.room.build import CLEARANCE_M, Room, draw_room, place_infant
 
 USUAL = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
@@ -188,7 +189,7 @@ def test_lamps_are_one_or_two_and_shed_the_same_light_together():
 def test_white_is_not_burnt_out():
     for room in rooms():
         lamps = np.sum([light.diffuse for light in room.furniture.lights], axis=0)
-        assert (lamps + room.headlight.ambient + room.headlight.diffuse).max() < 1.1
+        assert (lamps + HEADLIGHT.ambient + HEADLIGHT.diffuse).max() < 1.1
 
 
 def test_names_are_unique_and_every_reference_is_kept():

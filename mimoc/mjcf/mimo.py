@@ -1,15 +1,15 @@
 """A model in which code that was written for MIMo finds all that it looks for.
 
 This is what MIMo (1.1), BabyBench (its starter kit of 2025) and Lucignolo (0.1) look up by name or by place, beyond
-what every bundle has: `lookups` has that. `docs/compatibility.md` says what was tried.
+what every bundle has. `docs/compatibility.md` says what was tried.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from mimoc.base.errors import UnknownNameError
+from mimoc.base.errors import check_name
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.tree import Body, BodyTree
 from mimoc.mjcf.infant import Actuator, Camera, Node, Site
@@ -31,10 +31,11 @@ def _merge_chest(tree: BodyTree) -> BodyTree:
     chest = next(body for body in tree.bodies if body.name == CHEST)
     if chest.joints:
         return tree
+    pairs = (tuple(UPPER_BODY if name == CHEST else name for name in pair) for pair in tree.excluded)
     return replace(
         tree,
         bodies=tuple(_with_chest(body, chest) for body in tree.bodies if body is not chest),
-        excluded=tuple(dict.fromkeys(_pairs_without_chest(tree))),
+        excluded=tuple(dict.fromkeys((first, second) for first, second in pairs if first != second)),
         merged=((CHEST, UPPER_BODY),),
     )
 
@@ -53,13 +54,6 @@ def _moved(pos_m: tuple[float, float, float], chest: Body) -> tuple[float, float
     """Return a place in the frame of the chest in that of the upper body; the chest is not turned."""
     x, y, z = (inner + outer for inner, outer in zip(pos_m, chest.pos_m, strict=True))
     return x, y, z
-
-
-def _pairs_without_chest(tree: BodyTree) -> Iterator[tuple[str, str]]:
-    for pair in tree.excluded:
-        first, second = (UPPER_BODY if name == CHEST else name for name in pair)
-        if first != second:
-            yield first, second
 
 
 def _head_first(tree: BodyTree) -> BodyTree:
@@ -82,13 +76,12 @@ def with_effectors(node: Node) -> Node:
     """Return a body and all that hangs on it with these points: their z axis leaves the face, the eye or the palm."""
     return replace(
         node,
-        sites=(*node.sites, *(_site(node.name, *place) for place in _places(node))),
+        sites=(
+            *node.sites,
+            *(Site(PREFIX + node.name, pos_m, RADIUS_M, (("zaxis", z_axis),)) for pos_m, z_axis in _places(node)),
+        ),
         children=tuple(map(with_effectors, node.children)),
     )
-
-
-def _site(body: str, pos_m: tuple[float, float, float], z_axis: tuple[float, float, float]) -> Site:
-    return Site(PREFIX + body, pos_m, RADIUS_M, (("zaxis", z_axis),))
 
 
 def _places(node: Node) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]:
@@ -120,12 +113,12 @@ def by_angle(servo: Actuator, range_rad: Range) -> Actuator:
 
 def pose_by_angle(keyframe: Keyframe, ranges_rad: Sequence[Range]) -> Keyframe:
     """Return a state whose servos, with these ranges, hold its pose."""
-    return replace(keyframe, settings=tuple((name, _angles(values, ranges_rad)) for name, values in keyframe.settings))
-
-
-def _angles(commands: Sequence[float], ranges_rad: Sequence[Range]) -> tuple[float, ...]:
-    halves = map(_halves, ranges_rad)
-    return tuple(middle + half * command for command, (middle, half) in zip(commands, halves, strict=True))
+    halves = [*map(_halves, ranges_rad)]
+    angles_rad = {
+        name: tuple(middle + half * value for value, (middle, half) in zip(values, halves, strict=True))
+        for name, values in keyframe.settings
+    }
+    return replace(keyframe, settings=tuple(angles_rad.items()))
 
 
 def _halves(range_rad: Range) -> Range:
@@ -169,18 +162,14 @@ MARKS = {"head": (0.8, 0.0, 0.0, 1.0), "left_hand": (0.0, 0.8, 0.0, 1.0), "right
 
 
 def fit_infant(infant: SceneTree, model: str) -> SceneTree:
-    """Return an infant, in no world yet, that is in a body of its own, with servos that take angles or plain motors.
-
-    Args:
-        infant: To change.
-        model: How it is actuated.
-    """
+    """Return an infant, in no world yet, in a body of its own: servos take angles, motors have no activation."""
     located = replace(infant, roots=tuple(map(_located, infant.roots)))
     if model == "torque":
         return replace(located, actuator_defaults=at_once(infant.actuator_defaults))
     if model != "position":
         return located
-    of_joint = {joint.name: joint.range_rad for root in infant.roots for node in _all(root) for joint in node.joints}
+    nodes = (node for root in infant.roots for node in root.subtree())
+    of_joint = {joint.name: joint.range_rad for node in nodes for joint in node.joints}
     ranges_rad = [of_joint[servo.joint] for servo in infant.actuators]
     return replace(
         located,
@@ -192,7 +181,8 @@ def fit_infant(infant: SceneTree, model: str) -> SceneTree:
 def fit_world(scene: SceneTree) -> SceneTree:
     """Return a scene with cameras around the infant, and marks to place."""
     x_m, y_m, *_ = scene.keyframes[0].qpos
-    cameras = tuple(replace(camera, pos_m=_shifted(camera.pos_m, x_m, y_m)) for camera in CAMERAS)
+    places_m = ((camera, camera.pos_m) for camera in CAMERAS)
+    cameras = tuple(replace(camera, pos_m=(x + x_m, y + y_m, z)) for camera, (x, y, z) in places_m)
     marks = tuple(Mark(f"target:{part}", (0.0, 0.0, 0.0), MARK_RADIUS_M, rgba) for part, rgba in MARKS.items())
     return replace(scene, world=replace(scene.world, cameras=cameras, marks=marks))
 
@@ -204,22 +194,8 @@ def _located(root: Node) -> Node:
         pos_m=root.pos_m,
         euler_rad=root.euler_rad,
         free_joints=root.free_joints,
-        joints=(),
-        geoms=(),
-        sites=(),
-        cameras=(),
         children=(replace(with_effectors(root), pos_m=(0.0, 0.0, 0.0), euler_rad=(0.0, 0.0, 0.0), free_joints=()),),
     )
-
-
-def _all(node: Node) -> list[Node]:
-    """Return a body and all its descendants."""
-    return [node, *(item for child in node.children for item in _all(child))]
-
-
-def _shifted(pos_m: tuple[float, float, float], x_m: float, y_m: float) -> tuple[float, float, float]:
-    x, y, z = pos_m
-    return x + x_m, y + y_m, z
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,6 +226,5 @@ def find_target(name: str | None) -> CompatibilityTarget:
     """
     if name is None:
         return UNCHANGED
-    if name not in TARGETS:
-        raise UnknownNameError("system to build for", name, TARGETS)
+    check_name("system to build for", name, TARGETS)
     return TARGETS[name]

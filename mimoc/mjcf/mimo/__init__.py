@@ -1,1 +1,0 @@
-"""What code that was written for MIMo looks for in a model."""
