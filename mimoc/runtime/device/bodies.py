@@ -24,6 +24,9 @@ KEYFRAMES = "key_"
 """How the fields of keyframes begin; a table of starts has them instead."""
 IDENTIFIED = {"opt", "callback", "block_dim"}
 """Fields that are no numbers of a body: `opt` is compared by itself."""
+SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
+BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
+"""Fields that can be another in each world."""
 
 
 class WorldsError(MimocError):
@@ -48,7 +51,7 @@ def batched_model(
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    of_world = differing | {name for name in changed if name in batched_fields()}
+    of_world = differing | {name for name in changed if name in BATCHED}
     batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
     for name in differing:
         values = np.concatenate([getattr(model, name).numpy() for model in put])
@@ -108,11 +111,9 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     """
     names = {name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)}
     differing = _differing(models, names) - {*NOT_READ}
-    uneven = {
-        name for name in differing & batched_fields() if len({getattr(model, name).shape for model in models}) > 1
-    }
+    uneven = {name for name in differing & BATCHED if len({getattr(model, name).shape for model in models}) > 1}
     options = _differing([model.opt for model in models], _names(mjw.Option))
-    shared = [*sorted(differing - batched_fields()), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
+    shared = [*sorted(differing - BATCHED), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
     if shared:
         shown = ", ".join(shared[:SHOWN]) + (f" and {len(shared) - SHOWN} more" if len(shared) > SHOWN else "")
         raise WorldsError(
@@ -131,12 +132,6 @@ def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Mode
 
 def _names(kind: Any) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
-
-
-def batched_fields() -> set[str]:
-    """Return the fields that can be another in each world."""
-    shapes = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
-    return {name for name, shape in shapes.items() if isinstance(shape, tuple) and shape and shape[0] == "*"}
 
 
 def _differing(records: Sequence[Any], names: Collection[str]) -> set[str]:

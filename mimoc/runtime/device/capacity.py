@@ -15,9 +15,9 @@ import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import torch
-import warp as wp
 
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import IntArray
 
 FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
@@ -35,26 +35,26 @@ how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
 
 
-def is_losing(data: mjw.Data) -> torch.Tensor:
+def is_losing(worlds: Worlds) -> torch.Tensor:
     """Return in which worlds contacts or constraints were lost, shape (worlds,)."""
-    return (wp.to_torch(data.overflow) & LOSING) != 0
+    return (worlds.overflow & LOSING) != 0
 
 
-def report(data: mjw.Data, actions: wp.array, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
+def report(worlds: Worlds, actions: torch.Tensor, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
     """Return a report, shape (`LENGTH`,), and clear the flags.
 
     What an unstable infant would need is no measure of the room: all its geoms may be in one place.
 
     Args:
-        data: The state of all worlds.
+        worlds: All worlds.
         actions: Of the present control step, shape (worlds, n).
         unstable: Which infants are, shape (worlds,).
         overflowed: Which infants lost contacts, shape (worlds,).
     """
-    flags, rows, pairs, contacts = map(wp.to_torch, (data.overflow, data.nefc, data.ncollision, data.nacon))
+    flags = worlds.overflow
     numbers = torch.arange(1, len(flags) + 1, device=flags.device)
-    not_finite = (numbers * ~wp.to_torch(actions).isfinite().all(dim=1)).max()
-    used = (rows * ~unstable).max(), torch.maximum(pairs[0], contacts[0])
+    not_finite = (numbers * ~actions.isfinite().all(dim=1)).max()
+    used = (worlds.nefc * ~unstable).max(), torch.maximum(worlds.ncollision[0], worlds.nacon[0])
     bits = torch.arange(LENGTH - COUNTS, device=flags.device)
     counts = ((flags[:, None] >> bits) & ~unstable[:, None]).sum(dim=0)
     flags.zero_()

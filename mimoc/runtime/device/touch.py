@@ -9,7 +9,6 @@ import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.device.arrays import to_device
 from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
@@ -81,7 +80,7 @@ class TouchReader:
             raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
         touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
         model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
-        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body
+        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body.int()
         points_m = np.stack([touch.receptors.points_m for touch in touches])
         places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
         if setup.touch == "bodies":
@@ -89,22 +88,22 @@ class TouchReader:
             points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
         self.bodies = np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
-        self._sample = wp.zeros((setup.body.shape[0], len(self.bodies)), dtype=float)
+        self._sample = torch.zeros((len(setup.body), len(self.bodies)), device=setup.body.device)
         box = touches[0].spaces["touch"]
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
-        self._geoms = to_device(skin_body_of_geoms(skin, model), wp.int32)
-        self._range, self._points = to_device(np.stack([first, last], 1), wp.vec2i), to_device(points_m, wp.vec3)
-        self._scales = to_device([touch.receptors.scale_per_m[:, 0] for touch in touches])
+        self._geoms = wp.array(skin_body_of_geoms(skin, model), dtype=int)
+        self._range, self._points = wp.array(np.stack([first, last], 1), wp.vec2i), wp.array(points_m, wp.vec3)
+        self._scales = wp.array([touch.receptors.scale_per_m[:, 0] for touch in touches], dtype=float)
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
         self._sample.zero_()
-        skin = [self._body, self._geoms, self._range, self._points, self._scales]
+        skin = [wp.from_torch(self._body), self._geoms, self._range, self._points, self._scales]
         inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
-        wp.launch(_share, (data.naconmax, 2), inputs, [self._sample])
-        return wp.to_torch(self._sample)
+        wp.launch(_share, (data.naconmax, 2), inputs, [wp.from_torch(self._sample)])
+        return self._sample
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return what it tells of a sample of all points of one infant."""

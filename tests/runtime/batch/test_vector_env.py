@@ -52,7 +52,7 @@ def test_gymnasium_makes_it(bundle):
         gymnasium.make_vec("mimoc/Reach-v0", num_envs=2, age_months=[9, 12], autoreset_mode="SameStep"),
         gymnasium.make_vec("mimoc/Free-v0", num_envs=2, bundle=bundle),
     ):
-        assert type(env).__name__ == "ManyInfants"
+        assert type(env).__name__ == "BatchEnv"
         assert env.num_envs == 2
         env.reset(seed=0)
         env.step(env.action_space.sample())

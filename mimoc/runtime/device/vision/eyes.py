@@ -10,7 +10,6 @@ import numpy.typing as npt
 import warp as wp
 
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
-from mimoc.runtime.device.arrays import to_device
 from mimoc.senses.sense import IntArray
 from mimoc.senses.vision.eyes import HIDDEN_GROUP
 from mimoc.senses.vision.spec import VisionEntry
@@ -142,11 +141,11 @@ class Eyes:
         skies = np.array(self._textures.skies)
         self._context.textures = wp.array(self._textures.registry, dtype=wp.Texture2D)
         self._context.textures_registry = self._textures.registry
-        self._context.skybox_tex_id = to_device(skies[body_of_world], wp.int32)
+        self._context.skybox_tex_id = wp.array(skies[body_of_world], dtype=int)
         widths = [1 if sky < 0 else self._textures.registry[sky].width for sky in skies]
-        self._context.skybox_face_width = to_device(np.array(widths)[body_of_world], wp.int32)
+        self._context.skybox_face_width = wp.array(np.array(widths)[body_of_world], dtype=int)
         if self._textures.registry:
-            self._model.mat_texid = to_device(self._textures.of_materials(models)[body_of_world], wp.int32)
+            self._model.mat_texid = wp.array(self._textures.of_materials(models)[body_of_world], dtype=int)
 
 
 def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:

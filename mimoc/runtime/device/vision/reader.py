@@ -12,7 +12,7 @@ from gymnasium.spaces import Box
 
 from mimoc.render.renderer import average_down
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
-from mimoc.runtime.device.arrays import put_on
+from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
@@ -31,7 +31,7 @@ class Filters:
             fovy_deg: Vertical field of view of each.
             body_of_world: Which body lives in each world, shape (worlds,).
         """
-        first, put, self._gain = entries[0], put_on(wp.get_device()), None
+        first, self._gain = entries[0], None
         self._times, self._eyes = first.supersample, len(first.cameras)
         self._size = first.height_px * first.supersample, first.width_px * first.supersample
         if any(entry.acuity_cpd is not None for entry in entries):
@@ -108,8 +108,8 @@ class VisionReader:
         first: VisionEntry = entries[0]
         models = [infant.model for infant in setup.infants]
         fovy_deg = [float(model.cam_fovy[model.camera(first.cameras[0]).id]) for model in models]
-        self._eyes = Eyes(models, first, setup.body.numpy(), setup.model)
-        self._filters = Filters(entries, fovy_deg, setup.body.numpy())
+        self._eyes = Eyes(models, first, setup.body.cpu().numpy(), setup.model)
+        self._filters = Filters(entries, fovy_deg, setup.body.cpu().numpy())
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is seen now, without delay, shape (worlds, n), in 8 bits."""
