@@ -94,7 +94,6 @@ class Line:
         """Forget all that is on the way in worlds that begin, shape (worlds,); rows of *start* come out until then."""
         for part in self._parts:
             torch.where(begin[:, None], start[:, part.columns], part.ring, out=part.ring)
-        torch.where(begin[:, None], start, self.arrived, out=self.arrived)
 
     def _due(self, rest: int | None) -> Iterator[tuple[Part, Rows]]:
         for part in self._parts:

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc.base.units import ms_to_s, to_steps
 from mimoc.delays.spec import MOTOR
-from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds
+from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
 from mimoc.runtime.device.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room, lack
 from mimoc.runtime.device.episode_ends import DeviceTask, EpisodeEnds
@@ -97,7 +97,9 @@ class DeviceSimulation:
         """Start an episode in the worlds that a start is chosen for, shape (worlds,); -1 is none."""
         starts.restore(chosen, self.model, self.data, self.task.memory)
         start, begins = chosen.clamp(min=0), chosen >= 0
-        self.commands.fill(begins, self._worlds.ctrl[:, self._actuators])
+        controls = self._worlds.ctrl[:, self._actuators]
+        self.commands.fill(begins, controls)
+        self.commands.arrived = where_worlds(begins, controls, self.commands.arrived)
         if self._motor_noise:
             self._motor_noise.begin(self.commands.arrived, begins)
         for name, sense in self.senses.items():

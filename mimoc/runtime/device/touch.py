@@ -16,8 +16,6 @@ from mimoc.senses.touch.contacts import skin_body_of_geoms
 IN_BODY, IN_WORLD, NORMAL = range(3)
 QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal": NORMAL}
 """What is felt of a contact."""
-
-
 KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
@@ -48,23 +46,6 @@ def contacts_of(data: mjw.Data) -> Any:
     contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
     contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
     return contacts
-
-
-@wp.func
-def presses(contacts: Contacts, index: int) -> bool:
-    """Return whether a contact has a force; the others are near misses, or beyond the end of the list."""
-    return index < contacts.count[0] and contacts.rows[index, 0] >= 0
-
-
-@wp.func
-def force_of(contacts: Contacts, index: int) -> wp.vec3:
-    """Return the force of a contact, along its normal and two tangents."""
-    world = contacts.world[index]
-    force = wp.vec3(0.0, 0.0, 0.0)
-    for axis in range(3):
-        if axis < contacts.dim[index]:
-            force[axis] = contacts.force[world, contacts.rows[index, axis]]
-    return force
 
 
 class TouchReader:
@@ -116,27 +97,15 @@ bind = TouchReader
 
 
 @wp.func
-def _inward(contacts: Contacts, index: int, side: int) -> wp.mat33:
-    """Return the axes of a contact as rows, the first into the geom of a side."""
-    if side == 0:
-        return -1.0 * contacts.frame[index]
-    return contacts.frame[index]
-
-
-@wp.func
-def _place(contacts: Contacts, index: int, side: int) -> wp.vec3:
-    """Return where a contact is on the surface of one side: it lies midway between the two surfaces."""
-    normal = wp.transpose(_inward(contacts, index, side)) @ wp.vec3(1.0, 0.0, 0.0)
-    return contacts.pos[index] + 0.5 * contacts.dist[index] * normal
-
-
-@wp.func
-def _load(contacts: Contacts, index: int, side: int, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
-    """Return what is felt of a contact on one side."""
-    force = force_of(contacts, index)
+def _load(contacts: Contacts, index: int, inward: wp.mat33, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
+    """Return what is felt of a contact, whose axes are rows, the first into the side that feels."""
+    force = wp.vec3(0.0, 0.0, 0.0)
+    for axis in range(3):
+        if axis < contacts.dim[index]:
+            force[axis] = contacts.force[contacts.world[index], contacts.rows[index, axis]]
     if quantity == wp.static(NORMAL):
         return wp.vec3(force[0], 0.0, 0.0)
-    in_world = wp.transpose(_inward(contacts, index, side)) @ force
+    in_world = wp.transpose(inward) @ force
     if quantity == wp.static(IN_WORLD):
         return in_world
     return wp.transpose(world_from_body) @ in_world
@@ -157,29 +126,27 @@ def _share(
     sample: wp.array2d[float],
 ):
     index, side = wp.tid()
-    width = width_and_nearest[0]
-    if presses(contacts, index):
-        body = body_of_geom[contacts.geoms[index][side]]
-        if body > 0:
-            world = contacts.world[index]
-            mine = body_of_world[world]
-            place = wp.transpose(xmat[world, body]) @ (_place(contacts, index, side) - xpos[world, body])
-            load = _load(contacts, index, side, quantity, xmat[world, body])
-            span, total = points_of_body[body], float(0.0)
-            nearest = int(span[0])
-            least = float(1.0e30)
-            for point in range(span[0], span[1]):
-                away = wp.length(points[mine, point] - place) * scales[mine, body]
-                total += wp.max(1.0 - away, 0.0)
-                if away < least:
-                    least = away
-                    nearest = point
-            if width_and_nearest[1] == 1 or total == 0.0:
-                for number in range(width):
-                    wp.atomic_add(sample, world, nearest * width + number, load[number])
-            else:
-                for point in range(span[0], span[1]):
-                    away = wp.length(points[mine, point] - place) * scales[mine, body]
-                    if away < 1.0:
-                        for number in range(width):
-                            wp.atomic_add(sample, world, point * width + number, load[number] * (1.0 - away) / total)
+    if index >= contacts.count[0] or contacts.rows[index, 0] < 0:
+        return  # Beyond the end of the list, or a near miss, which has no force.
+    body, world = body_of_geom[contacts.geoms[index][side]], contacts.world[index]
+    if body == 0:
+        return
+    mine, rotation, inward = body_of_world[world], xmat[world, body], wp.float32(2 * side - 1) * contacts.frame[index]
+    surface = contacts.pos[index] + 0.5 * contacts.dist[index] * wp.transpose(inward) @ wp.vec3(1.0, 0.0, 0.0)
+    place = wp.transpose(rotation) @ (surface - xpos[world, body])  # A contact lies midway between the two surfaces.
+    load = _load(contacts, index, inward, quantity, rotation)
+    span, scale, total, least = points_of_body[body], scales[mine, body], float(0.0), float(1.0e30)
+    nearest = int(span[0])
+    for point in range(span[0], span[1]):
+        away = wp.length(points[mine, point] - place) * scale
+        total += wp.max(1.0 - away, 0.0)
+        if away < least:
+            least = away
+            nearest = point
+    for point in range(span[0], span[1]):
+        share = float(point == nearest)
+        if width_and_nearest[1] == 0 and total > 0.0:
+            share = wp.max(1.0 - wp.length(points[mine, point] - place) * scale, 0.0) / total
+        if share > 0.0:
+            for number in range(width_and_nearest[0]):
+                wp.atomic_add(sample, world, point * width_and_nearest[0] + number, load[number] * share)
