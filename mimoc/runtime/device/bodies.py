@@ -43,16 +43,14 @@ def batched_model(
     Args:
         models: The different bodies; at least one.
         body_of_world: Which of them lives in each world, shape (worlds,).
-        changed: Fields that episodes change, so that each world needs its own even if all bodies agree; those that
-            MuJoCo Warp does not have are left out.
+        changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
 
     Raises:
         WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    of_world = differing | {name for name in changed if name in BATCHED}
-    batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
+    batched = _put(models[0], dict.fromkeys(sorted(differing.union(changed)), len(body_of_world)))
     for name in differing:
         values = np.concatenate([getattr(model, name).numpy() for model in put])
         getattr(batched, name).assign(values[body_of_world])
@@ -84,13 +82,7 @@ def batched_data(
 
 
 def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
-    """Return the same states with other room; contacts and constraints are those of the next physics step.
-
-    Args:
-        data: The states of many worlds.
-        model: One of their bodies.
-        contacts: Room for contacts in a world.
-        constraints: Room for rows of constraints in a world.
+    """Return the same states of infants, one of whom has a model, with other room; see `batched_data`.
 
     Raises:
         RuntimeError: If the device does not have the memory.

@@ -14,7 +14,7 @@ from mimoc.base.units import ms_to_s, to_steps
 from mimoc.delays.spec import MOTOR
 from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
 from mimoc.runtime.device.bodies import batched_data, batched_model, enlarged
-from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room, lack
+from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
 from mimoc.runtime.device.episode_ends import DeviceTask, EpisodeEnds
 from mimoc.runtime.device.initial_states import InitialStates, changed_rows, sample_initial_states
 from mimoc.runtime.device.noise import CounterRandom, noise_of
@@ -144,7 +144,12 @@ class DeviceSimulation:
             raise DeviceError(f"the last actions of infant {report[NOT_FINITE] - 1} were not finite")
         is_larger = self._make_room(self.room.after(report))
         if report[OVERFLOWED] > RARE * self.room.worlds and not is_larger:
-            raise DeviceError(lack(self.ended.overflowed.cpu().numpy(), self.room.present))
+            infants, room = self.ended.overflowed.nonzero(), self.room.present
+            raise DeviceError(
+                f"contacts or constraints of {len(infants)} infants, such as {int(infants[0])}, did not fit in the last"
+                f" step, and there is no more room than contacts={room.contacts} and constraints={room.constraints}: "
+                "look at what holds these infants, or make the environment with more, or with fewer infants"
+            )
 
     def _make_room(self, wanted: Capacity) -> bool:
         """Grow, and return whether there is more room; what the device has no memory for is more than it gets."""
