@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.units import to_steps
+from mimoc.bundle.manifest import Manifest
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
-from mimoc.senses.sense import IntArray
+from mimoc.senses.custom import CustomSense
+from mimoc.senses.sense import IntArray, Sense
 
 NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
 Samples = DelayedSamples | JitteredSamples
@@ -97,3 +99,10 @@ class Timing:
             (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
             for name, late, part in self.groups(signal, in_legs)
         ]
+
+
+def timing_of(manifest: Manifest, senses: Mapping[str, Sense]) -> Timing:
+    """Return the time base, the noise, and the delays of an infant's signals and of senses passed as objects."""
+    delays = {name: delay for name, delay in manifest.delays if name != "legs"}
+    custom = {name: sense.delay for name, sense in senses.items() if isinstance(sense, CustomSense)}
+    return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)

@@ -21,16 +21,7 @@ MATRICES = frozenset(("xmat", "ximat", "geom_xmat", "site_xmat", "cam_xmat"))
 """Fields whose rows are matrices, shape (3, 3), which MuJoCo stores flat."""
 
 OF_CONSTRAINTS = (
-    "dof_island",
-    "efc_",
-    "efm_",
-    "iacc",
-    "iefc_",
-    "ifrc_",
-    "island_",
-    "map_",
-    "tendon_efc",
-    "tree_island",
+    *("dof_island", "efc_", "efm_", "iacc", "iefc_", "ifrc_", "island_", "map_", "tendon_efc", "tree_island"),
 )
 """What the names of arrays begin with whose size depends on the present contacts and other constraints."""
 

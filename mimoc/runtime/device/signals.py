@@ -27,10 +27,10 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import in_subtrees
 from mimoc.delays.signals import Mask
 from mimoc.delays.spec import MOTOR
+from mimoc.delays.timing import timing_of
 from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.timing import timing_of
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
