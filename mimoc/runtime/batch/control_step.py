@@ -61,12 +61,7 @@ class ControlStep:
         self._merged: list[BatchSegment] = []
 
     def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
-        """Go through a control step of some infants.
-
-        Args:
-            actions: Of all n infants, shape (n, actuators).
-            infants: Those that make a step; who is alike should stand side by side.
-        """
+        """Go through a control step of some infants, those alike side by side; actions are of all n, shape (n, m)."""
         schedules, datas = self._schedules, self._physics.datas
         controls = self._controls(actions, infants)
         segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}

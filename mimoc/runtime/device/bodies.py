@@ -62,15 +62,9 @@ def batched_model(
 def batched_data(
     models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], contacts: int, constraints: int
 ) -> mjw.Data:
-    """Return the states of many worlds.
+    """Return the states of many worlds, each with room for some contacts and rows of constraints.
 
     MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
-
-    Args:
-        models: The different bodies.
-        body_of_world: Which of them lives in each world, shape (worlds,).
-        contacts: Room for contacts in a world.
-        constraints: Room for rows of constraints in a world.
     """
     batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
     states = [mujoco.MjData(model) for model in models]

@@ -41,15 +41,9 @@ def is_losing(worlds: Worlds) -> torch.Tensor:
 
 
 def report(worlds: Worlds, actions: torch.Tensor, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
-    """Return a report, shape (`LENGTH`,), and clear the flags.
+    """Return a report, shape (`LENGTH`,), of which infants are unstable and which lost contacts, and clear the flags.
 
     What an unstable infant would need is no measure of the room: all its geoms may be in one place.
-
-    Args:
-        worlds: All worlds.
-        actions: Of the present control step, shape (worlds, n).
-        unstable: Which infants are, shape (worlds,).
-        overflowed: Which infants lost contacts, shape (worlds,).
     """
     flags = worlds.overflow
     numbers = torch.arange(1, len(flags) + 1, device=flags.device)
@@ -122,13 +116,9 @@ class Room:
 
 
 def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
-    """Return how much infants need at most that move at random, each from its pose.
+    """Return how much infants need at most that move at random, each from the keyframe of its pose.
 
-    Args:
-        models: Their models.
-        poses: The keyframe that each starts from.
-        pairs: Pairs of geoms that MuJoCo Warp looks for contacts between, shape (p, 2).
-        seed: Of the commands.
+    MuJoCo Warp looks for contacts between some pairs of geoms, shape (p, 2).
     """
     generator, contacts, constraints = np.random.default_rng(seed), 0, 0
     for index in np.unique(np.linspace(0, len(models) - 1, BODIES).astype(int)).tolist():

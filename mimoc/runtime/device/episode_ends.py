@@ -30,14 +30,7 @@ class EpisodeEnds:
     """What comes of each control step; arrays have the shape (worlds,)."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, max_steps: int | None, mode: AutoresetMode):
-        """Begin the first episodes.
-
-        Args:
-            infants: The different bodies, which determine how long episodes are.
-            body: Which body lives in each world.
-            max_steps: Control steps after which any episode is truncated.
-            mode: When worlds whose episode has ended begin another.
-        """
+        """Begin the first episodes, of which none is longer than *max_steps* control steps."""
         limits = [min(NEVER if limit is None else limit for limit in (env.max_steps, max_steps)) for env in infants]
         self._limits, self._mode = put(limits)[body], mode
         self.steps, self.episode = torch.zeros_like(body), torch.zeros_like(body)
@@ -49,15 +42,7 @@ class EpisodeEnds:
     def judge(
         self, judgement: Judgement, worlds: Worlds, actions: torch.Tensor, starts: InitialStates, seeds: torch.Tensor
     ) -> None:
-        """Add up rewards, find what ends, and choose where to begin again.
-
-        Args:
-            judgement: What the task says of the control step.
-            worlds: All worlds.
-            actions: Of the control step, shape (worlds, n).
-            starts: What episodes begin with.
-            seeds: Of each world.
-        """
+        """Add up rewards, find what ends, and choose where to begin again; actions have the shape (worlds, n)."""
         is_waiting = self.ended & (self._mode == AutoresetMode.NEXT_STEP)
         is_broken = ~_is_bounded(worlds)
         is_judged = ~is_broken & ~is_waiting

@@ -52,14 +52,7 @@ class DeviceNoise:
     """The noise of one signal of all worlds, with its state."""
 
     def __init__(self, signal: str, noises: Sequence[Noise], body: torch.Tensor, chance: CounterRandom):
-        """Disturb a signal.
-
-        Args:
-            signal: Its name, by which its random numbers differ from those of others.
-            noises: Of the different bodies.
-            body: Which of them lives in each world, shape (worlds,).
-            chance: Random numbers.
-        """
+        """Disturb a signal by the noise of the body in each world; each signal draws random numbers of its own."""
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
         chance.is_used = True
         self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES

@@ -55,14 +55,7 @@ class Line:
     """What is on its way of one signal of all infants."""
 
     def __init__(self, delays: IntArray, period: int, body: torch.Tensor, dtype: torch.dtype = torch.float32):
-        """Begin with nothing on the way.
-
-        Args:
-            delays: In physics steps, shape (bodies, n).
-            period: Physics steps in a control step.
-            body: Which body lives in each world, shape (worlds,).
-            dtype: Of the numbers.
-        """
+        """Begin with nothing on the way; delays and the control step are in physics steps, shape (bodies, n) and ()."""
         self.rests: IntArray = np.unique(delays % period)
         """By how many physics steps delays are longer than whole control steps."""
         self._worlds = torch.arange(len(body), device=body.device)

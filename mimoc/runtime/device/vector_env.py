@@ -104,7 +104,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
         self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
-        self._everyone = self._give(torch.ones_like(self.worlds.ended.ended))
         self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
 
     def reset(
@@ -123,7 +122,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
-        self._settle()
         options = options_given(options)
         for name in options.keys() - {"pose", RESET_MASK}:
             raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
@@ -132,6 +130,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
         which = reset_indices(options, self.num_envs)
         with present(self.device):
+            self.worlds.settle()
             starts = self._starts_in(options.get("pose"))
             self.worlds.begin(starts, put(self._choices(starts, seeds, which)))
             self.worlds.ended.ended[which] = False
@@ -152,8 +151,8 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
                 the room for them cannot grow, or if actions were not finite.
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
-        self._settle()
         with present(self.device):
+            self.worlds.settle()
             if self.autoreset_mode == AutoresetMode.DISABLED:
                 refuse_ended(self.worlds.ended.ended.cpu().numpy())
             if isinstance(actions, (np.ndarray, list, tuple)) or np.isscalar(actions):
@@ -224,10 +223,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         return {name: self._give(array) for name, array in self.worlds.observation.items()}
 
     def _info(self) -> dict[str, Any]:
-        """Return success, stability and the terms of the reward; with resets in the same step, also the last views.
-
-        As in all of Gymnasium's vector environments, a mask beside each value says which infants have it.
-        """
+        """Return values with masks beside them; with resets in the same step, also what was observed last."""
         ended = self.worlds.ended
         info = {
             "is_success": self._give(ended.success),
@@ -235,17 +231,9 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             "overflowed": self._give(ended.overflowed),
             "reward_terms": {name: self._give(term) for name, term in ended.terms.items()},
         }
-        info |= {f"_{name}": self._everyone for name in info}
+        everyone = self._give(torch.ones_like(ended.ended))
+        info |= {f"_{name}": everyone for name in info}
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
             info["_final_obs"] = self._give(ended.finished)
         return info
-
-    def _settle(self) -> None:
-        """Deal with what the device reports of the step before.
-
-        Raises:
-            DeviceError: If something went wrong.
-        """
-        with present(self.device):
-            self.worlds.settle()

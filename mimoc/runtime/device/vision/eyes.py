@@ -95,14 +95,7 @@ class Eyes:
     """What the eyes of all infants see, without shadows and reflections, as on the CPU."""
 
     def __init__(self, models: Sequence[mujoco.MjModel], entry: VisionEntry, body_of_world: IntArray, model: mjw.Model):
-        """Set aside room for the pictures, and put the textures on Warp's present device.
-
-        Args:
-            models: The different bodies.
-            entry: Cameras and sizes, which are the same for all.
-            body_of_world: Which of the bodies lives in each world.
-            model: That of all worlds.
-        """
+        """Set aside room for pictures of the same sizes, and put textures of all bodies on Warp's present device."""
         times, fovy_deg = entry.supersample, {float(fovy) for single in models for fovy in single.cam_fovy}
         self._context = mjw.create_render_context(
             _without(models[0], entry.unseen),

@@ -24,13 +24,7 @@ class Filters:
     """From what eyes draw to what infants see, each with its own acuity and foveation."""
 
     def __init__(self, entries: Sequence[VisionEntry], fovy_deg: Sequence[float], body_of_world: IntArray):
-        """Work out all that depends on sizes and ages, on Warp's present device.
-
-        Args:
-            entries: Of the different bodies; sizes and cameras are the same for all.
-            fovy_deg: Vertical field of view of each.
-            body_of_world: Which body lives in each world, shape (worlds,).
-        """
+        """Work out all that depends on sizes, which are the same of all bodies, and on ages, on the present device."""
         first, self._gain = entries[0], None
         self._times, self._eyes = first.supersample, len(first.cameras)
         self._size = first.height_px * first.supersample, first.width_px * first.supersample
@@ -46,11 +40,7 @@ class Filters:
         ]
 
     def __call__(self, drawn: wp.array) -> torch.Tensor:
-        """Return rounded colours of one eye after the other, by row, column and colour, shape (worlds, n), 8 bits.
-
-        Args:
-            drawn: What `Eyes` returns.
-        """
+        """Return rounded colours of one eye after the other from what `Eyes` returns, shape (worlds, n), 8 bits."""
         packed = wp.to_torch(drawn.view(wp.int32))
         colours = torch.stack([(packed >> shift) & 255 for shift in (16, 8, 0)], dim=-1)
         pictures = colours.float().reshape(-1, self._eyes, *self._size, len("rgb"))
