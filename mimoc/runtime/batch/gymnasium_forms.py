@@ -167,7 +167,7 @@ def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
 
 
 SHOWN = 4
-"""Names that an error gives of those that only one of two infants has."""
+"""Names that an error gives of those in which infants differ."""
 
 
 class BatchMismatchError(MimocError):
@@ -222,13 +222,14 @@ def _difference(ours: Any, theirs: Any) -> str:
     if not (isinstance(ours, tuple) and isinstance(theirs, tuple)):
         return f"{ours or 'none'}, {theirs or 'none'}"
     only = [
-        f"only {whose} has {_some(sorted(set(mine) - set(others)))}"
+        f"only {whose} has {first_of(sorted(set(mine) - set(others)))}"
         for whose, mine, others in (("the first", ours, theirs), ("the other", theirs, ours))
         if set(mine) - set(others)
     ]
     return ", ".join(only) or "in another order"
 
 
-def _some(names: Sequence[str]) -> str:
+def first_of(names: Sequence[str]) -> str:
+    """Return the first few of some names, and how many more there are."""
     shown = ", ".join(names[:SHOWN])
     return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"

@@ -11,19 +11,17 @@ import numpy.typing as npt
 import warp as wp
 
 from mimoc.base.errors import MimocError
+from mimoc.runtime.batch.gymnasium_forms import first_of
 
 TOLERANCE = 1e-8
 """Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad
 in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is no better in 32-bit numbers)."""
 
-NOT_READ = ("dof_length", "nkey")
-"""Fields that may differ though worlds share them: only sleeping uses the first, and it is off; nothing the second."""
-SHOWN = 4
-"""Fields that an error names."""
+NOT_COMPARED = {"opt", "callback", "block_dim", "dof_length", "nkey"}
+"""Fields that may differ: the first three are no numbers of a body, and `opt` is compared by itself; only sleeping uses
+`dof_length`, and it is off; nothing uses `nkey`."""
 KEYFRAMES = "key_"
 """How the fields of keyframes begin; a table of starts has them instead."""
-IDENTIFIED = {"opt", "callback", "block_dim"}
-"""Fields that are no numbers of a body: `opt` is compared by itself."""
 SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
 BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
 """Fields that can be another in each world."""
@@ -95,16 +93,15 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     Raises:
         WorldsError: If one of them must be the same in all worlds.
     """
-    names = {name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)}
-    differing = _differing(models, names) - {*NOT_READ}
+    names = {name for name in _names(mjw.Model) if name not in NOT_COMPARED and not name.startswith(KEYFRAMES)}
+    differing = _differing(models, names)
     uneven = {name for name in differing & BATCHED if len({getattr(model, name).shape for model in models}) > 1}
     options = _differing([model.opt for model in models], _names(mjw.Option))
     shared = [*sorted(differing - BATCHED), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
     if shared:
-        shown = ", ".join(shared[:SHOWN]) + (f" and {len(shared) - SHOWN} more" if len(shared) > SHOWN else "")
         raise WorldsError(
-            f"these infants cannot live side by side on this device: their models differ in {shown}, which all worlds "
-            "share; make an environment of each kind"
+            f"these infants cannot live side by side on this device: their models differ in {first_of(shared)}, which "
+            "all worlds share; make an environment of each kind"
         )
     return differing
 

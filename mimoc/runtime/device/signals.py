@@ -116,7 +116,10 @@ class DeviceSetup:
 
 
 class DeviceReader(Protocol):
-    """Reads a sense of all infants; one that differs from the sense on the CPU can have `spaces` and `bodies` too."""
+    """Reads a sense of all infants; one that tells something else than on the CPU has `spaces`, `bodies` and `start` too.
+
+    `start(sample)` returns what it tells of a sample of the CPU, shape (n,).
+    """
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is sensed now, shape (worlds, n), in memory that the next call may write to."""
