@@ -116,7 +116,7 @@ class DeviceSetup:
 
 
 class DeviceReader(Protocol):
-    """Reads a sense of all infants; one that tells something else than on the CPU has `spaces`, `bodies` and `start` too.
+    """Reads a sense of all infants; what it tells may differ from the CPU: it has `spaces`, `bodies` and `start` then.
 
     `start(sample)` returns what it tells of a sample of the CPU, shape (n,).
     """
