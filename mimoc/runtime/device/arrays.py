@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from functools import cache
 from typing import Any
 
 import array_api_compat.torch as array_library
@@ -45,13 +44,12 @@ def to_library(arrays: str) -> Callable[[torch.Tensor], Any]:
 
 def device_worlds(data: mjw.Data) -> Worlds:
     """Return the worlds of some data, for as long as its arrays keep their places in memory."""
-
-    @cache  # To count them, the CPU waits for the device.
-    def number_of_groups(group_of_geom: torch.Tensor) -> int:
-        return int(group_of_geom.max()) + 1
+    counts: dict[torch.Tensor, int] = {}
 
     def pressing(group_of_geom: torch.Tensor) -> torch.Tensor:
-        count, contact = number_of_groups(group_of_geom), data.contact
+        if group_of_geom not in counts:  # To count them, the CPU waits for the device.
+            counts[group_of_geom] = int(group_of_geom.max()) + 1
+        count, contact = counts[group_of_geom], data.contact
         world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
         groups = group_of_geom[geoms.long().clamp(min=0)]
         is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(data.nacon)
