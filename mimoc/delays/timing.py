@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.units import to_steps
+from mimoc.bundle.manifest import Manifest
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
-from mimoc.senses.sense import IntArray
+from mimoc.senses.custom import CustomSense
+from mimoc.senses.sense import IntArray, Sense
 
 NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
 Samples = DelayedSamples | JitteredSamples
@@ -55,7 +57,7 @@ class Timing:
         """
         return [
             JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
-            for steps, part, wander in self._groups(sense, in_legs, streams)
+            for steps, part, wander in self._jittered(sense, in_legs, streams)
         ]
 
     def commands(self, in_legs: Mask, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
@@ -70,26 +72,37 @@ class Timing:
             ValueError: If a delay is not a whole number of physics steps.
         """
         delayed: list[Commands] = []
-        for steps, part, wander in self._groups(MOTOR, in_legs, streams):
+        for steps, part, wander in self._jittered(MOTOR, in_legs, streams):
             which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
             way = steps, self.period, which, actuators[which]
             delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
         return delayed
 
-    def _groups(
-        self, signal: str, in_legs: Mask | None, streams: NoiseStreams
-    ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
-        """Return the delays of a signal in physics steps, with the numbers that have it (None is all) and its jitter.
+    def groups(self, signal: str, in_legs: Mask | None) -> list[tuple[str, int, Mask | None]]:
+        """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all.
 
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
         """
-        delay, jitter = self.delays.get(signal, NO_DELAY), to_steps(self.noise.delay_jitter_ms, self.timestep_ms)
-        groups = [(signal, delay.ms, None)]
+        delay = self.delays.get(signal, NO_DELAY)
+        groups: list[tuple[str, float, Mask | None]] = [(signal, delay.ms, None)]
         if delay.legs_ms is not None and in_legs is not None:
             groups = [(signal, delay.ms, ~in_legs), (f"{signal}.legs", delay.legs_ms, in_legs)]
-        steps = [to_steps(ms, self.timestep_ms) for _, ms, _ in groups]
+        return [(name, to_steps(ms, self.timestep_ms), part) for name, ms, part in groups]
+
+    def _jittered(
+        self, signal: str, in_legs: Mask | None, streams: NoiseStreams
+    ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
+        """Return the delays of a signal in physics steps, the numbers that have them, and the jitter; see `groups`."""
+        jitter = to_steps(self.noise.delay_jitter_ms, self.timestep_ms)
         return [
             (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
-            for late, (name, _, part) in zip(steps, groups, strict=True)
+            for name, late, part in self.groups(signal, in_legs)
         ]
+
+
+def timing_of(manifest: Manifest, senses: Mapping[str, Sense]) -> Timing:
+    """Return the time base, the noise, and the delays of an infant's signals and of senses passed as objects."""
+    delays = {name: delay for name, delay in manifest.delays if name != "legs"}
+    custom = {name: sense.delay for name, sense in senses.items() if isinstance(sense, CustomSense)}
+    return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)

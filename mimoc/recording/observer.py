@@ -19,7 +19,7 @@ from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import Observer
-from mimoc.runtime.physics_state import physics_of
+from mimoc.runtime.simulation_state import physics_of
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]

@@ -21,7 +21,7 @@ from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.physics_state import check_physics, set_physics
+from mimoc.runtime.simulation_state import check_physics, set_physics
 from mimoc.senses.sense import Observation
 
 Number = tuple[int, str, int, float, float]

@@ -22,17 +22,16 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin, bounded, is_unstable, pose_of
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.delays.schedule import Schedule
+from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
-from mimoc.runtime.keypoints import Keypoints
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
-from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
@@ -183,7 +182,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
-        return self._keypoints(self.data)
+        sites = np.array(self._sites, int)[:, None]
+        return np.where(sites < 0, np.nan, self.data.site_xpos[sites[:, 0]])
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -342,7 +342,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         fields = (*self._constraints.model_fields, *self._task.model_fields, *expression_fields(self.manifest, model))
         self._model_fields = ModelFields(model, fields)
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
-        self._keypoints = Keypoints(self.manifest.keypoints, model)
+        self._sites = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name) for name in self.manifest.keypoints]
         parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
         self._living = SimulationState(self.manifest, self._infant.bare, self.data, *parts)
 
@@ -392,6 +392,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return {**self._schedule.observe(), **self._task.observe()}
 
 
-BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
+BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_sites", "_renderer"}
 BOUND |= {"_living", "_noise", "observer", "closed"}
 """Attributes that are not copied but bound anew."""

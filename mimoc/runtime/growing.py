@@ -15,8 +15,7 @@ from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
-from mimoc.runtime.physics_state import STATE, physics_of
-from mimoc.runtime.simulation_state import SimulationState
+from mimoc.runtime.simulation_state import STATE, SimulationState, physics_of
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""

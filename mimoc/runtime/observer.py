@@ -11,7 +11,7 @@ from mimoc.senses.sense import Observation
 class Observer:
     """Is told of everything that is done to one infant; this one keeps nothing of it.
 
-    Set an infant's `journal` to one that does. Environments that are copied or pickled get a new one of this class.
+    Set an infant's `observer` to one that does. Environments that are copied or pickled get a new one of this class.
     """
 
     keeps = False
@@ -47,4 +47,4 @@ class Observer:
 
 
 NO_OBSERVER = Observer()
-"""The journal of an infant that nobody writes one of."""
+"""The observer of an infant that nobody observes."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_form
@@ -13,8 +14,11 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.physics_state import physics_of, set_physics, time_of
+from mimoc.senses.sense import FloatArray
 from mimoc.tasks.task import Task
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+"""All of MuJoCo's state that its next steps depend on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,3 +71,33 @@ def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
     signals = {name: state["signals"][name] for name in ("noise", "motor_noise")}
     noise = {"seed": state["noise"]["seed"]}
     return {name: state[name] for name in state if name != "task"} | {"signals": signals, "noise": noise}
+
+
+def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
+    """Return the state of a simulation, shape (n,)."""
+    physics = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, data, physics, STATE)
+    return physics
+
+
+def time_of(physics: FloatArray) -> float:
+    """Return the time of a state [s], which MuJoCo writes first."""
+    return float(physics[0])
+
+
+def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
+    """Check that a state has the size of those of a model.
+
+    Raises:
+        ValueError: If it has not.
+    """
+    if np.shape(physics) != (mujoco.mj_stateSize(model, STATE),):
+        raise ValueError("state does not fit this infant: the size of its model's state is different")
+
+
+def set_physics(model: mujoco.MjModel, data: mujoco.MjData, physics: FloatArray) -> None:
+    """Restore a state, with all that is derived from it."""
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)  # The solver's warm start, as it was.

@@ -21,16 +21,7 @@ MATRICES = frozenset(("xmat", "ximat", "geom_xmat", "site_xmat", "cam_xmat"))
 """Fields whose rows are matrices, shape (3, 3), which MuJoCo stores flat."""
 
 OF_CONSTRAINTS = (
-    "dof_island",
-    "efc_",
-    "efm_",
-    "iacc",
-    "iefc_",
-    "ifrc_",
-    "island_",
-    "map_",
-    "tendon_efc",
-    "tree_island",
+    *("dof_island", "efc_", "efm_", "iacc", "iefc_", "ifrc_", "island_", "map_", "tendon_efc", "tree_island"),
 )
 """What the names of arrays begin with whose size depends on the present contacts and other constraints."""
 
@@ -79,40 +70,29 @@ class Worlds:
 
 def worlds_of_one(data: mujoco.MjData) -> Worlds:
     """Return the world of one infant: its arrays are views, which show every later state of the same data."""
-
-    def read(field: str) -> Any:
-        check_field(field, data)
-        return _with_matrices(field, getattr(data, field)[None])
-
+    read = _reader(data, lambda field: getattr(data, field)[None])
     return Worlds(NUMPY, read, lambda group_of_geom: pressing_groups(data, group_of_geom)[None])
 
 
 def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -> Worlds:
-    """Return the worlds of k infants as they are now.
-
-    Args:
-        datas: The state of each.
-        read: Returns a field of all of them, stacked, shape (k, ...).
-    """
+    """Return the worlds of k infants as they are now; *read* returns a field of all of them, shape (k, ...)."""
 
     def pressing(group_of_geom: Any) -> Any:
         return np.stack([pressing_groups(data, group_of_geom) for data in datas])
 
-    def read_checked(field: str) -> Any:
-        check_field(field, datas[0])
-        return _with_matrices(field, read(field))
-
-    return Worlds(NUMPY, read_checked, pressing, datas)
+    return Worlds(NUMPY, _reader(datas[0], read), pressing, datas)
 
 
-def check_field(field: str, data: mujoco.MjData) -> None:
-    """Check that a field is an array whose size never changes.
+def _reader(data: mujoco.MjData, read: Callable[[str], np.ndarray]) -> Callable[[str], np.ndarray]:
+    """Return what reads fields whose sizes never change, matrices as such; others are an AttributeError."""
 
-    Raises:
-        AttributeError: If it is not.
-    """
-    if field.startswith(OF_CONSTRAINTS) or not isinstance(getattr(data, field, None), np.ndarray):
-        raise AttributeError(f"worlds have no array '{field}': see MjData for those whose size never changes")
+    def read_checked(field: str) -> np.ndarray:
+        if field.startswith(OF_CONSTRAINTS) or not isinstance(getattr(data, field, None), np.ndarray):
+            raise AttributeError(f"worlds have no array '{field}': see MjData for those whose size never changes")
+        array = read(field)
+        return array.reshape(*array.shape[:2], 3, 3) if field in MATRICES else array
+
+    return read_checked
 
 
 def pressing_groups(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarray:
@@ -126,7 +106,3 @@ def pressing_groups(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarra
     both = (first >= 0) & (second >= 0)
     pressing[first[both], second[both]] = pressing[second[both], first[both]] = True
     return pressing
-
-
-def _with_matrices(field: str, array: np.ndarray) -> np.ndarray:
-    return array.reshape(*array.shape[:2], 3, 3) if field in MATRICES else array

@@ -19,9 +19,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.worlds import worlds_of_many
 from mimoc.senses.sense import FloatArray
 
-GROUPS, LEAST = 2, 8
-"""Into how many groups infants are cut, at most, and how many are in each, at least: one group is sampled while others
-make their physics steps."""
+LEAST = 16
+"""Number of infants from which on they are cut into two groups: one is sampled while the other makes physics steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +61,7 @@ class ControlStep:
         self._merged: list[BatchSegment] = []
 
     def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
-        """Go through a control step of some infants.
-
-        Args:
-            actions: Of all n infants, shape (n, actuators).
-            infants: Those that make a step; who is alike should stand side by side.
-        """
+        """Go through a control step of some infants, those alike side by side; actions are of all n, shape (n, m)."""
         schedules, datas = self._schedules, self._physics.datas
         controls = self._controls(actions, infants)
         segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
@@ -118,13 +112,24 @@ class ControlStep:
         merged = []
         for start, end in pairwise(sorted({*begun, *due})):
             are_sampled = any(segment.samples for _, segment in due[end])
-            count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
-            groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
+            groups = self._groups(list(segments)) if are_sampled else [list(segments)]
             samplings = [
                 self._samplings([item for item in due[end] if item[0] in members]) for members in map(set, groups)
             ]
             merged.append(BatchSegment(begun[start], end - start, groups, samplings))
         return merged
+
+    def _groups(self, infants: list[int]) -> list[list[int]]:
+        """Return infants in two groups, if several threads share so many that it is worth while.
+
+        While the first group is sampled, other threads step the last one; while that is sampled, they have nothing to
+        do. So the last group is as small as keeps them busy: a quarter of all for two threads, half for many.
+        """
+        threads = self._physics.threads
+        if threads == 1 or len(infants) < LEAST:
+            return [infants]
+        cut = len(infants) * (threads + 1) // (2 * threads)
+        return [infants[:cut], infants[cut:]]
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
         """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""

@@ -4,11 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from gymnasium import Space
+from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_differing_spaces, batch_space
 
+from mimoc.actuation.binding import numbers_of
 from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
 from mimoc.runtime.env import InfantEnv
@@ -100,6 +103,36 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
             self.single_observation_space = Dict(unions)
             self.observation_space = batch_differing_spaces(list(spaces))
 
+    def _checked(self, actions: npt.ArrayLike) -> npt.NDArray[Any]:
+        """Return actions as an array; no infant has moved if those of one are wrong.
+
+        Raises:
+            ValueError: If they are none of numbers, have the wrong shape or are not finite.
+        """
+        actions = numbers_of(actions)
+        self._check_shape(actions.shape)
+        if not np.isfinite(actions).all():
+            infant = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
+            raise ValueError(
+                f"expected finite actions, got {actions[infant][~np.isfinite(actions[infant])][0]} for infant {infant}"
+            )
+        return actions
+
+    def _check_shape(self, shape: Sequence[int]) -> None:
+        if tuple(shape) != self.action_space.shape:
+            expected = self.action_space.shape
+            raise ValueError(f"expected finite actions of shape {expected}, got shape {tuple(shape)}")
+
+
+def refuse_ended(ended: npt.NDArray[np.bool_]) -> None:
+    """Refuse a step if an episode has ended, and it is left to the caller to reset the infant.
+
+    Raises:
+        ResetNeeded: If one has.
+    """
+    if ended.any():
+        raise ResetNeeded(f"the episodes of infants {np.flatnonzero(ended).tolist()} have ended; reset them")
+
 
 def _union(spaces: Sequence[Any]) -> Space:
     """Return the space that holds what any of some spaces holds."""
@@ -134,7 +167,7 @@ def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
 
 
 SHOWN = 4
-"""Names that an error gives of those that only one of two infants has."""
+"""Names that an error gives of those in which infants differ."""
 
 
 class BatchMismatchError(MimocError):
@@ -189,13 +222,14 @@ def _difference(ours: Any, theirs: Any) -> str:
     if not (isinstance(ours, tuple) and isinstance(theirs, tuple)):
         return f"{ours or 'none'}, {theirs or 'none'}"
     only = [
-        f"only {whose} has {_some(sorted(set(mine) - set(others)))}"
+        f"only {whose} has {first_of(sorted(set(mine) - set(others)))}"
         for whose, mine, others in (("the first", ours, theirs), ("the other", theirs, ours))
         if set(mine) - set(others)
     ]
     return ", ".join(only) or "in another order"
 
 
-def _some(names: Sequence[str]) -> str:
+def first_of(names: Sequence[str]) -> str:
+    """Return the first few of some names, and how many more there are."""
     shown = ", ".join(names[:SHOWN])
     return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"

@@ -3,12 +3,10 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
 from mimoc.render.picture_files import Picture, in_rows
 from mimoc.render.renderer import SharedRenderers, sharing
@@ -19,6 +17,7 @@ from mimoc.runtime.batch.gymnasium_forms import (
     check_mixture,
     joined_infos,
     options_of,
+    refuse_ended,
     reset_indices,
     seeds_of,
 )
@@ -140,9 +139,9 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
         rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         truncated, unstable = terminated.copy(), []
+        if self.autoreset_mode == AutoresetMode.DISABLED:
+            refuse_ended(self._ended)
         anew = np.flatnonzero(self._ended).tolist()
-        if anew and self.autoreset_mode == AutoresetMode.DISABLED:
-            raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
         for infant in np.flatnonzero(~self._ended).tolist():
             self._grow_one(infant, self._age_due(infant))
             self.steps_done[infant] += 1
@@ -292,22 +291,6 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             self._physics.replace(index, self.infants[index].model, self.infants[index].data)
         if changed:
             self._bind()
-
-    def _checked(self, actions: npt.ArrayLike) -> npt.NDArray[np.float32]:
-        """Return actions as an array; no infant has moved if those of one are wrong.
-
-        Raises:
-            ValueError: If they are none of numbers, have the wrong shape or are not finite.
-        """
-        actions = numbers_of(actions)
-        if actions.shape != self.action_space.shape:
-            raise ValueError(f"expected finite actions of shape {self.action_space.shape}, got shape {actions.shape}")
-        if not np.isfinite(actions).all():
-            infant = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
-            raise ValueError(
-                f"expected finite actions, got {actions[infant][~np.isfinite(actions[infant])][0]} for infant {infant}"
-            )
-        return actions
 
     def _observe(self) -> Observation:
         """Return what all infants observe, as new arrays."""

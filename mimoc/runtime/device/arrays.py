@@ -1,4 +1,4 @@
-"""Arrays on a device: views of MuJoCo Warp's for terms, without a copy, and what comes in and goes out of it."""
+"""Arrays on a device: torch's views of MuJoCo Warp's for terms, without a copy, and what comes in and goes out."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
@@ -12,48 +12,27 @@ import warp as wp
 
 from mimoc.base.errors import UnknownNameError
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
-from mimoc.runtime.term import Put, Term, differing_field, stack_terms
+from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
 
 
-def flat(array: wp.array) -> torch.Tensor:
-    """Return the numbers of an array as rows, shape (its first axis, the rest), in the same memory."""
-    return wp.to_torch(array).view(array.shape[0], -1)
+def put(values: Any) -> torch.Tensor:
+    """Return a copy on Warp's present device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
+    values = np.asarray(values)
+    kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
+    return torch.tensor(values, dtype=kind, device=wp.device_to_torch(wp.get_device()))
 
 
-def to_device(values: Any, dtype: Any = wp.float32) -> wp.array:
-    """Return a copy of values on Warp's present device."""
-    return wp.array(np.ascontiguousarray(values), dtype=dtype)
-
-
-def from_library(values: Any, shape: tuple[int, ...]) -> wp.array:
-    """Return an array of 32-bit numbers of any library that knows DLPack, or NumPy's, as one of Warp's.
-
-    Raises:
-        ValueError: If it has another shape, or NumPy's is not finite.
-    """
-    if not isinstance(values, wp.array) and (isinstance(values, (np.ndarray, list, tuple)) or np.isscalar(values)):
-        values = np.asarray(values, np.float32)
-        if values.shape == shape and not np.isfinite(values).all():
-            infant = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
-            raise ValueError(f"expected finite actions, got {values[infant].tolist()} for infant {infant}")
-    if tuple(values.shape) != shape:
-        raise ValueError(f"expected finite actions of shape {shape}, got shape {tuple(values.shape)}")
-    if isinstance(values, np.ndarray):
-        return wp.array(values, dtype=wp.float32, device="cpu", copy=False)
-    return values if isinstance(values, wp.array) else wp.from_dlpack(values)
-
-
-KINDS: Mapping[str, Callable[[wp.array], Any]] = {
-    "numpy": lambda array: array.numpy().copy(),
-    "torch": lambda array: wp.to_torch(array),
-    "warp": lambda array: array,
+KINDS: Mapping[str, Callable[[torch.Tensor], Any]] = {
+    "numpy": lambda array: array.cpu().numpy().copy(),
+    "torch": lambda array: array,
+    "warp": wp.from_torch,
 }
 """What observations and rewards can be given as: copies for NumPy, else the environment's own memory."""
 
 
-def to_library(arrays: str) -> Callable[[wp.array], Any]:
-    """Return what turns an array of Warp's into one of a library.
+def to_library(arrays: str) -> Callable[[torch.Tensor], Any]:
+    """Return what turns a tensor into an array of a library.
 
     Raises:
         UnknownNameError: If it is no such library.
@@ -63,47 +42,29 @@ def to_library(arrays: str) -> Callable[[wp.array], Any]:
     return KINDS[arrays]
 
 
-class PressingGroups:
-    """Finds which groups of geoms press on which in all worlds; see `Worlds.pressing`."""
-
-    def __init__(self, data: mjw.Data):
-        """Read the contacts of some data."""
-        self._data, self._counts = data, dict[torch.Tensor, int]()
-
-    def __call__(self, group_of_geom: torch.Tensor) -> torch.Tensor:
-        """Return it, shape (worlds, g, g)."""
-        if group_of_geom not in self._counts:  # To count them, the CPU waits for the device.
-            self._counts[group_of_geom] = int(group_of_geom.max()) + 1
-        count, contact = self._counts[group_of_geom], self._data.contact
-        world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
-        groups = group_of_geom[geoms.long().clamp(min=0)]
-        is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(self._data.nacon)
-        presses = is_listed & (rows[:, 0] >= 0) & (groups >= 0).all(dim=1)  # Near misses have no rows of constraints.
-        pressing = torch.zeros(self._data.nworld * count**2 + 1, dtype=torch.bool, device=world.device)
-        place = (world.long() * count + groups[:, 0]) * count + groups[:, 1]
-        pressing[torch.where(presses, place, len(pressing) - 1)] = True  # The last one is of those that do not press.
-        pressing = pressing[:-1].view(-1, count, count)
-        return pressing | pressing.mT
-
-
 def device_worlds(data: mjw.Data) -> Worlds:
     """Return the worlds of some data, for as long as its arrays keep their places in memory."""
-    return Worlds(array_library, lambda field: wp.to_torch(getattr(data, field)), PressingGroups(data))
+    counts: dict[torch.Tensor, int] = {}
+
+    def pressing(group_of_geom: torch.Tensor) -> torch.Tensor:
+        if group_of_geom not in counts:  # To count them, the CPU waits for the device.
+            counts[group_of_geom] = int(group_of_geom.max()) + 1
+        count, contact = counts[group_of_geom], data.contact
+        world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
+        groups = group_of_geom[geoms.long().clamp(min=0)]
+        is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(data.nacon)
+        presses = is_listed & (rows[:, 0] >= 0) & (groups >= 0).all(dim=1)  # Near misses have no rows of constraints.
+        pairs = torch.zeros(data.nworld * count**2 + 1, dtype=torch.bool, device=world.device)
+        place = (world.long() * count + groups[:, 0]) * count + groups[:, 1]
+        pairs[torch.where(presses, place, len(pairs) - 1)] = True  # The last one is of those that do not press.
+        pairs = pairs[:-1].view(-1, count, count)
+        return pairs | pairs.mT
+
+    return Worlds(array_library, lambda field: wp.to_torch(getattr(data, field)), pressing, (data,))
 
 
-def put_on(device: wp.Device) -> Put:
-    """Return what moves NumPy's arrays to a device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
-    place = wp.device_to_torch(device)
-
-    def put(values: np.ndarray) -> torch.Tensor:
-        kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
-        return torch.as_tensor(values, dtype=kind, device=place)
-
-    return put
-
-
-def term_of_worlds(what: str, terms: Sequence[Term], body: wp.array) -> Term:
-    """Return the term of all worlds, on their device.
+def term_of_worlds(what: str, terms: Sequence[Term], body: torch.Tensor) -> Any:
+    """Return the term of all worlds, on Warp's present device.
 
     Args:
         what: What it is of, for errors.
@@ -116,7 +77,7 @@ def term_of_worlds(what: str, terms: Sequence[Term], body: wp.array) -> Term:
     for number, term in enumerate(terms):
         if field := differing_field([terms[0], term]):
             raise mixture_error(f"0 and {number}", f"the field '{field}' of the term of {what}")
-    return stack_terms([terms[index] for index in body.numpy()], put_on(body.device))
+    return stack_terms([terms[index] for index in body.tolist()], put)
 
 
 def where_worlds(chosen: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:

@@ -11,19 +11,20 @@ import numpy.typing as npt
 import warp as wp
 
 from mimoc.base.errors import MimocError
+from mimoc.runtime.batch.gymnasium_forms import first_of
 
 TOLERANCE = 1e-8
 """Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad
 in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is no better in 32-bit numbers)."""
 
-NOT_READ = ("dof_length", "nkey")
-"""Fields that may differ though worlds share them: only sleeping uses the first, and it is off; nothing the second."""
-SHOWN = 4
-"""Fields that an error names."""
+NOT_COMPARED = {"opt", "callback", "block_dim", "dof_length", "nkey"}
+"""Fields that may differ: the first three are no numbers of a body, and `opt` is compared by itself; only sleeping uses
+`dof_length`, and it is off; nothing uses `nkey`."""
 KEYFRAMES = "key_"
 """How the fields of keyframes begin; a table of starts has them instead."""
-IDENTIFIED = {"opt", "callback", "block_dim"}
-"""Fields that are no numbers of a body: `opt` is compared by itself."""
+SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
+BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
+"""Fields that can be another in each world."""
 
 
 class WorldsError(MimocError):
@@ -40,16 +41,14 @@ def batched_model(
     Args:
         models: The different bodies; at least one.
         body_of_world: Which of them lives in each world, shape (worlds,).
-        changed: Fields that episodes change, so that each world needs its own even if all bodies agree; those that
-            MuJoCo Warp does not have are left out.
+        changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
 
     Raises:
         WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    of_world = differing | {name for name in changed if name in batched_fields()}
-    batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
+    batched = _put(models[0], dict.fromkeys(sorted(differing.union(changed)), len(body_of_world)))
     for name in differing:
         values = np.concatenate([getattr(model, name).numpy() for model in put])
         getattr(batched, name).assign(values[body_of_world])
@@ -61,15 +60,9 @@ def batched_model(
 def batched_data(
     models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], contacts: int, constraints: int
 ) -> mjw.Data:
-    """Return the states of many worlds.
+    """Return the states of many worlds, each with room for some contacts and rows of constraints.
 
     MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
-
-    Args:
-        models: The different bodies.
-        body_of_world: Which of them lives in each world, shape (worlds,).
-        contacts: Room for contacts in a world.
-        constraints: Room for rows of constraints in a world.
     """
     batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
     states = [mujoco.MjData(model) for model in models]
@@ -81,13 +74,7 @@ def batched_data(
 
 
 def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
-    """Return the same states with other room; contacts and constraints are those of the next physics step.
-
-    Args:
-        data: The states of many worlds.
-        model: One of their bodies.
-        contacts: Room for contacts in a world.
-        constraints: Room for rows of constraints in a world.
+    """Return the same states of infants, one of whom has a model, with other room; see `batched_data`.
 
     Raises:
         RuntimeError: If the device does not have the memory.
@@ -106,18 +93,15 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     Raises:
         WorldsError: If one of them must be the same in all worlds.
     """
-    names = {name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)}
-    differing = _differing(models, names) - {*NOT_READ}
-    uneven = {
-        name for name in differing & batched_fields() if len({getattr(model, name).shape for model in models}) > 1
-    }
+    names = {name for name in _names(mjw.Model) if name not in NOT_COMPARED and not name.startswith(KEYFRAMES)}
+    differing = _differing(models, names)
+    uneven = {name for name in differing & BATCHED if len({getattr(model, name).shape for model in models}) > 1}
     options = _differing([model.opt for model in models], _names(mjw.Option))
-    shared = [*sorted(differing - batched_fields()), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
+    shared = [*sorted(differing - BATCHED), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
     if shared:
-        shown = ", ".join(shared[:SHOWN]) + (f" and {len(shared) - SHOWN} more" if len(shared) > SHOWN else "")
         raise WorldsError(
-            f"these infants cannot live side by side on this device: their models differ in {shown}, which all worlds "
-            "share; make an environment of each kind"
+            f"these infants cannot live side by side on this device: their models differ in {first_of(shared)}, which "
+            "all worlds share; make an environment of each kind"
         )
     return differing
 
@@ -131,12 +115,6 @@ def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Mode
 
 def _names(kind: Any) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
-
-
-def batched_fields() -> set[str]:
-    """Return the fields that can be another in each world."""
-    shapes = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
-    return {name for name, shape in shapes.items() if isinstance(shape, tuple) and shape and shape[0] == "*"}
 
 
 def _differing(records: Sequence[Any], names: Collection[str]) -> set[str]:

@@ -15,46 +15,40 @@ import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import torch
-import warp as wp
 
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import IntArray
 
 FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
 """The bit of each flag."""
 HARMLESS = int(mjw.OverflowType.EPA_HORIZON | mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS)
 LOSING = int(mjw.OverflowType.ALL) & ~HARMLESS
-SHARED = ("broadphase", "narrowphase", "ccd")
-"""Flags of the lists that all worlds share."""
-OWN = ("nefc", "njmax_nnz")
-"""Flags of the rows that each world has."""
 NOT_FINITE, OVERFLOWED, ROWS, PAIRS, COUNTS = range(5)
 """Places in a report of a control step: the last infant plus one whose commands were not finite; how many infants lost
 contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are more; then, of
 how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
+SHARED = [COUNTS + FLAGS[name] for name in ("broadphase", "narrowphase", "ccd")]
+"""Places of the flags of the lists that all worlds share."""
+OWN = [COUNTS + FLAGS[name] for name in ("nefc", "njmax_nnz")]
+"""Places of the flags of the rows that each world has."""
 
 
-def is_losing(data: mjw.Data) -> torch.Tensor:
+def is_losing(worlds: Worlds) -> torch.Tensor:
     """Return in which worlds contacts or constraints were lost, shape (worlds,)."""
-    return (wp.to_torch(data.overflow) & LOSING) != 0
+    return (worlds.overflow & LOSING) != 0
 
 
-def report(data: mjw.Data, actions: wp.array, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
-    """Return a report, shape (`LENGTH`,), and clear the flags.
+def report(worlds: Worlds, actions: torch.Tensor, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
+    """Return a report, shape (`LENGTH`,), of which infants are unstable and which lost contacts, and clear the flags.
 
     What an unstable infant would need is no measure of the room: all its geoms may be in one place.
-
-    Args:
-        data: The state of all worlds.
-        actions: Of the present control step, shape (worlds, n).
-        unstable: Which infants are, shape (worlds,).
-        overflowed: Which infants lost contacts, shape (worlds,).
     """
-    flags, rows, pairs, contacts = map(wp.to_torch, (data.overflow, data.nefc, data.ncollision, data.nacon))
+    flags = worlds.overflow
     numbers = torch.arange(1, len(flags) + 1, device=flags.device)
-    not_finite = (numbers * ~wp.to_torch(actions).isfinite().all(dim=1)).max()
-    used = (rows * ~unstable).max(), torch.maximum(pairs[0], contacts[0])
+    not_finite = (numbers * ~actions.isfinite().all(dim=1)).max()
+    used = (worlds.nefc * ~unstable).max(), torch.maximum(worlds.ncollision[0], worlds.nacon[0])
     bits = torch.arange(LENGTH - COUNTS, device=flags.device)
     counts = ((flags[:, None] >> bits) & ~unstable[:, None]).sum(dim=0)
     flags.zero_()
@@ -92,19 +86,6 @@ class Capacity:
     constraints: int
     """Rows of constraints."""
 
-    def times(self, contacts: float, constraints: float) -> "Capacity":
-        """Return a multiple of it."""
-        return Capacity(int(contacts * self.contacts), int(constraints * self.constraints))
-
-
-def lack(overflowed: IntArray, present: Capacity) -> str:
-    """Return what is wrong if many infants lose contacts, shape (worlds,), and the room cannot grow."""
-    return (
-        f"contacts or constraints of {overflowed.sum()} infants, such as {overflowed.argmax()}, did not fit in the "
-        f"last step, and there is no more room than contacts={present.contacts} and constraints={present.constraints}: "
-        "look at what holds these infants, or make the environment with more, or with fewer infants"
-    )
-
 
 @dataclass(slots=True)
 class Room:
@@ -121,27 +102,23 @@ class Room:
     ) -> "Room":
         """Return the room for contacts and constraints, measured where none is given; see `measured`."""
         needed = measured([infant.model for infant in infants], [infant.manifest.pose for infant in infants], pairs)
-        usual = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS)
-        present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
-        return cls(present, needed.times(LARGEST, LARGEST), worlds)
+        contacts, constraints = int(SPARE_CONTACTS * needed.contacts), int(SPARE_CONSTRAINTS * needed.constraints)
+        largest = Capacity(int(LARGEST * needed.contacts), int(LARGEST * needed.constraints))
+        return cls(Capacity(given[0] or contacts, given[1] or constraints), largest, worlds)
 
     def after(self, report: IntArray) -> Capacity:
         """Return the room for the next control step, from the report of one."""
         pairs = math.ceil(report[PAIRS] / self.worlds)
         return Capacity(
-            _next(self.present.contacts, self.largest.contacts, pairs, _is_short(report, SHARED)),
-            _next(self.present.constraints, self.largest.constraints, int(report[ROWS]), _is_short(report, OWN)),
+            _next(self.present.contacts, self.largest.contacts, pairs, bool(report[SHARED].any())),
+            _next(self.present.constraints, self.largest.constraints, int(report[ROWS]), bool(report[OWN].any())),
         )
 
 
 def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
-    """Return how much infants need at most that move at random, each from its pose.
+    """Return how much infants need at most that move at random, each from the keyframe of its pose.
 
-    Args:
-        models: Their models.
-        poses: The keyframe that each starts from.
-        pairs: Pairs of geoms that MuJoCo Warp looks for contacts between, shape (p, 2).
-        seed: Of the commands.
+    MuJoCo Warp looks for contacts between some pairs of geoms, shape (p, 2).
     """
     generator, contacts, constraints = np.random.default_rng(seed), 0, 0
     for index in np.unique(np.linspace(0, len(models) - 1, BODIES).astype(int)).tolist():
@@ -167,11 +144,6 @@ def _near(model: mujoco.MjModel, data: mujoco.MjData, pairs: IntArray) -> int:
     apart_m = np.where(is_plane, above_m, np.linalg.norm(offsets_m, axis=1))
     bounds_m = model.geom_rbound + model.geom_margin
     return int((apart_m <= bounds_m[first] + bounds_m[second]).sum())
-
-
-def _is_short(report: IntArray, flags: tuple[str, ...]) -> bool:
-    """Return whether one of some flags was set."""
-    return any(report[COUNTS + FLAGS[name]] for name in flags)
 
 
 def _next(present: int, largest: int, needed: int, is_short: bool) -> int:

@@ -12,69 +12,82 @@ from gymnasium.utils import seeding
 
 from mimoc.base.model_fields import rows_by_name
 from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.device.arrays import flat, put_on, to_device, where_worlds
-from mimoc.runtime.device.bodies import batched_fields
-from mimoc.runtime.device.touch import TouchReader
-from mimoc.runtime.device.vision.reader import VISION, VisionReader
+from mimoc.runtime.device.arrays import put, where_worlds
+from mimoc.runtime.device.bodies import BATCHED
+from mimoc.runtime.device.vision.reader import VISION
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.term import Put
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.senses.sense import IntArray
 from mimoc.tasks.task import NOTHING
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
 """Fields of a state that an episode begins with; the first physics step computes all others."""
+BITS_32 = 2**32 - 1
 
 
 class Table(NamedTuple):
     """Some numbers of a world at each start."""
 
     values: torch.Tensor
-    """Shape (starts, ...)."""
-    columns: Any = ...
-    """Which of a world's numbers these are; by default, all."""
+    """Shape (starts, rows, ...)."""
+    rows: Any = ...
+    """Which rows of a world's numbers these are; by default, all."""
 
-    def write(self, start: torch.Tensor, numbers: torch.Tensor) -> None:
+    def write(self, start: torch.Tensor, array: torch.Tensor) -> None:
         """Write to the numbers of the worlds that begin with a start, shape (worlds,); -1 is none."""
-        new = self.values[start.clamp(min=0)]
-        numbers[:, self.columns] = where_worlds(start >= 0, new, numbers[:, self.columns])
+        array[:, self.rows] = where_worlds(start >= 0, self.values[start.clamp(min=0)], array[:, self.rows])
 
 
 @dataclass(frozen=True, slots=True)
 class InitialStates:
     """All starts of all bodies in one pose, those of a body side by side."""
 
-    first: wp.array
-    """The first one of each body, shape (bodies,)."""
-    count: wp.array
-    """How many each has, shape (bodies,)."""
+    first: torch.Tensor
+    """The first one of the body in each world, shape (worlds,)."""
+    count: torch.Tensor
+    """How many that body has, shape (worlds,)."""
     fields: Mapping[str, Table]
     """Fields of the state, and of the model where episodes change them."""
     memory: Mapping[str, Table]
     """What the task remembers."""
-    commands: wp.array
-    """The control of each commanded actuator at the start, shape (starts, n)."""
-    samples: Mapping[str, wp.array]
+    samples: dict[str, torch.Tensor]
     """What each sense measures at the start, shape (starts, n)."""
 
     def restore(
-        self, chosen: wp.array, model: mjw.Model, data: mjw.Data, memory: Mapping[str, torch.Tensor] = NOTHING
+        self, start: torch.Tensor, model: mjw.Model, data: mjw.Data, memory: Mapping[str, torch.Tensor] = NOTHING
     ) -> None:
-        """Put worlds into their starts; -1 leaves a world as it is."""
-        start = wp.to_torch(chosen).long()
+        """Put worlds into their starts, shape (worlds,); -1 leaves a world as it is."""
         for name, table in self.fields.items():
-            table.write(start, flat(_field(name, model, data)))
+            table.write(start, _field(name, model, data))
         for name, values in memory.items():
             self.memory[name].write(start, values)
 
+    def draw(self, seeds: torch.Tensor, episodes: torch.Tensor) -> torch.Tensor:
+        """Return a start for each world by chance, which depends on its seed and the number of its episode alone."""
+        return self.first + _hash(_hash(seeds.long()) + episodes) % self.count
+
+
+def _hash(numbers: torch.Tensor) -> torch.Tensor:
+    """Return 32 bits that look random for each whole number: the hash RXS-M-XS of PCG (O'Neill 2014)."""
+    state = (numbers * 747796405 + 2891336453) & BITS_32
+    word = (((state >> ((state >> 28) + 4)) ^ state) * 277803737) & BITS_32
+    return (word >> 22) ^ word
+
 
 def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
-    """Return which rows of fields of its model an infant's episodes change."""
+    """Return which rows of fields of its model an infant's episodes change, if MuJoCo Warp reads these fields."""
     constraints = Constraints(infant.manifest.constraints, infant.model)
-    return rows_by_name([*constraints.model_fields, *infant.task.model_fields])
+    rows = rows_by_name([*constraints.model_fields, *infant.task.model_fields])
+    return {name: rows[name] for name in rows.keys() & BATCHED if len(rows[name])}
 
 
 def sample_initial_states(
-    infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, touch: TouchReader | None
+    infants: Sequence[InfantEnv],
+    body: torch.Tensor,
+    most: int,
+    pose: str | None,
+    readers: Mapping[str, Any],
+    model: mjw.Model,
+    data: mjw.Data,
 ) -> InitialStates:
     """Return the starts of all infants.
 
@@ -82,94 +95,71 @@ def sample_initial_states(
 
     Args:
         infants: The different bodies.
+        body: Which of them lives in each world, shape (worlds,).
         most: How many starts each has, if there is chance in them.
         pose: The pose, or their own.
+        readers: What reads senses that are no terms.
         model: The model of all worlds.
-        touch: What measures touch, if anything does.
+        data: Their states, which are lent to see what eyes see at the starts.
     """
-    options, first = {} if pose is None else {"pose": pose}, infants[0]
-    starts = [_starts(infant, most, options, touch) for infant in infants]
-    rows, counts = [row for of_infant in starts for row in of_infant], [len(of_infant) for of_infant in starts]
-    tables, put_torch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}, put_on(wp.get_device())
-    columns = {name: ... for name in STATE if tables[name].size} | _columns(first, model, put_torch)
-    return InitialStates(
-        to_device(np.cumsum([0, *counts[:-1]]), wp.int32),
-        to_device(counts, wp.int32),
-        {name: Table(put_torch(tables[name]), which) for name, which in columns.items()},
-        {name: Table(put_torch(tables[f"memory {name}"])) for name in first.task.state},
-        to_device(tables["commands"]),
-        {name: to_device(tables[f"sense {name}"]) for name in first.senses if name != VISION},
+    options, rows = {} if pose is None else {"pose": pose}, changed_rows(infants[0])
+    starts = [_starts(infant, most, options, rows, readers) for infant in infants]
+    counts = [len(of_infant) for of_infant in starts]
+    fields, memory, samples = (
+        {name: put(np.stack([part[name] for part in parts])) for name in parts[0]}
+        for parts in zip(*(start for of_infant in starts for start in of_infant), strict=True)
     )
-
-
-def seen_at(
-    starts: InitialStates, sight: VisionReader, body_of_world: IntArray, model: mjw.Model, data: mjw.Data
-) -> wp.array:
-    """Return what is seen at each start, shape (starts, n), in 8 bits.
-
-    The worlds are lent for it, each for the starts of its own body, and are left as they were.
-
-    Args:
-        starts: The starts.
-        sight: The eyes.
-        body_of_world: Which body lives in each world.
-        model: The model of all worlds.
-        data: Their states.
-    """
-    changed = [_field(name, model, data) for name in starts.fields]
-    former = [wp.clone(array) for array in changed]
-    first, counts = starts.first.numpy()[body_of_world], starts.count.numpy()[body_of_world]
-    same = body_of_world[:, None] == body_of_world
-    worlds_of_body, rank = same.sum(axis=1), np.tril(same, -1).sum(axis=1)
-    seen: dict[int, IntArray] = {}
-    for earlier in range(int(np.ceil(counts / worlds_of_body).max())):
-        index = rank + earlier * worlds_of_body
-        chosen = np.where(index < counts, first + index, -1)
-        starts.restore(to_device(chosen, wp.int32), model, data)
-        mjw.kinematics(model, data)
-        mjw.camlight(model, data)
-        pictures = sight(data).cpu().numpy()
-        seen |= {start: picture for start, picture in zip(chosen.tolist(), pictures, strict=True) if start >= 0}
-    for array, values in zip(changed, former, strict=True):
-        wp.copy(array, values)
-    return to_device(np.stack([seen[start] for start in sorted(seen)]), wp.uint8)
+    tables = {name: Table(fields[name]) for name in STATE if fields[name].numel()}
+    for name, which in rows.items():
+        shape = len(fields[name]), len(which), *_field(name, model, data).shape[2:]
+        tables[name] = Table(fields[name].reshape(shape), put(which))
+    first, count = put(np.cumsum([0, *counts[:-1]]))[body], put(counts)[body]
+    initial = InitialStates(first, count, tables, {name: Table(values) for name, values in memory.items()}, samples)
+    if VISION in readers:
+        samples[VISION] = _seen_at(initial, readers[VISION], body, model, data)
+    return initial
 
 
 def _starts(
-    infant: InfantEnv, most: int, options: dict[str, Any], touch: TouchReader | None
-) -> list[dict[str, FloatArray]]:
+    infant: InfantEnv, most: int, options: dict[str, Any], rows: Mapping[str, IntArray], readers: Mapping[str, Any]
+) -> list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]]:
+    """Return fields, what the task remembers, and samples at each start of an infant; of noise, each episode draws."""
     starts = []
     for seed in range(most):
         infant.reset(seed=seed, options=options)
-        starts.append(_start(infant, touch))
+        fields = {name: getattr(infant.data, name).copy() for name in STATE}
+        fields |= {name: getattr(infant.model, name)[which] for name, which in rows.items()}
+        senses = {name: sense for name, sense in infant.senses.items() if name != VISION}
+        samples = {name: np.asarray(sense(infant.data), float).ravel() for name, sense in senses.items()}
+        samples |= {name: read.start(samples[name]) for name, read in readers.items() if hasattr(read, "start")}
+        starts.append((fields, infant.task.state, samples))
         if infant.np_random.bit_generator.state == seeding.np_random(seed)[0].bit_generator.state:
             break  # Nothing was drawn.
     return starts
 
 
-def _start(infant: InfantEnv, touch: TouchReader | None) -> dict[str, FloatArray]:
-    """Return the numbers of the state that an infant is in, by what they are."""
-    numbers: dict[str, FloatArray] = {name: getattr(infant.data, name).copy() for name in STATE}
-    numbers["commands"] = infant.data.ctrl[infant.actuation.actuators]
-    numbers |= {f"memory {name}": values for name, values in infant.task.state.items()}
-    for name, rows in changed_rows(infant).items():
-        numbers[name] = np.asarray(getattr(infant.model, name)[rows], float).ravel()
-    for name in infant.senses.keys() - {VISION}:
-        sample = infant.senses[name](infant.data).astype(float).ravel()  # Noise is drawn for each episode.
-        numbers[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
-    return numbers
+def _seen_at(starts: InitialStates, sight: Any, body: torch.Tensor, model: mjw.Model, data: mjw.Data) -> torch.Tensor:
+    """Return what is seen at each start, shape (starts, n), in 8 bits.
+
+    Each world shows starts of its own body, in turn with all others of that body, and is left as it was.
+    """
+    former = {name: _field(name, model, data).clone() for name in starts.fields}
+    same = body[:, None] == body
+    sharing, turn = same.sum(dim=1), same.tril(-1).sum(dim=1)
+    total = int((starts.first + starts.count).max())
+    seen: Any = None
+    for earlier in range(int((starts.count / sharing).ceil().max())):
+        start = starts.first + (turn + earlier * sharing) % starts.count
+        starts.restore(start, model, data)
+        mjw.kinematics(model, data)
+        mjw.camlight(model, data)
+        pictures = sight(data)
+        seen = pictures.new_empty((total, pictures.shape[1])) if seen is None else seen
+        seen[start] = pictures
+    for name, values in former.items():
+        _field(name, model, data).copy_(values)
+    return seen
 
 
-def _columns(infant: InfantEnv, model: mjw.Model, put_torch: Put) -> dict[str, Any]:
-    """Return where the numbers of these rows are in each world, without fields that MuJoCo Warp does not read."""
-    columns: dict[str, Any] = {}
-    for name, rows in changed_rows(infant).items():
-        single = getattr(infant.model, name)
-        if name in batched_fields() and len(rows):
-            stride = flat(getattr(model, name)).shape[1] // len(single)
-            columns[name] = put_torch((rows[:, None] * stride + np.arange(single[0].size)).ravel())
-    return columns
-
-
-def _field(name: str, model: mjw.Model, data: mjw.Data) -> wp.array:
-    return getattr(data if name in STATE else model, name)
+def _field(name: str, model: mjw.Model, data: mjw.Data) -> torch.Tensor:
+    return wp.to_torch(getattr(data if name in STATE else model, name))

@@ -23,15 +23,15 @@ from gymnasium.spaces import Box, Dict
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import Code, function_of
-from mimoc.base.units import ms_to_s, to_steps
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import in_subtrees
 from mimoc.delays.signals import Mask
 from mimoc.delays.spec import MOTOR
-from mimoc.delays.timing import NO_DELAY
-from mimoc.runtime.device.arrays import device_worlds, put_on, term_of_worlds
+from mimoc.delays.timing import timing_of
+from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.timing import timing_of
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import IntArray, Sense
@@ -54,27 +54,20 @@ class Part(NamedTuple):
 class Line:
     """What is on its way of one signal of all infants."""
 
-    def __init__(self, delays: IntArray, period: int, body_of_world: wp.array, dtype: torch.dtype = torch.float32):
-        """Begin with nothing on the way.
-
-        Args:
-            delays: In physics steps, shape (bodies, n).
-            period: Physics steps in a control step.
-            body_of_world: Which body lives in each world, shape (worlds,).
-            dtype: Of the numbers.
-        """
-        body = body_of_world.numpy()
+    def __init__(self, delays: IntArray, period: int, body: torch.Tensor, dtype: torch.dtype = torch.float32):
+        """Begin with nothing on the way; delays and the control step are in physics steps, shape (bodies, n) and ()."""
         self.rests: IntArray = np.unique(delays % period)
         """By how many physics steps delays are longer than whole control steps."""
-        device = wp.device_to_torch(body_of_world.device)
-        self._worlds = torch.arange(len(body), device=device)
+        self._worlds = torch.arange(len(body), device=body.device)
         self._parts: list[Part] = []
         for delay in np.unique(delays, axis=1).T:
-            slots, rests = delay[body] // period + 1, delay[body] % period
-            mask = (delays == delay[:, None]).all(axis=0)
-            ring = torch.zeros((int(slots.max()), len(body), int(mask.sum())), dtype=dtype, device=device)
-            worlds_by_rest = {int(rest): _rows(rests == rest, device) for rest in np.unique(rests)}
-            self._parts.append(Part(_rows(mask, device), torch.as_tensor(slots, device=device), worlds_by_rest, ring))
+            mask, of_world = (delays == delay[:, None]).all(axis=0), delay[body.tolist()]
+            slots, rests = of_world // period + 1, of_world % period
+            worlds_by_rest = {rest: _rows(rests == rest) for rest in np.unique(rests).tolist()}
+            ring = torch.zeros((int(slots.max()), len(body), int(mask.sum())), dtype=dtype, device=body.device)
+            self._parts.append(Part(_rows(mask), put(slots), worlds_by_rest, ring))
+        self.arrived = torch.zeros((len(body), delays.shape[1]), dtype=dtype, device=body.device)
+        """What has arrived, shape (worlds, n)."""
 
     def send(self, clock: torch.Tensor, values: torch.Tensor, rest: int | None = None) -> None:
         """Send values, shape (worlds, n), or those whose delay is *rest* physics steps over whole control steps."""
@@ -82,11 +75,13 @@ class Line:
             slots = (clock % part.slots)[rows]
             part.ring[slots, self._worlds[rows]] = values[:, part.columns][rows]
 
-    def arrive(self, clock: torch.Tensor, rest: int | None = None) -> Iterator[tuple[Rows, Rows, torch.Tensor]]:
-        """Yield worlds, columns, and what has arrived there; of those numbers that `send` sends."""
+    def receive(self, clock: torch.Tensor, rest: int | None = None) -> torch.Tensor:
+        """Return what has arrived, shape (worlds, n), where those numbers are new that `send` sends."""
         for part, rows in self._due(rest):
             slots = ((clock + 1) % part.slots)[rows]
-            yield rows, part.columns, part.ring[slots, self._worlds[rows]]
+            places = rows if isinstance(rows, slice) or isinstance(part.columns, slice) else rows[:, None]
+            self.arrived[places, part.columns] = part.ring[slots, self._worlds[rows]]
+        return self.arrived
 
     def fill(self, begin: torch.Tensor, start: torch.Tensor) -> None:
         """Forget all that is on the way in worlds that begin, shape (worlds,); rows of *start* come out until then."""
@@ -101,9 +96,9 @@ class Line:
                 yield part, part.worlds_by_rest[rest]
 
 
-def _rows(mask: Mask, device: torch.device) -> Rows:
+def _rows(mask: Mask) -> Rows:
     """Return where a mask is true, as a slice if it is everywhere."""
-    return slice(None) if mask.all() else torch.as_tensor(np.flatnonzero(mask), device=device)
+    return slice(None) if mask.all() else put(np.flatnonzero(mask))
 
 
 @dataclass(frozen=True)
@@ -112,7 +107,7 @@ class DeviceSetup:
 
     infants: Sequence[InfantEnv]
     """Single environments of the different bodies."""
-    body: wp.array
+    body: torch.Tensor
     """The body that lives in each world, shape (worlds,)."""
     model: mjw.Model
     """That of all worlds."""
@@ -121,27 +116,14 @@ class DeviceSetup:
 
 
 class DeviceReader(Protocol):
-    """Reads a sense of all infants; one that differs from the sense on the CPU can have `spaces` and `bodies` too."""
+    """Reads a sense of all infants; what it tells may differ from the CPU: it has `spaces`, `bodies` and `start` then.
+
+    `start(sample)` returns what it tells of a sample of the CPU, shape (n,).
+    """
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is sensed now, shape (worlds, n), in memory that the next call may write to."""
         ...
-
-
-class TermReader:
-    """Reads a sense that is a term."""
-
-    def __init__(self, name: str, setup: DeviceSetup):
-        """Stack the terms of the different bodies, by the body that lives in each world; see `term_of_worlds`."""
-        terms: list[Any] = [infant.senses[name].term for infant in setup.infants]
-        self._term = term_of_worlds(f"sense '{name}'", terms, setup.body)
-        self._data: mjw.Data | None = None
-
-    def __call__(self, data: mjw.Data) -> torch.Tensor:
-        """Return what is sensed now, shape (worlds, n)."""
-        if data is not self._data:
-            self._data, self._worlds = data, device_worlds(data)
-        return self._term(self._worlds).flatten(1)
 
 
 class DeviceSense:
@@ -149,56 +131,49 @@ class DeviceSense:
 
     def __init__(self, name: str, setup: DeviceSetup, chance: CounterRandom):
         """Set up what reads it, its delays, and its noise, which draws from *chance*."""
-        device = device_part(name, setup.infants[0].senses[name])
-        self.read: DeviceReader = function_of(device, "bind")(setup) if device else TermReader(name, setup)
-        self.name, self._count, self._noise = (
-            name,
-            setup.body.shape[0],
-            noise_of(name, setup.infants, setup.body, chance),
-        )
-        infants, manifest = setup.infants, setup.infants[0].manifest
+        infants, body, manifest = setup.infants, setup.body, setup.infants[0].manifest
+        device = device_part(name, infants[0].senses[name])
+        self.reader: DeviceReader | None = function_of(device, "bind")(setup) if device else None
+        """What reads it if it is no term."""
+        terms: list[Any] = [infant.senses[name].term for infant in infants]
+        self._term: Any = None if device else term_of_worlds(f"sense '{name}'", terms, body)
+        self._noise = noise_of(name, infants, body, chance)
         self._timestep_s, self._period = ms_to_s(manifest.timestep_ms), round(manifest.step_ms / manifest.timestep_ms)
         self.spaces: list[Mapping[str, Box]] = [
-            getattr(self.read, "spaces", infant.senses[name].spaces) for infant in infants
+            getattr(self.reader, "spaces", infant.senses[name].spaces) for infant in infants
         ]
         """What each of the different bodies observes."""
         boxes = list(self.spaces[0].values())
         self._sizes = [int(np.prod(box.shape)) for box in boxes]
-        is_picture = boxes[0].dtype == np.uint8 and device is not None
-        self._dtype = torch.uint8 if is_picture else torch.float32
-        delays = np.stack([delays_of(infant, name, sum(self._sizes), self.read) for infant in infants])
-        self.line = Line(delays, self._period, setup.body, self._dtype)
-        put, body = put_on(setup.body.device), wp.to_torch(setup.body).long()
+        self._is_picture = boxes[0].dtype == np.uint8 and device is not None
+        delays = np.stack([self._delays(name, infant) for infant in infants])
+        self.line = Line(delays, self._period, body, torch.uint8 if self._is_picture else torch.float32)
         bounds = [np.stack([_bound(spaces, which) for spaces in self.spaces]) for which in ("low", "high")]
         self._bounds = [put(rows[:1]) if (rows == rows[:1]).all() else put(rows)[body] for rows in bounds]
 
-    def sample(self, data: mjw.Data, clock: torch.Tensor, rest: int) -> None:
+    def _delays(self, name: str, infant: InfantEnv) -> IntArray:
+        return delays_of(infant, name, sum(self._sizes), getattr(self.reader, "bodies", infant.senses[name].bodies))
+
+    def sample(self, worlds: Worlds, clock: torch.Tensor, rest: int) -> None:
         """Read what arrives *rest* physics steps less than whole control steps later, if anything does."""
         if rest not in self.line.rests:
             return
-        sample = self.read(data)
+        sample = self.reader(worlds.datas[0]) if self.reader else self._term(worlds).flatten(1)
         if self._noise:
             earlier = min((other - rest) % self._period or self._period for other in self.line.rests)
             sample = self._noise(sample, float(earlier) * self._timestep_s)
-        self.line.send(clock, sample.to(self._dtype), rest)
+        self.line.send(clock, sample, rest)
 
-    def arrive(self, clock: torch.Tensor, observation: Mapping[str, wp.array]) -> None:
+    def arrive(self, clock: torch.Tensor, observation: Mapping[str, torch.Tensor]) -> None:
         """Write what has arrived, within its bounds, to its arrays in the observation."""
-        arrived = torch.empty((self._count, sum(self._sizes)), dtype=self._dtype, device=clock.device)
-        for _, columns, values in self.line.arrive(clock):
-            arrived[:, columns] = values
-        if self._dtype != torch.uint8:
+        arrived = self.line.receive(clock)
+        if not self._is_picture:
             torch.clamp(arrived.nan_to_num_(0.0, math.inf, -math.inf), *self._bounds, out=arrived)
         for name, values in zip(self.spaces[0], arrived.split(self._sizes, dim=1), strict=True):
-            wp.to_torch(observation[name]).copy_(values.reshape(observation[name].shape))
+            observation[name].copy_(values.view(observation[name].shape))
 
-    def refill(self, chosen: wp.array, samples: Mapping[str, wp.array]) -> None:
-        """Forget what is on the way in worlds that begin with one of some starts; see what is sensed at these.
-
-        Noise is drawn anew.
-        """
-        start, begin = wp.to_torch(chosen), wp.to_torch(chosen) >= 0
-        sample = wp.to_torch(samples[self.name])[start.clamp(min=0).long()]
+    def refill(self, sample: torch.Tensor, begin: torch.Tensor) -> None:
+        """Forget what is on the way in worlds that begin, shape (worlds,), with samples; noise is drawn anew."""
         self.line.fill(begin, self._noise.begin(sample, begin) if self._noise else sample)
 
 
@@ -207,18 +182,23 @@ def device_part(name: str, sense: Sense) -> Code | None:
     return SENSES[name].device if name in SENSES and not isinstance(sense, CustomSense) else None
 
 
-def delays_of(infant: InfantEnv, signal: str, count: int, read: DeviceReader | None = None) -> IntArray:
-    """Return the delay of each of n numbers of a signal of an infant, shape (n,), in physics steps."""
-    model, timing = infant.model, timing_of(infant.manifest, infant.senses)
+def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> IntArray:
+    """Return the delay of each of n numbers of a signal of an infant, shape (n,), in physics steps.
+
+    Args:
+        infant: The infant.
+        signal: A sense, or the commands.
+        count: How many numbers it has.
+        bodies: Those in which a sense measures them, of which each measures as many; None if none is in the legs.
+    """
+    model, timing, in_legs = infant.model, timing_of(infant.manifest, infant.senses), None
     if signal == MOTOR:
-        bodies: Any = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
-    else:
-        bodies = getattr(read, "bodies", infant.senses[signal].bodies)
-    delay = timing.delays.get(signal, NO_DELAY)
-    steps = np.full(count, to_steps(delay.ms, timing.timestep_ms))
-    if delay.legs_ms is not None and bodies is not None:
-        in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])[bodies]
-        steps[in_legs.repeat(count // len(bodies))] = to_steps(delay.legs_ms, timing.timestep_ms)
+        bodies = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
+    if bodies is not None:
+        in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])[bodies].repeat(count // len(bodies))
+    steps = np.empty(count, np.intp)
+    for _, late, part in timing.groups(signal, in_legs):
+        steps[... if part is None else part] = late
     return steps
 
 

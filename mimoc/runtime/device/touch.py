@@ -9,7 +9,6 @@ import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.device.arrays import to_device
 from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
@@ -17,8 +16,6 @@ from mimoc.senses.touch.contacts import skin_body_of_geoms
 IN_BODY, IN_WORLD, NORMAL = range(3)
 QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal": NORMAL}
 """What is felt of a contact."""
-
-
 KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
@@ -51,23 +48,6 @@ def contacts_of(data: mjw.Data) -> Any:
     return contacts
 
 
-@wp.func
-def presses(contacts: Contacts, index: int) -> bool:
-    """Return whether a contact has a force; the others are near misses, or beyond the end of the list."""
-    return index < contacts.count[0] and contacts.rows[index, 0] >= 0
-
-
-@wp.func
-def force_of(contacts: Contacts, index: int) -> wp.vec3:
-    """Return the force of a contact, along its normal and two tangents."""
-    world = contacts.world[index]
-    force = wp.vec3(0.0, 0.0, 0.0)
-    for axis in range(3):
-        if axis < contacts.dim[index]:
-            force[axis] = contacts.force[world, contacts.rows[index, axis]]
-    return force
-
-
 class TouchReader:
     """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
 
@@ -81,7 +61,7 @@ class TouchReader:
             raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
         touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
         model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
-        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body
+        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body.int()
         points_m = np.stack([touch.receptors.points_m for touch in touches])
         places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
         if setup.touch == "bodies":
@@ -89,22 +69,22 @@ class TouchReader:
             points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
         self.bodies = np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
-        self._sample = wp.zeros((setup.body.shape[0], len(self.bodies)), dtype=float)
+        self._sample = torch.zeros((len(setup.body), len(self.bodies)), device=setup.body.device)
         box = touches[0].spaces["touch"]
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
-        self._geoms = to_device(skin_body_of_geoms(skin, model), wp.int32)
-        self._range, self._points = to_device(np.stack([first, last], 1), wp.vec2i), to_device(points_m, wp.vec3)
-        self._scales = to_device([touch.receptors.scale_per_m[:, 0] for touch in touches])
+        self._geoms = wp.array(skin_body_of_geoms(skin, model), dtype=int)
+        self._range, self._points = wp.array(np.stack([first, last], 1), wp.vec2i), wp.array(points_m, wp.vec3)
+        self._scales = wp.array([touch.receptors.scale_per_m[:, 0] for touch in touches], dtype=float)
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
         self._sample.zero_()
-        skin = [self._body, self._geoms, self._range, self._points, self._scales]
+        skin = [wp.from_torch(self._body), self._geoms, self._range, self._points, self._scales]
         inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
-        wp.launch(_share, (data.naconmax, 2), inputs, [self._sample])
-        return wp.to_torch(self._sample)
+        wp.launch(_share, (data.naconmax, 2), inputs, [wp.from_torch(self._sample)])
+        return self._sample
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return what it tells of a sample of all points of one infant."""
@@ -117,27 +97,15 @@ bind = TouchReader
 
 
 @wp.func
-def _inward(contacts: Contacts, index: int, side: int) -> wp.mat33:
-    """Return the axes of a contact as rows, the first into the geom of a side."""
-    if side == 0:
-        return -1.0 * contacts.frame[index]
-    return contacts.frame[index]
-
-
-@wp.func
-def _place(contacts: Contacts, index: int, side: int) -> wp.vec3:
-    """Return where a contact is on the surface of one side: it lies midway between the two surfaces."""
-    normal = wp.transpose(_inward(contacts, index, side)) @ wp.vec3(1.0, 0.0, 0.0)
-    return contacts.pos[index] + 0.5 * contacts.dist[index] * normal
-
-
-@wp.func
-def _load(contacts: Contacts, index: int, side: int, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
-    """Return what is felt of a contact on one side."""
-    force = force_of(contacts, index)
+def _load(contacts: Contacts, index: int, inward: wp.mat33, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
+    """Return what is felt of a contact, whose axes are rows, the first into the side that feels."""
+    force = wp.vec3(0.0, 0.0, 0.0)
+    for axis in range(3):
+        if axis < contacts.dim[index]:
+            force[axis] = contacts.force[contacts.world[index], contacts.rows[index, axis]]
     if quantity == wp.static(NORMAL):
         return wp.vec3(force[0], 0.0, 0.0)
-    in_world = wp.transpose(_inward(contacts, index, side)) @ force
+    in_world = wp.transpose(inward) @ force
     if quantity == wp.static(IN_WORLD):
         return in_world
     return wp.transpose(world_from_body) @ in_world
@@ -158,29 +126,27 @@ def _share(
     sample: wp.array2d[float],
 ):
     index, side = wp.tid()
-    width = width_and_nearest[0]
-    if presses(contacts, index):
-        body = body_of_geom[contacts.geoms[index][side]]
-        if body > 0:
-            world = contacts.world[index]
-            mine = body_of_world[world]
-            place = wp.transpose(xmat[world, body]) @ (_place(contacts, index, side) - xpos[world, body])
-            load = _load(contacts, index, side, quantity, xmat[world, body])
-            span, total = points_of_body[body], float(0.0)
-            nearest = int(span[0])
-            least = float(1.0e30)
-            for point in range(span[0], span[1]):
-                away = wp.length(points[mine, point] - place) * scales[mine, body]
-                total += wp.max(1.0 - away, 0.0)
-                if away < least:
-                    least = away
-                    nearest = point
-            if width_and_nearest[1] == 1 or total == 0.0:
-                for number in range(width):
-                    wp.atomic_add(sample, world, nearest * width + number, load[number])
-            else:
-                for point in range(span[0], span[1]):
-                    away = wp.length(points[mine, point] - place) * scales[mine, body]
-                    if away < 1.0:
-                        for number in range(width):
-                            wp.atomic_add(sample, world, point * width + number, load[number] * (1.0 - away) / total)
+    if index >= contacts.count[0] or contacts.rows[index, 0] < 0:
+        return  # Beyond the end of the list, or a near miss, which has no force.
+    body, world = body_of_geom[contacts.geoms[index][side]], contacts.world[index]
+    if body == 0:
+        return
+    mine, rotation, inward = body_of_world[world], xmat[world, body], wp.float32(2 * side - 1) * contacts.frame[index]
+    surface = contacts.pos[index] + 0.5 * contacts.dist[index] * wp.transpose(inward) @ wp.vec3(1.0, 0.0, 0.0)
+    place = wp.transpose(rotation) @ (surface - xpos[world, body])  # A contact lies midway between the two surfaces.
+    load = _load(contacts, index, inward, quantity, rotation)
+    span, scale, total, least = points_of_body[body], scales[mine, body], float(0.0), float(1.0e30)
+    nearest = int(span[0])
+    for point in range(span[0], span[1]):
+        away = wp.length(points[mine, point] - place) * scale
+        total += wp.max(1.0 - away, 0.0)
+        if away < least:
+            least = away
+            nearest = point
+    for point in range(span[0], span[1]):
+        share = float(point == nearest)
+        if width_and_nearest[1] == 0 and total > 0.0:
+            share = wp.max(1.0 - wp.length(points[mine, point] - place) * scale, 0.0) / total
+        if share > 0.0:
+            for number in range(width_and_nearest[0]):
+                wp.atomic_add(sample, world, point * width_and_nearest[0] + number, load[number] * share)

@@ -4,17 +4,23 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-import gymnasium
 import numpy as np
-import warp as wp
+import torch
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import pose_of
-from mimoc.runtime.batch.gymnasium_forms import RESET_MASK, InfantVectorEnv, check_mixture, reset_indices, seeds_of
+from mimoc.runtime.batch.gymnasium_forms import (
+    RESET_MASK,
+    InfantVectorEnv,
+    check_mixture,
+    refuse_ended,
+    reset_indices,
+    seeds_of,
+)
 from mimoc.runtime.closing import closable
-from mimoc.runtime.device.arrays import from_library, present, to_device, to_library
+from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import InitialStates
 from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
@@ -98,9 +104,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
         self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
-        self._is_settled = True
-        """Whether what the device reports of the last step has been dealt with."""
-        self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
         self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
 
     def reset(
@@ -119,7 +122,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
-        self._settle()
         options = options_given(options)
         for name in options.keys() - {"pose", RESET_MASK}:
             raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
@@ -128,11 +130,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
         which = reset_indices(options, self.num_envs)
         with present(self.device):
+            self.worlds.settle()
             starts = self._starts_in(options.get("pose"))
-            self.worlds.begin(starts, to_device(self._choices(starts, seeds, which), wp.int32))
-            ended = self.worlds.ended.ended.numpy()
-            ended[which] = 0
-            self.worlds.ended.ended.assign(ended)
+            self.worlds.begin(starts, put(self._choices(starts, seeds, which)))
+            self.worlds.ended.ended[which] = False
             self.worlds.observe()
             return self._observed(), {}
 
@@ -150,18 +151,17 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
                 the room for them cannot grow, or if actions were not finite.
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
-        self._settle()
-        if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
-            infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
-            raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
-        entering = self.worlds.actions
         with present(self.device):
-            wp.copy(entering, from_library(actions, entering.shape))
+            self.worlds.settle()
+            if self.autoreset_mode == AutoresetMode.DISABLED:
+                refuse_ended(self.worlds.ended.ended.cpu().numpy())
+            if isinstance(actions, (np.ndarray, list, tuple)) or np.isscalar(actions):
+                actions = torch.tensor(self._checked(actions))
+            self._check_shape(actions.shape)
+            self.worlds.actions.copy_(torch.from_dlpack(actions))
             self.worlds.step()
-            self._is_settled = False
             ended = self.worlds.ended
-            given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
-            return self._observed(), *given, self._info()
+            return self._observed(), *map(self._give, (ended.reward, ended.terminated, ended.truncated)), self._info()
 
     @property
     def room(self) -> Capacity:
@@ -202,16 +202,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
     def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
-        body = np.arange(self.num_envs) % len(self.infants)
-        first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
-        choices, given = np.full(self.num_envs, -1), {}
+        firsts, counts = starts.first.tolist(), starts.count.tolist()
+        choices = np.full(self.num_envs, -1)
         for world in which:
             seed = seeds[world]
-            if seed is not None:
-                given[world] = seed
             number = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
-            choices[world] = first[world] + number
-        self.worlds.seed(given)
+            choices[world] = firsts[world] + number
+        self.worlds.seed({world: seed for world in which if (seed := seeds[world]) is not None})
         return choices
 
     def _starts_in(self, pose: str | None) -> InitialStates:
@@ -225,37 +222,18 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     def _observed(self) -> dict[str, Any]:
         return {name: self._give(array) for name, array in self.worlds.observation.items()}
 
-    def _flag(self, array: wp.array) -> Any:
-        given = self._give(array)
-        return given if isinstance(given, wp.array) else given != 0
-
     def _info(self) -> dict[str, Any]:
-        """Return success, stability and the terms of the reward; with resets in the same step, also the last views.
-
-        As in all of Gymnasium's vector environments, a mask beside each value says which infants have it.
-        """
+        """Return values with masks beside them; with resets in the same step, also what was observed last."""
         ended = self.worlds.ended
-        terms = self._give(ended.terms)
         info = {
-            "is_success": self._flag(ended.success),
-            "unstable": self._flag(ended.unstable),
-            "overflowed": self._flag(ended.overflowed),
-            "reward_terms": {name: terms[:, index] for index, name in enumerate(self.worlds.task.terms)},
+            "is_success": self._give(ended.success),
+            "unstable": self._give(ended.unstable),
+            "overflowed": self._give(ended.overflowed),
+            "reward_terms": {name: self._give(term) for name, term in ended.terms.items()},
         }
-        info |= {f"_{name}": self._everyone for name in info}
+        everyone = self._give(torch.ones_like(ended.ended))
+        info |= {f"_{name}": everyone for name in info}
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
-            info["_final_obs"] = self._flag(ended.finished)
+            info["_final_obs"] = self._give(ended.finished)
         return info
-
-    def _settle(self) -> None:
-        """Deal with what the device reports of the step before, once.
-
-        Raises:
-            DeviceError: If something went wrong.
-        """
-        if self._is_settled:
-            return
-        self._is_settled = True
-        with present(self.device):
-            self.worlds.settle()

@@ -1,25 +1,18 @@
 """Starts of later episodes follow from the seed of a world and the number of its episode, and from nothing else."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
-import warp as wp
 
-from mimoc.runtime.device.arrays import to_device
-from mimoc.runtime.device.episode_ends import EpisodeEnds
+from mimoc.runtime.device.arrays import put
+from mimoc.runtime.device.initial_states import InitialStates
 
 WORLDS, STARTS = 4000, 5
 
 
 def starts_of(seeds: np.ndarray, episode: int) -> np.ndarray:
     """Return the starts that worlds with two bodies choose; those of the second body come after five of the first."""
-    infants: Any = [SimpleNamespace(max_steps=None)] * 2
-    body = to_device(np.arange(len(seeds)) % 2, wp.int32)
-    ending = EpisodeEnds(infants, body, (), None, to_device(seeds, wp.int32))
-    ending.episode.fill_(episode)
-    table: Any = SimpleNamespace(first=to_device([0, STARTS], wp.int32), count=to_device([STARTS, 1], wp.int32))
-    return ending._start_of(table).cpu().numpy()
+    body = np.arange(len(seeds)) % 2
+    starts = InitialStates(put(np.array([0, STARTS])[body]), put(np.array([STARTS, 1])[body]), {}, {}, {})
+    return starts.draw(put(seeds), put(np.full(len(seeds), episode))).cpu().numpy()
 
 
 def test_they_are_drawn_evenly_from_those_of_the_body():

@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 import pytest
 import torch
-import warp as wp
 from support.devices import DEVICE
 
 import mimoc
 from mimoc.base.kinds import NoiseOption, SenseKind
 from mimoc.mjcf.scene import Placed
 from mimoc.noise.noise import LowPass, Noise
+from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.noise import CounterRandom
 from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
@@ -38,10 +38,10 @@ def build(**keys: object) -> mimoc.Bundle:
 
 def test_random_numbers_are_normal_and_independent_of_each_other():
     """Over places, over worlds, over time, and over the channels that begin at other places."""
-    chance = CounterRandom(wp.array(np.arange(200), dtype=int))
+    chance = CounterRandom(put(np.arange(200)))
     numbers = [chance.normals(0, (200, 2, 50)).cpu().numpy().copy()]
     numbers.append(chance.normals(1 << 24, (200, 2, 50)).cpu().numpy().copy())
-    chance.advance()
+    chance.steps += 1
     numbers.append(chance.normals(0, (200, 2, 50)).cpu().numpy().copy())
     values = np.stack(numbers)
     assert abs(values.mean()) < 0.02
@@ -54,12 +54,12 @@ def test_random_numbers_are_normal_and_independent_of_each_other():
 
 
 def test_random_numbers_follow_the_seed_of_a_world_alone():
-    one, other = (CounterRandom(wp.array(seeds, dtype=int)) for seeds in ([3, 4, 4], [9, 8, 4]))
+    one, other = (CounterRandom(put(seeds)) for seeds in ([3, 4, 4], [9, 8, 4]))
     mine, theirs = one.normals(0, (3, 40)), other.normals(0, (3, 40))
     assert torch.equal(mine[1], mine[2])
     assert torch.equal(mine[1], theirs[2])
     assert not torch.equal(mine[0], mine[1])
-    one.advance()
+    one.steps += 1
     one.restart({0: 4})
     assert torch.equal(one.normals(0, (3, 40))[0], theirs[2])
 

@@ -77,7 +77,7 @@ def test_infants_of_two_ages_see_the_ball_as_on_the_cpu_with_delays_acuity_and_f
         if step < 2:  # Of the older infant, nothing has arrived yet.
             assert (
                 seen["eye_left"][1]
-                == ours.worlds.default_starts.samples["vision"].numpy()[3][:SEEN].reshape(HEIGHT, WIDTH, 3)
+                == ours.worlds.default_starts.samples["vision"].cpu().numpy()[3][:SEEN].reshape(HEIGHT, WIDTH, 3)
             ).all()
         assert_alike(seen, expected)
     assert ours.observation_space.contains(seen)
@@ -96,7 +96,7 @@ def test_an_episode_begins_with_what_is_seen_at_its_start(pair):
         if (terminated | truncated).any():
             break
     ended = int(np.flatnonzero(terminated | truncated)[0])
-    starts = ours.worlds.default_starts.samples["vision"].numpy()[2 * ended : 2 * ended + 2, :SEEN]
+    starts = ours.worlds.default_starts.samples["vision"].cpu().numpy()[2 * ended : 2 * ended + 2, :SEEN]
     begun = seen["eye_left"][ended].ravel()
     assert any((begun == start).all() for start in starts)
     assert (info["final_obs"]["eye_left"][ended].ravel() != begun).any()

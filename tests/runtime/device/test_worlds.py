@@ -159,7 +159,9 @@ def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
         assert not env.step(command)[3].any()
         seen, _, _, truncated, info = env.step(command)
         assert truncated.all()
-        starts = [env.worlds.default_starts.samples["proprioception"].numpy()[index : index + 2] for index in (0, 2)]
+        starts = [
+            env.worlds.default_starts.samples["proprioception"].cpu().numpy()[index : index + 2] for index in (0, 2)
+        ]
         if mode == "NextStep":
             views["last"] = seen["proprioception"]
             seen, rewards, _, truncated, _ = env.step(command)

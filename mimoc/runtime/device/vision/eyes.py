@@ -10,7 +10,6 @@ import numpy.typing as npt
 import warp as wp
 
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
-from mimoc.runtime.device.arrays import to_device
 from mimoc.senses.sense import IntArray
 from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import HIDDEN_GROUP
@@ -26,34 +25,27 @@ CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
 SKY = int(mujoco.mjtTexture.mjTEXTURE_SKYBOX)
 
 
-class Textures:
-    """All different textures of some models, each once."""
+def shared_textures(models: Sequence[mujoco.MjModel]) -> tuple[list[wp.Texture2D], list[IntArray]]:
+    """Return the textures of some models, each once, on Warp's present device, and where those of each model are.
 
-    def __init__(self, models: Sequence[mujoco.MjModel]):
-        """Gather them on Warp's present device."""
-        self._places: dict[tuple[bytes, tuple[int, ...]], int] = {}
-        self.registry: list[wp.Texture2D] = []
-        """On the device, to be kept as long as they are used."""
-        self.places = [[self._place(model, index) for index in range(model.ntex)] for model in models]
-        """Where the textures of each model are in the list."""
-        self.skies = [_sky(model, places) for model, places in zip(models, self.places, strict=True)]
-        """Where the sky of each model is, -1 if it has none."""
-
-    def of_materials(self, models: Sequence[mujoco.MjModel]) -> IntArray:
-        """Return where the textures of each material are, -1 for none, shape (models, materials, roles)."""
-        pairs = zip(models, self.places, strict=True)
-        return np.stack([np.array([*places, -1])[model.mat_texid] for model, places in pairs])
-
-    def _place(self, model: mujoco.MjModel, index: int) -> int:
-        """Return where a texture of a model is in the list, to which it is added if it is new."""
-        picture = _picture(model, index)
-        if model.tex_type[index] == CUBE:
-            picture = flat_picture(picture, _is_on_limbs(model, index))
-        key = picture.tobytes(), picture.shape
-        if key not in self._places:
-            self._places[key] = len(self.registry)
-            self.registry.append(_on_device(picture))
-        return self._places[key]
+    Returns:
+        The textures, to be kept as long as they are used; and for each model the place of each of its textures in the
+        list, then -1, which is where MuJoCo's index for none leads.
+    """
+    places: dict[tuple[bytes, tuple[int, ...]], int] = {}
+    registry: list[wp.Texture2D] = []
+    tables = []
+    for model in models:
+        table = []
+        for index in range(model.ntex):
+            picture = _picture(model, index)
+            key = picture.tobytes(), picture.shape
+            if key not in places:
+                places[key] = len(registry)
+                registry.append(_on_device(picture))
+            table.append(places[key])
+        tables.append(np.array([*table, -1]))
+    return registry, tables
 
 
 def flat_picture(cube: Picture, on_limbs: bool) -> Picture:
@@ -84,17 +76,13 @@ def flat_picture(cube: Picture, on_limbs: bool) -> Picture:
 def _picture(model: mujoco.MjModel, index: int) -> Picture:
     shape = int(model.tex_height[index]), int(model.tex_width[index]), int(model.tex_nchannel[index])
     start = int(model.tex_adr[index])
-    return model.tex_data[start : start + int(np.prod(shape))].reshape(shape)
+    picture = model.tex_data[start : start + int(np.prod(shape))].reshape(shape)
+    return flat_picture(picture, _is_on_limbs(model, index)) if model.tex_type[index] == CUBE else picture
 
 
 def _is_on_limbs(model: mujoco.MjModel, texture: int) -> bool:
     materials = np.flatnonzero((model.mat_texid == texture).any(axis=1))
     return bool((model.geom_type[np.isin(model.geom_matid, materials)] == CAPSULE).any())
-
-
-def _sky(model: mujoco.MjModel, places: Sequence[int]) -> int:
-    skies = np.flatnonzero(model.tex_type == SKY)
-    return places[skies[0]] if len(skies) else -1
 
 
 def _on_device(picture: Picture) -> wp.Texture2D:
@@ -107,14 +95,7 @@ class Eyes:
     """What the eyes of all infants see, without shadows and reflections, as on the CPU."""
 
     def __init__(self, models: Sequence[mujoco.MjModel], entry: VisionEntry, body_of_world: IntArray, model: mjw.Model):
-        """Set aside room for the pictures, and put the textures on Warp's present device.
-
-        Args:
-            models: The different bodies.
-            entry: Cameras and sizes, which are the same for all.
-            body_of_world: Which of the bodies lives in each world.
-            model: That of all worlds.
-        """
+        """Set aside room for pictures of the same sizes, and put textures of all bodies on Warp's present device."""
         times, fovy_deg = entry.supersample, {float(fovy) for single in models for fovy in single.cam_fovy}
         self._context = mjw.create_render_context(
             _without(models[0], entry.unseen),
@@ -138,15 +119,20 @@ class Eyes:
 
     def _use_textures(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray) -> None:
         """Let each world have the textures of its own infant."""
-        self._textures = Textures(models)
-        skies = np.array(self._textures.skies)
-        self._context.textures = wp.array(self._textures.registry, dtype=wp.Texture2D)
-        self._context.textures_registry = self._textures.registry
-        self._context.skybox_tex_id = to_device(skies[body_of_world], wp.int32)
-        widths = [1 if sky < 0 else self._textures.registry[sky].width for sky in skies]
-        self._context.skybox_face_width = to_device(np.array(widths)[body_of_world], wp.int32)
-        if self._textures.registry:
-            self._model.mat_texid = to_device(self._textures.of_materials(models)[body_of_world], wp.int32)
+        registry, tables = shared_textures(models)
+        skies = np.array(
+            [
+                table[next(iter(np.flatnonzero(model.tex_type == SKY)), -1)]
+                for model, table in zip(models, tables, strict=True)
+            ]
+        )
+        widths = np.array([1 if sky < 0 else registry[sky].width for sky in skies])
+        self._context.textures, self._context.textures_registry = wp.array(registry, dtype=wp.Texture2D), registry
+        self._context.skybox_tex_id = wp.array(skies[body_of_world], dtype=int)
+        self._context.skybox_face_width = wp.array(widths[body_of_world], dtype=int)
+        if registry:
+            materials = np.stack([table[model.mat_texid] for model, table in zip(models, tables, strict=True)])
+            self._model.mat_texid = wp.array(materials[body_of_world], dtype=int)
 
 
 def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:

@@ -12,7 +12,7 @@ from gymnasium.spaces import Box
 
 from mimoc.render.renderer import average_down
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
-from mimoc.runtime.device.arrays import put_on
+from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
@@ -24,14 +24,8 @@ class Filters:
     """From what eyes draw to what infants see, each with its own acuity and foveation."""
 
     def __init__(self, entries: Sequence[VisionEntry], fovy_deg: Sequence[float], body_of_world: IntArray):
-        """Work out all that depends on sizes and ages, on Warp's present device.
-
-        Args:
-            entries: Of the different bodies; sizes and cameras are the same for all.
-            fovy_deg: Vertical field of view of each.
-            body_of_world: Which body lives in each world, shape (worlds,).
-        """
-        first, put, self._gain = entries[0], put_on(wp.get_device()), None
+        """Work out all that depends on sizes, which are the same of all bodies, and on ages, on the present device."""
+        first, self._gain = entries[0], None
         self._times, self._eyes = first.supersample, len(first.cameras)
         self._size = first.height_px * first.supersample, first.width_px * first.supersample
         if any(entry.acuity_cpd is not None for entry in entries):
@@ -46,11 +40,7 @@ class Filters:
         ]
 
     def __call__(self, drawn: wp.array) -> torch.Tensor:
-        """Return rounded colours of one eye after the other, by row, column and colour, shape (worlds, n), 8 bits.
-
-        Args:
-            drawn: What `Eyes` returns.
-        """
+        """Return rounded colours of one eye after the other from what `Eyes` returns, shape (worlds, n), 8 bits."""
         packed = wp.to_torch(drawn.view(wp.int32))
         colours = torch.stack([(packed >> shift) & 255 for shift in (16, 8, 0)], dim=-1)
         pictures = colours.float().reshape(-1, self._eyes, *self._size, len("rgb"))
@@ -108,8 +98,8 @@ class VisionReader:
         first: VisionEntry = entries[0]
         models = [infant.model for infant in setup.infants]
         fovy_deg = [float(model.cam_fovy[model.camera(first.cameras[0]).id]) for model in models]
-        self._eyes = Eyes(models, first, setup.body.numpy(), setup.model)
-        self._filters = Filters(entries, fovy_deg, setup.body.numpy())
+        self._eyes = Eyes(models, first, setup.body.cpu().numpy(), setup.model)
+        self._filters = Filters(entries, fovy_deg, setup.body.cpu().numpy())
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is seen now, without delay, shape (worlds, n), in 8 bits."""
