@@ -22,11 +22,4 @@ if TYPE_CHECKING:
         Tendon as Tendon,
     )
 
-__getattr__, __dir__, __all__ = names_of(
-    __name__,
-    {
-        "mimoc.body.anatomy": "assemble",
-        "mimoc.body.grow": "GrownBody grow_average grow_body grow_tree",
-        "mimoc.body.tree": "Body BodyTree FREE_JOINT Geom Joint Motor Tendon",
-    },
-)
+__getattr__, __dir__, __all__ = names_of(__name__)
