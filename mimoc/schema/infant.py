@@ -1,14 +1,16 @@
 """A spec: reading it from a file, creating it in Python, and changing it, such as to another age of its child."""
 
 import operator
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import PrivateAttr
+from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from mimoc.base.rounding import rounded
 from mimoc.plugins import load_plugins
+from mimoc.schema.base import shown
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided
@@ -91,6 +93,18 @@ class InfantSpec(InfantKeys):
     _source: Source | None = PrivateAttr(default=None)
     _as_read: tuple[Any, ...] = PrivateAttr(default=())
     """The values that were read from the source; a changed copy has others."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _refused_as_a_file(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        """Refuse data from Python with the messages of a file that says the same."""
+        try:
+            return handler(data)
+        except ValidationError as error:
+            refusal = error
+        if isinstance(data, Mapping) and not isinstance(info.context, Source):
+            read_keys(cls, in_memory(plain(data), f"<{shown(str(data.get('name', 'spec')))}>", HERE))
+        raise refusal
 
     @property
     def source(self) -> Source | None:
