@@ -246,10 +246,8 @@ class _Reader:
     def _check_muscle(self, attributes: dict[str, str]) -> None:
         """MuJoCo finds the lengths of a muscle that does not give them by simulating it, which takes long."""
         self._muscles |= "muscle" in (attributes.get("gaintype"), attributes.get("biastype"))
-        if self._muscles and "joint" in attributes:
-            lengths = attributes.get("lengthrange", "").split()
-            if len(lengths) != 2 or not _is_rising(lengths):
-                self._refuse("a muscle without a lengthrange")
+        if self._muscles and "joint" in attributes and not _is_range(attributes.get("lengthrange", "")):
+            self._refuse("a muscle without a lengthrange")
 
     def _end(self, element: str) -> None:
         self._depth -= 1
@@ -258,8 +256,9 @@ class _Reader:
         raise BundleError(f"{self._file}:{self._parser.CurrentLineNumber}: {reason}")
 
 
-def _is_rising(numbers: list[str]) -> bool:
+def _is_range(numbers: str) -> bool:
     try:
-        return float(numbers[0]) < float(numbers[1])
+        lowest, highest = map(float, numbers.split())
+        return lowest < highest
     except ValueError:
         return False

@@ -3,7 +3,7 @@
 import errno
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO, TypeVar
@@ -218,8 +218,13 @@ def problems_in(error: ValidationError) -> str:
         ": ".join([".".join(map(str, problem["loc"])), problem["msg"].removeprefix("Value error, ")]).removeprefix(": ")
         for problem in error.errors(include_url=False, include_context=False, include_input=False)
     ]
-    more = [f"and {len(problems) - _SHOWN} more"] if len(problems) > _SHOWN else []
-    return one_line("; ".join(problems[:_SHOWN] + more))
+    return one_line(first_of(problems, _SHOWN))
+
+
+def first_of(problems: Sequence[str], most: int) -> str:
+    """Return the first problems in one line, and how many more there are."""
+    more = [f"and {len(problems) - most} more"] if len(problems) > most else []
+    return "; ".join([*problems[:most], *more])
 
 
 def one_line(text: str) -> str:
