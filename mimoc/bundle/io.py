@@ -15,7 +15,7 @@ from typing import Any
 
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
+from mimoc.bundle.files import discard, make_folder, remove_leftovers, swap_folders, temporary_path, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
@@ -25,7 +25,6 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
-from mimoc.bundle.shared_files import SharedFiles
 
 
 class LazyFiles(Mapping[str, bytes]):
@@ -53,6 +52,46 @@ class LazyFiles(Mapping[str, bytes]):
     @cached_property
     def _all(self) -> Mapping[str, bytes]:
         return self._make()
+
+
+@dataclass(frozen=True, slots=True)
+class SharedFiles:
+    """A folder of files by digest, on the file system of the bundles that share them."""
+
+    folder: Path
+
+    def put(self, path: Path, content: bytes) -> None:
+        """Write a file as a link to the shared one, or as a copy where there are no links.
+
+        Raises:
+            OSError: If it cannot be written.
+            OutputError: If the folder of the shared one is a link.
+        """
+        digest = sha256(content).hexdigest()
+        shared = self.folder / digest[:2] / digest
+        if not self._link(shared, path, content):
+            path.write_bytes(content)
+            self._share(path, shared)
+
+    def _link(self, shared: Path, path: Path, content: bytes) -> bool:
+        """Make a file a link to the shared one, if that has its content; return whether it is one now."""
+        try:
+            if read_regular_file(shared, below=self.folder) != content:
+                return False
+            os.link(shared, path, follow_symlinks=False)
+        except (OSError, UnusableFileError):  # It has as many links as the file system allows, or there are none.
+            return False
+        return True
+
+    def _share(self, path: Path, shared: Path) -> None:
+        """Let later bundles link to a file, if the file system can."""
+        make_folder(shared.parent, below=self.folder)
+        temporary = temporary_path(shared)
+        try:
+            os.link(path, temporary)
+            os.replace(temporary, shared)
+        except OSError:
+            discard(temporary)
 
 
 MANIFEST, LOCK = "manifest.json", "lock.json"

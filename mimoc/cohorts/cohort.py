@@ -16,10 +16,10 @@ from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
 from mimoc.policies import POLICIES
 from mimoc.schema import source as sources
+from mimoc.schema.base import plain
 from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
 from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
 from mimoc.schema.infant import InfantSpec, read_spec
-from mimoc.schema.plain import plain
 from mimoc.schema.source import Source
 
 Progress = Callable[[int, int], None]

@@ -12,14 +12,13 @@ import numpy.typing as npt
 from mimoc import body
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
-from mimoc.base.rounding import rounded, rounded_array
+from mimoc.base.rounding import render_json, rounded, rounded_array
 from mimoc.base.units import ms_to_s
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
-from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses

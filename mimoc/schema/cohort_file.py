@@ -1,4 +1,4 @@
-"""A cohort file: which infants a study has, what is done with each, and what is measured."""
+"""A cohort file: which infants a study has, what is done and measured; and the files that keep its results."""
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
@@ -17,13 +17,12 @@ from pydantic import (
 from mimoc.base.errors import suggestion
 from mimoc.base.rounding import rounded
 from mimoc.quantities import measures
-from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.base import KeyedError, Model, plain
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
-from mimoc.schema.plain import plain
-from mimoc.schema.quantities import PathText, Real, Whole
+from mimoc.schema.quantities import Int64, NotNegative, PathText, Plain, Real, Whole
 from mimoc.schema.reading import read_keys
 from mimoc.schema.source import FileKind, Source
 from mimoc.schema.wording import unknown_key
@@ -291,3 +290,48 @@ def read_cohort_spec(source: Source) -> CohortSpec:
         SpecError: If the file is invalid; the error lists all problems.
     """
     return read_keys(CohortSpec, source)
+
+
+def _of_one_child(factors: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return factors, if those that describe a child are numbers, and a text for its sex."""
+    for name, value in factors.items():
+        if name == "child" or name in IndividualSpec.model_fields:
+            kinds = str if name == "sex" else int if name == "child" else (int, float)
+            if not isinstance(value, kinds) or isinstance(value, bool):
+                raise ValueError(f"'{name}' of a child is {type(value).__name__}")
+    return factors
+
+
+Key = Annotated[str, StringConstraints(pattern="^[0-9a-f]{32}$")]
+"""Hash of all that determines the result of a job."""
+Measure = None | bool | Int64 | Real | str
+Factors = Annotated[Mapping[str, Plain], AfterValidator(_of_one_child)]
+
+
+MOST_BYTES = 2**20
+"""Of the file of a result; 1 MB. Those of mimoc's own steps have one kilobyte."""
+
+
+class MarkFile(Model):
+    """`cohort.json`, which says that a folder is a cohort's."""
+
+    cohort: str
+    """Name of the cohort."""
+    version: Literal[1]
+    """Version of this kind of folder."""
+
+
+class ResultFile(Model):
+    """`results/<first two letters of the key>/<key>.json`: a job and what became of it."""
+
+    job: Key
+    cohort: str
+    step: str
+    seed: Int64 | None
+    options: Mapping[str, Plain]
+    factors: Factors
+    status: Literal["ok", "failed"]
+    measures: Mapping[str, Measure]
+    versions: Mapping[str, str]
+    error: str
+    seconds: NotNegative

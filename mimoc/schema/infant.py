@@ -10,11 +10,10 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, Va
 
 from mimoc.base.rounding import rounded
 from mimoc.plugins import load_plugins
-from mimoc.schema.base import shown
+from mimoc.schema.base import changed, everything, given, plain, shown
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided
-from mimoc.schema.plain import changed, everything, given, plain
 from mimoc.schema.reading import read_keys
 from mimoc.schema.sizes import pairs
 from mimoc.schema.source import Source, in_memory, in_memory_as_text

@@ -12,7 +12,7 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.validation import grow_against_who
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
-from mimoc.schema.plain import plain
+from mimoc.schema.base import plain
 from mimoc.schema.source import parse
 from mimoc.schema.yaml_document import dump
 
