@@ -5,7 +5,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BeforeValidator,
     Discriminator,
     Field,
     PrivateAttr,
@@ -19,21 +18,14 @@ from mimoc.base.rounding import rounded
 from mimoc.quantities import measures
 from mimoc.schema.base import KeyedError, Model, plain
 from mimoc.schema.body import IndividualSpec
-from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty
+from mimoc.schema.cohort_steps import FUNCTION, Step, by_shape, not_empty
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
-from mimoc.schema.quantities import Int64, NotNegative, PathText, Plain, Real, Whole
-from mimoc.schema.reading import read_keys
+from mimoc.schema.quantities import Identifier, Int64, NotNegative, PathText, Plain, Real, Whole, version_one
 from mimoc.schema.source import FileKind, Source
 from mimoc.schema.wording import unknown_key
 
 COHORT = FileKind("cohort file", "mimoc, cohort, base and do", "cohort: spring")
-
-
-def _known_version(value: Any) -> Any:
-    if type(value) is not int or value != 1:
-        raise ValueError("this mimoc reads version 1 of cohort files; write 'mimoc: 1'")
-    return value
 
 
 def _known_key(key: str) -> str:
@@ -148,7 +140,6 @@ def _kind_of_levels(value: Any) -> str | None:
 
 
 _LEVELS = "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
-_BASE = "a spec; write the path of its file, or its keys"
 Levels = Annotated[
     Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("a list")]
     | Annotated[RangeSpec, Tag("a range")]
@@ -157,12 +148,6 @@ Levels = Annotated[
     Field(json_schema_extra={"wanted": _LEVELS}),
 ]
 """The values of a key that is varied."""
-
-
-def _kind_of_children(value: Any) -> str | None:
-    if isinstance(value, list | tuple):
-        return "a list"
-    return "drawn children" if isinstance(value, dict | DrawnChildren) else None
 
 
 class SampleSize(Model):
@@ -181,38 +166,24 @@ class SampleDesign(Model):
     """How many, and by which seed."""
 
 
-def _kind_of_design(value: Any) -> str | None:
-    return "a word" if isinstance(value, str) else "a sample" if isinstance(value, dict | SampleDesign) else None
-
-
-def _kind_of_base(value: Any) -> str | None:
-    return "a path" if isinstance(value, str) else "a spec" if isinstance(value, dict) else None
-
-
 class CohortSpec(Model):
     """A cohort: children, what is varied, what is done with each infant, and what is measured."""
 
-    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    mimoc: Annotated[Literal[1], version_one("cohort files"), Field(examples=[1])]
     """Version of the language."""
-    cohort: Annotated[
-        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["spring"])
-    ]
+    cohort: Annotated[Identifier, Field(examples=["spring"])]
     """Name of the cohort."""
     base: Annotated[
-        Annotated[PathText, Tag("a path")] | Annotated[dict[str, Any], Tag("a spec")],
-        Discriminator(_kind_of_base),
-        Field(
-            examples=["nine_months.yaml"],
-            json_schema_extra={"wanted": _BASE},
-        ),
+        Annotated[PathText, Tag("a word")] | Annotated[dict[str, Any], Tag("a section")],
+        *by_shape("a spec; write the path of its file, or its keys"),
+        Field(examples=["nine_months.yaml"]),
     ]
     """The infant that all others are made from: the path of a spec, or the spec itself."""
     children: (
         Annotated[
-            Annotated[DrawnChildren, Tag("drawn children")]
+            Annotated[DrawnChildren, Tag("a section")]
             | Annotated[tuple[IndividualSpec, ...], AfterValidator(not_empty), Tag("a list")],
-            Discriminator(_kind_of_children),
-            Field(json_schema_extra={"wanted": "children; write {draw: 100, seed: 7}, or a list of individuals"}),
+            *by_shape("children; write {draw: 100, seed: 7}, or a list of individuals"),
         ]
         | None
     ) = None
@@ -220,9 +191,8 @@ class CohortSpec(Model):
     vary: Mapping[Annotated[str, AfterValidator(_known_key)], Levels] = Field(default_factory=dict)
     """Values of keys of the spec, by dotted key."""
     design: Annotated[
-        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a sample")],
-        Discriminator(_kind_of_design),
-        Field(json_schema_extra={"wanted": "a design; write grid, zip or {sample: {n: 500, seed: 1}}"}),
+        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a section")],
+        *by_shape("a design; write grid, zip or {sample: {n: 500, seed: 1}}"),
     ] = "grid"
     """How values are combined: each with each, in parallel, or at random."""
     do: Annotated[tuple[Step, ...], AfterValidator(not_empty), Field(examples=[["build"]])]
@@ -281,15 +251,6 @@ class CohortSpec(Model):
                 advice = "remove n: 'design' says how many infants" if sampled else "add n, the number of values"
                 raise KeyedError(("vary", key), f"design and draws do not fit; {advice}", against=("design",))
         return self
-
-
-def read_cohort_spec(source: Source) -> CohortSpec:
-    """Return the cohort in a file.
-
-    Raises:
-        SpecError: If the file is invalid; the error lists all problems.
-    """
-    return read_keys(CohortSpec, source)
 
 
 def _of_one_child(factors: Mapping[str, Any]) -> Mapping[str, Any]:

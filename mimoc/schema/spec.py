@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, StringConstraints, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.units import to_steps
@@ -15,7 +15,7 @@ from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import SIDES, Development, single_groups, unsided
-from mimoc.schema.quantities import Age, Milliseconds
+from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.sizes import check_sizes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
@@ -144,21 +144,13 @@ class ControlSpec(Model):
         return self
 
 
-def _known_version(value: Any) -> Any:
-    if type(value) is not int or value != 1:
-        raise ValueError("this mimoc reads version 1 of the spec language; write 'mimoc: 1'")
-    return value
-
-
 @composed(lambda: {"task": task_field()})
 class InfantKeys(Model):
     """All keys of the spec language, and the checks that involve several sections."""
 
-    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    mimoc: Annotated[Literal[1], version_one("the spec language"), Field(examples=[1])]
     """Version of the spec language."""
-    name: Annotated[
-        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["my_infant"])
-    ]
+    name: Annotated[Identifier, Field(examples=["my_infant"])]
     """Name of the infant and of its MuJoCo model."""
     age_months: Annotated[Age, Field(examples=[9])]
     """Age of the infant."""
