@@ -71,12 +71,13 @@ def _history(groups: Sequence[DelayedSamples]) -> list[Sample]:
     """Return the samples of a sense from the oldest to the newest, each number with the delay of its own group."""
     longest = max(group.length for group in groups) + 1
     lines = [(group.part, _resized(group.state, longest, group.arrived)) for group in groups]
-    if len(lines) == 1:
-        return lines[0][1]
     return [_merged([(part, line[at]) for part, line in lines]) for at in range(longest)]
 
 
 def _merged(samples: Sequence[tuple[Mask | None, Sample]]) -> Sample:
+    """Return the parts of a sample together."""
+    if len(samples) == 1:
+        return samples[0][1]
     merged = samples[0][1].copy()
     for part, sample in samples[1:]:
         merged[part] = sample[part]
@@ -291,9 +292,4 @@ def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) ->
 
 def arrived(delayed: Sequence[Samples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
-    if len(delayed) == 1:
-        return delayed[0].arrived
-    merged = delayed[0].arrived.copy()
-    for line in delayed[1:]:
-        merged[line.part] = line.arrived[line.part]
-    return merged
+    return _merged([(line.part, line.arrived) for line in delayed])

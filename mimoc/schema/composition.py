@@ -1,8 +1,9 @@
 """Sections of the spec language and of the manifest that are composed from what each kind declares."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
+from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import KindError
@@ -17,6 +18,15 @@ _FIELDS: dict[type[Model], Fields | None] = {}
 _COMPOSED: dict[type[Model], set[str]] = {}
 """Names of the fields that were added to each section."""
 _WATCHERS: list[Callable[[], None]] = []
+
+
+class ComposedModel(Model):
+    """A section some of whose fields are named by the registered kinds, not in its class."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the value of such a field."""
 
 
 def composed(fields: Fields | None = None) -> Callable[[M], M]:
@@ -50,10 +60,14 @@ def on_recompose(watcher: Callable[[], None]) -> Callable[[], None]:
     return watcher
 
 
+def described_field(annotation: Any, default: Any, about: str) -> FieldInfo:
+    """Return a field with its type, which may be annotated, its default and its description."""
+    return FieldInfo.from_annotated_attribute(annotation, Field(default=default, description=about))
+
+
 def section_field(section: type[Model]) -> FieldInfo:
     """Return a field for an optional section; its description is the first line of the section's docstring."""
-    annotation: Any = section | None
-    return FieldInfo(annotation=annotation, default=None, description=(section.__doc__ or "").split("\n")[0])
+    return described_field(section | None, None, (section.__doc__ or "").split("\n")[0])
 
 
 def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
@@ -69,8 +83,7 @@ def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
 
 def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
     """Return a field that names one of the registered kinds."""
-    annotation: Any = Literal[tuple(kinds)]
-    return FieldInfo(annotation=annotation, default=default, description=about)
+    return described_field(Literal[tuple(kinds)], default, about)
 
 
 def _compose(section: type[Model], fields: Fields | None) -> None:

@@ -111,38 +111,6 @@ class ControlSpec(Model):
     timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
     """Duration of a physics step."""
 
-    def with_default_step(self, step_ms: float) -> Self:
-        """Return this section with another control step, which is treated as a default.
-
-        Raises:
-            KeyedError: If that is not a whole number of physics steps.
-        """
-        clock = self.model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
-        clock.check_steps()
-        return clock
-
-    def check_steps(self) -> None:
-        """Check that the control step is a whole number of physics steps.
-
-        Raises:
-            KeyedError: If it is not.
-        """
-        keys = ("step_ms", "timestep_ms") if "step_ms" in self.model_fields_set else ("timestep_ms", "step_ms")
-        try:
-            if self.step_ms < self.timestep_ms:
-                advice = f"give 'step_ms' {self.timestep_ms:g} or more"
-                raise ValueError(
-                    f"{self.step_ms:g} ms is less than a physics step of {self.timestep_ms:g} ms; {advice}"
-                )
-            to_steps(self.step_ms, self.timestep_ms)
-        except ValueError as error:
-            raise KeyedError(keys[:1], f"a control step of {error}", against=keys[1:]) from None
-
-    @model_validator(mode="after")
-    def _steps_fit(self) -> Self:
-        self.check_steps()
-        return self
-
 
 @composed(lambda: {"task": task_field()})
 class InfantKeys(Model):
@@ -219,13 +187,21 @@ class InfantKeys(Model):
         return self
 
     @model_validator(mode="after")
-    def _task_sets_the_clock(self) -> Self:
-        if self.task and "step_ms" not in self.control.model_fields_set:
-            try:
-                clock = self.control.with_default_step(TASKS[self.task.kind].step_ms)
-            except KeyedError as error:
-                raise KeyedError(("control", *error.key), str(error), against=("task", "kind")) from None
-            object.__setattr__(self, "control", clock)
+    def _control_step_is_whole(self) -> Self:
+        control, key, against = self.control, ("control", "timestep_ms"), ("control", "step_ms")
+        if "step_ms" in control.model_fields_set:
+            key, against = against, key
+        elif self.task:
+            against, step_ms = ("task", "kind"), TASKS[self.task.kind].step_ms
+            control = ControlSpec.model_construct(control.model_fields_set, **{**dict(control), "step_ms": step_ms})
+            object.__setattr__(self, "control", control)
+        try:
+            if control.step_ms < control.timestep_ms:
+                shorter = f"{control.step_ms:g} ms is less than a physics step of {control.timestep_ms:g} ms"
+                raise ValueError(f"{shorter}; give 'step_ms' {control.timestep_ms:g} or more")
+            to_steps(control.step_ms, control.timestep_ms)
+        except ValueError as error:
+            raise KeyedError(key, f"a control step of {error}", against=against) from None
         return self
 
     @model_validator(mode="after")

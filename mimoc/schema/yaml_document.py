@@ -14,9 +14,6 @@ from yaml.events import (
     ScalarEvent,
     SequenceStartEvent,
 )
-from yaml.parser import Parser
-from yaml.reader import Reader
-from yaml.scanner import Scanner
 
 from mimoc.base.errors import Problem, SpecError
 from mimoc.schema.base import KeyPath, Place, dotted, shown
@@ -109,7 +106,8 @@ class DocumentReader:
 
     def __init__(self, text: str, file: str):
         self.file = file
-        self.events = _Events(text)
+        self.events = yaml.SafeLoader(text)
+        """Only its events are taken: nothing is resolved or constructed."""
         self.problems: list[Problem] = []
         self.invalid: set[KeyPath] = set()
         self.key_places: dict[KeyPath, Place] = {}
@@ -249,15 +247,6 @@ class DocumentReader:
         self.size += values
         if self.size > MAX_VALUES:
             self.stop((), place, f"more than {MAX_VALUES} values, counting aliases; a spec has at most some 300")
-
-
-class _Events(Reader, Scanner, Parser):
-    """Events of YAML's syntax only: nothing is resolved, constructed or imported."""
-
-    def __init__(self, text: str):
-        Reader.__init__(self, text)
-        Scanner.__init__(self)
-        Parser.__init__(self)
 
 
 def _syntax_problem(error: yaml.MarkedYAMLError, file: str) -> Problem:
