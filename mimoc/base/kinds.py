@@ -293,11 +293,7 @@ def installed_entry_points() -> EntryPoints:
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:
-    """Return the function that a record means.
-
-    Args:
-        code: The function itself, or the module that defines it.
-        name: Its name in the module.
+    """Return the function that a record means: *code* itself, or what has this name in the module.
 
     Raises:
         KindError: If somebody else's module cannot be imported, or has no such function.

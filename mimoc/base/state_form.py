@@ -11,10 +11,7 @@ import numpy.typing as npt
 def check_form(given: Any, expected: Any, where: str = "") -> None:
     """Check that a state, or something in it, has the form of another: the same names and arrays, and finite numbers.
 
-    Args:
-        given: What comes from anywhere.
-        expected: What is there in a state of this environment; names that it leaves out are not looked at.
-        where: Names that lead to it, for the message.
+    Names that *expected* leaves out are not looked at; *where* are the names that lead to it.
 
     Raises:
         ValueError: If it has another form.

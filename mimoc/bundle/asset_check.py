@@ -32,11 +32,7 @@ _NAME_BYTES = 40
 
 
 def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> None:
-    """Check the files that the MJCF of a bundle refers to.
-
-    Args:
-        files: The files of the bundle, by path.
-        references: The element that refers to each, by path.
+    """Check the files of a bundle that its MJCF refers to, by the element that does, by path.
 
     Raises:
         BundleError: If one is missing, damaged, or too large.

@@ -27,20 +27,16 @@ from mimoc.bundle.regular_files import (
 )
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class LazyFiles(Mapping[str, bytes]):
-    """Content by path, read-only."""
+    """Content by path, made when it is first asked for."""
 
-    def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
-        """Promise some files.
-
-        Args:
-            arrays: What the file of the large arrays holds, read-only, rounded as it is in the file.
-            make: Returns all files.
-        """
-        self.arrays, self._make = arrays, make
+    arrays: Mapping[str, Array]
+    """What the file of the large arrays holds, read-only, rounded as it is in the file."""
+    make: Callable[[], Mapping[str, bytes]]
+    """Returns all files."""
 
     def __getitem__(self, path: str) -> bytes:
-        """Return the content of a file."""
         return self._all[path]
 
     def __iter__(self) -> Iterator[str]:
@@ -51,7 +47,7 @@ class LazyFiles(Mapping[str, bytes]):
 
     @cached_property
     def _all(self) -> Mapping[str, bytes]:
-        return self._make()
+        return self.make()
 
 
 @dataclass(frozen=True, slots=True)

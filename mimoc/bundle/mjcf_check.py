@@ -167,10 +167,6 @@ _SHOWN = 60
 def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
     """Check that a file of MJCF is one that mimoc could have written.
 
-    Args:
-        file: Its name, for errors.
-        content: The file.
-
     Returns:
         How many there are of each element, and the element that refers to each other file, by the path of that.
 
@@ -198,12 +194,7 @@ class _Reader:
     """Reads MJCF element by element, and refuses what mimoc does not write."""
 
     def __init__(self, file: str, *, at_once: bool = False):
-        """Begin a file.
-
-        Args:
-            file: Its name.
-            at_once: Whether to check each value where it is; it takes less time to check them together in the end.
-        """
+        """Begin a file; to check each value *at once*, where it is, takes longer than all together in the end."""
         self.counts, self.references = Counter[str](), dict[str, str]()
         self.given: defaultdict[Values, list[str]] = defaultdict(list)
         """The values of all attributes, by what they may be."""

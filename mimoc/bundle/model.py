@@ -118,11 +118,7 @@ def check_contacts(data: mujoco.MjData) -> None:
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
-
-    Args:
-        bundle: The infant.
-        pose: A keyframe; else the bundle's own.
+    """Return the compiled scene of a bundle and its state in a pose or its own, with all that is derived from it.
 
     Raises:
         ModelError: If MuJoCo rejects the model.

@@ -28,11 +28,7 @@ def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> No
     """Put the samples of a sense that are on their way into those with the delays of another age.
 
     The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
-    there is room for more, the oldest is observed for longer.
-
-    Args:
-        groups: The samples by their new delays.
-        former: The same samples by their former delays, which are left as they are.
+    there is room for more, the oldest is observed for longer. The former are left as they are.
     """
     plain = [group for group in former if isinstance(group, DelayedSamples)]
     history = _history(plain) if len(plain) == len(former) else []
@@ -108,14 +104,7 @@ class Schedule:
         timing: Timing,
         streams: NoiseStreams | None = None,
     ):
-        """Plan the control step, once.
-
-        Args:
-            senses: Senses that are bound to the model, by name.
-            actuation: What turns an action into controls of the model.
-            model: The model.
-            timing: The time base, the delays and the noise.
-            streams: Random numbers of the noise, if there is any.
+        """Plan the control step, once, for senses and an actuation that are bound to the model.
 
         Raises:
             ValueError: If a delay, its jitter or the control step is not a whole number of physics steps.
@@ -247,12 +236,7 @@ class Schedule:
             demand(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
 
     def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
-        """Go on with the signals that are on their way in the same infant at another age, in place of a reset.
-
-        Args:
-            former: Its schedule so far, which is left as it is.
-            data: Its state now.
-        """
+        """Go on with the signals on their way in the same infant at another age, whose schedule is left as it is."""
         for name, delayed in self._samples.items():
             transfer_samples(delayed, former._samples[name])
         transfer_commands(self._commands, former._commands)

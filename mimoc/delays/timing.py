@@ -45,10 +45,7 @@ class Timing:
     def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:
         """Return the samples of a sense on their way, by their delay.
 
-        Args:
-            sense: The sense.
-            in_legs: Which of its numbers belong to the legs, shape (n,); None where none does.
-            streams: Random numbers of the jitter.
+        Of its n numbers, those *in_legs* belong to the legs, shape (n,); None where none does.
 
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
@@ -59,12 +56,9 @@ class Timing:
         ]
 
     def commands(self, in_legs: Mask, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
-        """Return the commands on their way, by their delay.
+        """Return the n commands on their way to some actuators, shape (n,), by their delay.
 
-        Args:
-            in_legs: Which of the n commands go to the legs, shape (n,).
-            actuators: The actuators of the model that they control, shape (n,).
-            streams: Random numbers of the jitter.
+        Those *in_legs*, shape (n,), go to the legs.
 
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
@@ -79,11 +73,7 @@ class Timing:
     def _groups(
         self, signal: str, in_legs: Mask | None, streams: NoiseStreams
     ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
-        """Return the delays of a signal in physics steps, with the numbers that have it (None is all) and its jitter.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
-        """
+        """Return the delays of a signal in physics steps, with the numbers that have it (None: all), and its jitter."""
         delay, jitter = self.delays.get(signal, NO_DELAY), to_steps(self.noise.delay_jitter_ms, self.timestep_ms)
         groups = [(signal, delay.ms, None)]
         if delay.legs_ms is not None and in_legs is not None:

@@ -44,7 +44,6 @@ class NoiseStreams:
     """
 
     def __init__(self, seed: int):
-        """Begin all streams at a seed."""
         self.restart(seed)
 
     def restart(self, seed: int) -> None:
@@ -113,7 +112,6 @@ class SignalNoise:
     """The noise of one signal of one infant, with its state and its stream of random numbers."""
 
     def __init__(self, noise: Noise, channel: str, streams: NoiseStreams):
-        """Disturb a signal by the stream of a channel."""
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
         self.state: list[Any] = [-math.inf, None]
@@ -253,7 +251,6 @@ class NoisyMotors:
     """The commands of one infant, and the noise with which they drive its actuators."""
 
     def __init__(self, noise: MotorNoise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
-        """Disturb the commands of all commanded actuators, in each physics step."""
         self._noise, self._timestep_s = SignalNoise(noise, CHANNEL, streams), timestep_s
         self._actuators = actuation.actuators
 

@@ -79,14 +79,7 @@ class NoiseEntry(ComposedModel):
 def check_noise(
     noise: NoiseSpec, senses: Mapping[str, Any], delays: DelaysSpec, actuation: str, timestep_ms: float
 ) -> None:
-    """Check that there is something for each noise to act on.
-
-    Args:
-        noise: The noise.
-        senses: The section of each sense, or None if it is off.
-        delays: The delays.
-        actuation: Name of the actuation model.
-        timestep_ms: Physics step.
+    """Check that there is something for each noise to act on; the section of a sense is None if it is off.
 
     Raises:
         KeyedError: If a sense is off, nothing has a delay, or the actuation model has no such noise.

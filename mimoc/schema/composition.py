@@ -13,7 +13,7 @@ from mimoc.schema.base import Model
 Fields = Callable[[], Mapping[str, FieldInfo]]
 M = TypeVar("M", bound=type[Model])
 
-_FIELDS: dict[type[Model], Fields | None] = {}
+_FIELDS: dict[type[Model], Fields] = {}
 """Sections that depend on the registered kinds, innermost first, and the functions that return their fields."""
 _COMPOSED: dict[type[Model], set[str]] = {}
 """Names of the fields that were added to each section."""
@@ -29,13 +29,8 @@ class ComposedModel(Model):
             """Return the value of such a field."""
 
 
-def composed(fields: Fields | None = None) -> Callable[[M], M]:
-    """Return a decorator for a section whose fields depend on the registered kinds.
-
-    Args:
-        fields: Function that returns these fields, with their annotations; None if only nested sections depend on
-            kinds.
-    """
+def composed(fields: Fields) -> Callable[[M], M]:
+    """Return a decorator for a section with fields that depend on the registered kinds, and are made by a function."""
 
     def decorate(section: M) -> M:
         _FIELDS[section] = fields
@@ -86,8 +81,8 @@ def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
     return described_field(Literal[tuple(kinds)], default, about)
 
 
-def _compose(section: type[Model], fields: Fields | None) -> None:
-    options = fields() if fields else {}
+def _compose(section: type[Model], fields: Fields) -> None:
+    options = fields()
     if taken := section in _COMPOSED and (options.keys() & section.model_fields.keys()) - _COMPOSED[section]:
         raise KindError(f"'{min(taken)}' is already another key of {section.__name__}; choose another name")
     for name in _COMPOSED.get(section, set()) - options.keys():

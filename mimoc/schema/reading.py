@@ -16,14 +16,10 @@ Spec = TypeVar("Spec", bound=Model)
 
 
 def read_keys(keys: type[Spec], source: Source) -> Spec:
-    """Return the spec in a file.
+    """Return the spec, or another kind of file, that the class *keys* describes.
 
     Invalid values are reported and removed, and the rest is validated again, because pydantic runs the validators of
     a section only once each of its keys is valid.
-
-    Args:
-        keys: The class of the spec, or of another kind of file.
-        source: The file.
 
     Raises:
         SpecError: If the spec is invalid; the error lists all problems.

@@ -93,11 +93,7 @@ class Source:
 
 
 def read(path: str | Path, kind: FileKind = SPEC) -> Source:
-    """Read a YAML file.
-
-    Args:
-        path: Where it is.
-        kind: The expected kind of file, for messages.
+    """Read a YAML file; messages say which kind of file was expected.
 
     Raises:
         SpecError: If no data can be read from it.
@@ -127,11 +123,6 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
 def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
     """Read YAML from a pipe, to its end; relative paths in it are relative to the current folder.
 
-    Args:
-        stream: The pipe.
-        name: Its name, for messages.
-        kind: The expected kind of file, for messages.
-
     Raises:
         SpecError: If no data can be read from it.
     """
@@ -142,12 +133,7 @@ def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
 
 
 def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
-    """Read the text of a YAML file.
-
-    Args:
-        text: One YAML 1.2 document, a mapping at the top.
-        file: Its name, for messages.
-        kind: The expected kind of file, for messages.
+    """Read the text of a YAML file: one YAML 1.2 document, a mapping at the top.
 
     Raises:
         SpecError: If no data can be read from it.

@@ -27,11 +27,7 @@ REMOVED = ("body", "remove")
 
 
 def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None:
-    """Check that an infant has the parts that keys of its spec are about.
-
-    Args:
-        body: The body.
-        groups: Names of muscle groups, by the path of the section that names them.
+    """Check that an infant has the parts that keys are about, and the muscle groups that sections name, by their path.
 
     Raises:
         KeyedError: If the infant has none of the parts that a key is about.
@@ -55,11 +51,7 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
 
 
 def check_delays(delays: Mapping[str, Any], senses: Mapping[str, Any]) -> None:
-    """Check that senses with a delay of their own are on.
-
-    Args:
-        delays: The section `delays`, by key.
-        senses: The section of each sense, or None if it is off.
+    """Check that senses with a delay of their own are on: that their section is not None.
 
     Raises:
         KeyedError: If one is off.

@@ -44,9 +44,7 @@ def offered() -> dict[str, Sequence[str]]:
 def new_spec(choices: Choices, schema: Path | None = None) -> str:
     """Return the text of a spec, in which comments say what else each key may be.
 
-    Args:
-        choices: What it says; whether that is possible shows when it is read.
-        schema: A JSON Schema that editors are to use.
+    Whether its choices are possible shows when it is read. Editors are to use the schema.
     """
     lines = [*with_schema("", schema).splitlines(), *_lines(choices, language_of(InfantSpec))]
     return "\n".join(lines) + "\n"
