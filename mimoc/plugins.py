@@ -15,20 +15,9 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from mimoc.actuation import ACTUATIONS
+from mimoc.base import kinds
 from mimoc.base.errors import KindError
-from mimoc.base.kinds import (
-    PLUGINS_VARIABLE,
-    ActuationKind,
-    Code,
-    Kinds,
-    PartKind,
-    PolicyKind,
-    SceneKind,
-    SenseKind,
-    TaskKind,
-    ToySource,
-    installed_entry_points,
-)
+from mimoc.base.kinds import PLUGINS_VARIABLE, Code, Kinds, installed_entry_points
 from mimoc.body.part import ReferencePart
 from mimoc.body.parts import PARTS
 from mimoc.body.parts.checking import check_parts
@@ -41,16 +30,25 @@ from mimoc.senses import SENSES
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 
-Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PartKind | PolicyKind | Quantity
+Record = (
+    kinds.SenseKind
+    | kinds.ActuationKind
+    | kinds.TaskKind
+    | kinds.SceneKind
+    | kinds.ToySource
+    | kinds.PartKind
+    | kinds.PolicyKind
+    | Quantity
+)
 
 KINDS: dict[str, tuple[type, Kinds]] = {
-    "mimoc.senses": (SenseKind, SENSES),
-    "mimoc.actuation": (ActuationKind, ACTUATIONS),
-    "mimoc.tasks": (TaskKind, TASKS),
-    "mimoc.scenes": (SceneKind, SCENES),
-    "mimoc.toys": (ToySource, TOY_SOURCES),
-    "mimoc.parts": (PartKind, PARTS),
-    "mimoc.policies": (PolicyKind, POLICIES),
+    "mimoc.senses": (kinds.SenseKind, SENSES),
+    "mimoc.actuation": (kinds.ActuationKind, ACTUATIONS),
+    "mimoc.tasks": (kinds.TaskKind, TASKS),
+    "mimoc.scenes": (kinds.SceneKind, SCENES),
+    "mimoc.toys": (kinds.ToySource, TOY_SOURCES),
+    "mimoc.parts": (kinds.PartKind, PARTS),
+    "mimoc.policies": (kinds.PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),
 }
 """The class and the table of records, by group of entry points."""
@@ -102,7 +100,7 @@ def _entry_points() -> Iterator[EntryPoint]:
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:
     """Add a record to its table and to the sections that depend on it, or to none of them."""
     _check_fields(record)
-    if isinstance(record, PartKind):
+    if isinstance(record, kinds.PartKind):
         check_parts(record)
     table.add(record, distribution)
     try:

@@ -3,7 +3,7 @@
 import os
 import sys
 import traceback
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -197,11 +197,8 @@ def suggestion(name: str, known: Collection[str]) -> str:
     """Return the advice of an error message: the *known* names that *name* may be a misspelling of."""
     near = get_close_matches(name, known, n=3, cutoff=0.6)
     if near:
-        return f"did you mean {_alternatives(near)}?"
+        alternatives = " or ".join(f"'{name}'" for name in near)
+        return f"did you mean {alternatives}?"
     names = sorted(known)
     shown = names if len(names) <= _MAX_NAMES else [*names[:_MAX_NAMES], f"... ({len(names)} in all)"]
     return f"choose from {', '.join(shown)}"
-
-
-def _alternatives(names: Sequence[str]) -> str:
-    return " or ".join(f"'{name}'" for name in names)

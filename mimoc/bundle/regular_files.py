@@ -119,8 +119,7 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path |
     """
     try:
         if below is None:  # By its path at once: another process may replace its folder meanwhile.
-            file = _open(path, most_bytes)
-            return None if file is None else _content(file)
+            return _content(_open(path, most_bytes))
         with regular_files(below, most_bytes) as files:
             return files.read(path.relative_to(below).as_posix(), most_bytes)
     except OSError as error:
@@ -156,21 +155,15 @@ def _content(file: BinaryIO) -> bytes:
         return file.read(os.fstat(file.fileno()).st_size)
 
 
-def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO | None:
-    handle = os.open(name, _FILE, dir_fd=folder)
-    try:
-        status = os.fstat(handle)
-        if stat.S_ISDIR(status.st_mode):
-            os.close(handle)
-            return None
-        if not stat.S_ISREG(status.st_mode):
-            raise UnusableFileError("is not a regular file")
-        if status.st_size > most_bytes:
-            raise UnusableFileError("is larger than those of any infant")
-        return os.fdopen(handle, "rb")
-    except UnusableFileError:
-        os.close(handle)
-        raise
+def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO:
+    """Return a file opened for reading; of a folder, Python raises an OSError."""
+    file = open(name, "rb", opener=lambda path, flags: os.open(path, flags | _FILE, dir_fd=folder))  # noqa: SIM115
+    status = os.fstat(file.fileno())
+    if stat.S_ISREG(status.st_mode) and status.st_size <= most_bytes:
+        return file
+    file.close()
+    is_file = stat.S_ISREG(status.st_mode)
+    raise UnusableFileError("is larger than those of any infant" if is_file else "is not a regular file")
 
 
 MOST_JSON_BYTES = 2**22

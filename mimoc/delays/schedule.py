@@ -121,7 +121,10 @@ class Schedule:
         self._noisy = {
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
-        self._motor_noise = _motor_noise(timing, actuation, streams)
+        self._motor_noise: NoisyMotors | None = None
+        if timing.noise.motor:
+            noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
+            self._motor_noise = NoisyMotors(noise, timestep_s, actuation, streams)
         self._jittered = [
             line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
@@ -266,12 +269,6 @@ class Schedule:
             )
             for start, end in pairwise(cuts)
         )
-
-
-def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> NoisyMotors | None:
-    if not timing.noise.motor:
-        return None
-    return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
 def arrived(delayed: Sequence[Samples]) -> Sample:

@@ -49,10 +49,9 @@ def recompose() -> None:
         watcher()
 
 
-def on_recompose(watcher: Callable[[], None]) -> Callable[[], None]:
-    """Register a function to be called after every recomposition, such as one that clears a cache, and return it."""
+def on_recompose(watcher: Callable[[], None]) -> None:
+    """Register a function to be called after every recomposition, such as one that clears a cache."""
     _WATCHERS.append(watcher)
-    return watcher
 
 
 def described_field(annotation: Any, default: Any, about: str) -> FieldInfo:
@@ -62,18 +61,20 @@ def described_field(annotation: Any, default: Any, about: str) -> FieldInfo:
 
 def section_field(section: type[Model]) -> FieldInfo:
     """Return a field for an optional section; its description is the first line of the section's docstring."""
-    return described_field(section | None, None, (section.__doc__ or "").split("\n")[0])
+    return described_field(section | None, None, _first_line(section))
 
 
 def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
     """Return a field for each kind that has a section of its own keys, under the name of the kind."""
     return {
-        kind.name: FieldInfo(
-            annotation=kind.spec, default_factory=kind.spec, description=(kind.spec.__doc__ or "").split("\n")[0]
-        )
+        kind.name: FieldInfo(annotation=kind.spec, default_factory=kind.spec, description=_first_line(kind.spec))
         for kind in kinds.values()
         if kind.spec
     }
+
+
+def _first_line(section: type[Model]) -> str:
+    return (section.__doc__ or "").split("\n")[0]
 
 
 def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
