@@ -164,11 +164,7 @@ class UnknownNameError(MimocError):
 
 
 def check_name(kind: str, name: object, known: Collection[str]) -> None:
-    """Check that something is one of the known names of a kind.
-
-    Raises:
-        UnknownNameError: If it is not.
-    """
+    """Raise an UnknownNameError unless something is one of the known names of a kind."""
     if not isinstance(name, str) or name not in known:
         raise UnknownNameError(kind, name, known)
 

@@ -226,11 +226,7 @@ class Kinds(Mapping[str, K]):
         return len(self.builtin) + len(self._added)
 
     def find(self, name: str) -> K:
-        """Return the record of a name.
-
-        Raises:
-            UnknownNameError: If there is none.
-        """
+        """Return the record of a name, or raise an UnknownNameError."""
         if name not in self:
             raise UnknownNameError(self.what, name, list(self))
         return self[name]
@@ -258,11 +254,7 @@ class Kinds(Mapping[str, K]):
 
 
 def check_custom_object(what: str, custom: object, method: str, example: str) -> None:
-    """Check that what a script passes instead of a record is an object with a method, and not its class.
-
-    Raises:
-        KindError: If it is not.
-    """
+    """Raise a KindError unless what a script passes instead of a record is an object with a method, not its class."""
     if isinstance(custom, type):
         raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
     if not callable(getattr(custom, method, None)):

@@ -32,11 +32,7 @@ def check_form(given: Any, expected: Any, where: str = "") -> None:
 
 
 def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[Any]:
-    """Return what is there, which is a list, of this length if it is said.
-
-    Raises:
-        ValueError: If it is not.
-    """
+    """Return what is there, or raise a ValueError unless it is a list, of this length if it is said."""
     demand(isinstance(given, (list, tuple)) and length in (None, len(given)), where, given)
     return given
 
@@ -68,11 +64,7 @@ def _check_array(given: Any, expected: np.ndarray, where: str) -> None:
 
 
 def check_finite(given: npt.NDArray[Any], where: str) -> None:
-    """Check that an array of a state has neither NaN nor infinity.
-
-    Raises:
-        ValueError: If it has one.
-    """
+    """Raise a ValueError if an array of a state has a NaN or an infinity."""
     if given.dtype.kind == "f" and not np.isfinite(given).all():
         raise ValueError(f"state cannot be restored: {where} has a NaN or an infinity")
 

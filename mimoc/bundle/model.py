@@ -77,11 +77,7 @@ def prepare(model: mujoco.MjModel) -> None:
 
 @contextmanager
 def bounded() -> Iterator[None]:
-    """Turn MuJoCo's lack of memory, for contacts that no infant has, into an error of mimoc's.
-
-    Raises:
-        ModelError: If the physics needs more memory than the model has.
-    """
+    """Turn MuJoCo's lack of memory, for contacts that no infant has, into a ModelError."""
     try:
         yield
     except mujoco.FatalError as error:
@@ -108,11 +104,7 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def check_contacts(data: mujoco.MjData) -> None:
-    """Check, at the start of an episode, that there are no more contacts than in any scene.
-
-    Raises:
-        ModelError: If there are.
-    """
+    """Raise a ModelError if, at the start of an episode, there are more contacts than in any scene."""
     if data.ncon > MOST_CONTACTS:
         raise ModelError(f"the model has {data.ncon:,} contacts at the start, which no scene of mimoc's has")
 
@@ -282,11 +274,7 @@ _OBJECTS: Mapping[str, mujoco.mjtObj] = {
 
 
 def pose_of(manifest: Manifest, pose: str | None) -> str:
-    """Return the name of a pose, the bundle's default if *pose* is None.
-
-    Raises:
-        UnknownNameError: If the bundle has no such pose.
-    """
+    """Return the name of a pose, by default the bundle's, or raise an UnknownNameError."""
     if pose is None or pose in manifest.poses:
         return pose or manifest.pose
     kept = manifest.constraints.locks or manifest.constraints.welds

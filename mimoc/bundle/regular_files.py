@@ -58,11 +58,7 @@ class RegularFiles:
         return content
 
     def open(self, name: str, most_bytes: int) -> BinaryIO | None:
-        """Return a file opened for reading, None if it does not exist or cannot be read.
-
-        Raises:
-            UnusableFileError: If it is not a regular file of the folder, or too large.
-        """
+        """Return a file opened for reading; see `read`."""
         path = PurePosixPath(name)
         try:
             return _open(path.name, most_bytes, self._folder(path.parent))
@@ -95,11 +91,7 @@ class RegularFiles:
 
 @contextmanager
 def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> Iterator[RegularFiles]:
-    """Open a folder, which may itself be a link, to read its files.
-
-    Raises:
-        OSError: If it cannot be opened.
-    """
+    """Open a folder, which may itself be a link, to read its files; an OSError says that it cannot be opened."""
     with ExitStack() as handles:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         handles.callback(os.close, handle)
@@ -129,11 +121,7 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path |
 
 
 def open_regular_file(path: Path, most_bytes: int, *, below: Path) -> BinaryIO | None:
-    """Return a file opened for reading, None if it does not exist or cannot be read; see `read_regular_file`.
-
-    Raises:
-        UnusableFileError: If it is not a regular file, or too large.
-    """
+    """Return a file opened for reading; see `read_regular_file`."""
     try:
         with regular_files(below) as files:
             return files.open(path.relative_to(below).as_posix(), most_bytes)
@@ -194,11 +182,7 @@ def read_json_file(
 
 
 def parse_json(content: bytes, kind: type[Data]) -> Data:
-    """Return JSON as data of a type; see `read_json_file`.
-
-    Raises:
-        UnusableFileError: If it is anything else.
-    """
+    """Return JSON as data of a type, or raise an UnusableFileError; see `read_json_file`."""
     try:
         return kind.model_validate_json(content, strict=True)
     except ValidationError as error:

@@ -13,11 +13,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 def check_controls(controls: Any, part: IntArray, where: str) -> None:
-    """Check that something in a state can be the controls of all actuators, of which a part is on its way.
-
-    Raises:
-        ValueError: If it cannot.
-    """
+    """Raise a ValueError unless it can be the controls of all actuators, of which a part is on its way."""
     is_array = isinstance(controls, np.ndarray) and controls.dtype.kind == "f" and controls.ndim == 1
     demand(is_array and controls.size > part.max(initial=-1), where, controls)
     check_finite(controls, where)

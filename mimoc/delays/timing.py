@@ -35,11 +35,7 @@ class Timing:
 
     @property
     def period(self) -> int:
-        """Physics steps in a control step.
-
-        Raises:
-            ValueError: If it is not a whole number.
-        """
+        """Physics steps in a control step; a ValueError says that it is not a whole number."""
         return to_steps(self.step_ms, self.timestep_ms)
 
     def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:

@@ -159,11 +159,7 @@ class InfantSpec(InfantKeys):
 
 
 def read_spec(source: Source) -> InfantSpec:
-    """Return the spec in a file.
-
-    Raises:
-        SpecError: If the spec is invalid; the error lists all problems.
-    """
+    """Return the spec in a file; a SpecError lists all problems."""
     return read_keys(InfantSpec, source)
 
 

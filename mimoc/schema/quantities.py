@@ -88,11 +88,7 @@ INT64 = 2**63
 
 
 def bounded(data: Any) -> Any:
-    """Return plain data, if its whole numbers have at most 64 bits and the others are finite.
-
-    Raises:
-        ValueError: If not.
-    """
+    """Return plain data, or raise a ValueError if whole numbers have more than 64 bits or others are not finite."""
     if isinstance(data, dict | list):
         for item in data.values() if isinstance(data, dict) else data:
             bounded(item)

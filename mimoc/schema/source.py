@@ -93,11 +93,7 @@ class Source:
 
 
 def read(path: str | Path, kind: FileKind = SPEC) -> Source:
-    """Read a YAML file; messages say which kind of file was expected.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read a YAML file, or raise a SpecError; messages say which kind of file was expected."""
     try:
         status = Path(path).stat()
         if stat.S_ISDIR(status.st_mode):
@@ -121,11 +117,7 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
 
 
 def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
-    """Read YAML from a pipe, to its end; relative paths in it are relative to the current folder.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read YAML from a pipe, to its end, as `read`; relative paths in it are relative to the current folder."""
     content = stream.read(MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
         _refuse(name, f"the input is larger than 1 MiB; check that it is a {kind.name}")
@@ -133,11 +125,7 @@ def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
 
 
 def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
-    """Read the text of a YAML file: one YAML 1.2 document, a mapping at the top.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read the text of a YAML file, or raise a SpecError: one YAML 1.2 document, a mapping at the top."""
     written = text if isinstance(text, str) else _decoded(text, file)
     plain = written.removeprefix("\ufeff")
     if "\0" in plain:

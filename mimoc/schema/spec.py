@@ -1,7 +1,7 @@
 """All keys of a spec, its `control`, and the checks that involve several sections or what the infant does not have."""
 
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
@@ -48,18 +48,6 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
             if single_groups([name]) and not single_groups([name]) & left:
                 key = name if path[-1] == "strength" else index
                 _refuse((*path, key), f"all of '{name}' is removed")
-
-
-def check_delays(delays: Mapping[str, Any], senses: Mapping[str, Any]) -> None:
-    """Check that senses with a delay of their own are on: that their section is not None.
-
-    Raises:
-        KeyedError: If one is off.
-    """
-    for name, section in senses.items():
-        if section is None and delays.get(f"{name}_ms"):
-            message = f"'{name}' is off, so it has no delay; add '{name}: {{}}' to the senses, or remove this"
-            raise KeyedError(("delays", f"{name}_ms"), message, against=("senses", name))
 
 
 def removed(anatomy: Anatomy, names: Iterable[str]) -> set[str]:
@@ -157,7 +145,14 @@ class InfantKeys(Model):
         if self.senses.vision and self.senses.vision.body == "skin" and self.body.skin is False:
             message = "there is no skin to see; write 'solids', or remove 'skin: false' from the body"
             raise KeyedError(("senses", "vision", "body"), message, against=("body", "skin"))
-        check_delays(dict(self.delays), dict(self.senses))
+        return self
+
+    @model_validator(mode="after")
+    def _delayed_senses_are_on(self) -> Self:
+        for name, section in self.senses:
+            if section is None and getattr(self.delays, f"{name}_ms"):
+                message = f"'{name}' is off, so it has no delay; add '{name}: {{}}' to the senses, or remove this"
+                raise KeyedError(("delays", f"{name}_ms"), message, against=("senses", name))
         return self
 
     @model_validator(mode="after")
