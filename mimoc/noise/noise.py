@@ -70,9 +70,6 @@ class NoiseStreams:
             self[channel].bit_generator.state = at
 
 
-BoolArray = npt.NDArray[np.bool_]
-
-
 @dataclass(slots=True)  # Not frozen, which would take three times as long to make.
 class Draw:
     """What noise is made of at one time."""
@@ -81,16 +78,9 @@ class Draw:
     """The array library."""
     elapsed_s: float
     """Time since the state; infinite if there is none."""
-    _normals: Callable[[Sequence[int], Any], Any]
-
-    def normals(self, shape: Sequence[int], where: Any = None) -> Any:
-        """Return random numbers with mean 0 and standard deviation 1.
-
-        Args:
-            shape: Their shape, (k, ...).
-            where: Which of them are needed, an array of bool of this shape; others may be anything. None is all.
-        """
-        return self._normals(shape, where)
+    normals: Callable[..., Any]
+    """From a shape, (k, ...), to random numbers with mean 0 and standard deviation 1; an array of bool of this shape as
+    second argument says which of them are needed: others may be anything then."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +125,7 @@ class SignalNoise:
         self.state = [former_s, state]
         return noisy[0]
 
-    def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:
+    def _normals(self, shape: Sequence[int], where: npt.NDArray[np.bool_] | None = None) -> FloatArray:
         generator = self._streams[self._channel]
         if where is None:
             return generator.standard_normal(shape)

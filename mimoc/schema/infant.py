@@ -82,9 +82,6 @@ def _is_age(months: Any) -> bool:
     return isinstance(months, int | float) and not isinstance(months, bool) and 0 <= months <= OLDEST_MONTHS
 
 
-HERE = Path()
-
-
 @composed(lambda: {"task": task_field()})
 class InfantSpec(InfantKeys):
     """One infant in one scene, as the user specified it: nothing is computed, and omitted keys have their defaults."""
@@ -102,7 +99,7 @@ class InfantSpec(InfantKeys):
         except ValidationError as error:
             refusal = error
         if isinstance(data, Mapping) and not isinstance(info.context, Source):
-            read_keys(cls, in_memory(plain(data), f"<{shown(str(data.get('name', 'spec')))}>", HERE))
+            read_keys(cls, in_memory(plain(data), f"<{shown(str(data.get('name', 'spec')))}>", Path()))
         raise refusal
 
     @property
@@ -207,7 +204,7 @@ def _name(spec: InfantSpec) -> str:
 
 
 def _folder(spec: InfantSpec) -> Path:
-    return spec.source.folder if spec.source else HERE
+    return spec.source.folder if spec.source else Path()
 
 
 load_plugins()

@@ -80,7 +80,7 @@ class DeviceNoise:
         return where_worlds(begins, noisy, signal)
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:
-        return Draw(array_library, elapsed_s, lambda shape, where: self._chance.normals(first, shape))
+        return Draw(array_library, elapsed_s, lambda shape, where=None: self._chance.normals(first, shape))
 
     def _keep(self, state: torch.Tensor | None) -> None:
         """Keep a state, at the same place in memory."""
