@@ -160,8 +160,8 @@ def lock_files(
         inputs: Tables the files were made from, by name; only their digests are kept.
         manifest: The parsed manifest file, to avoid parsing it again.
     """
-    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
-    return _bundle({**files, LOCK: _printed(lock)}, manifest or read_manifest(files[MANIFEST]), None)
+    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs)}
+    return _locked(files, lock, manifest or read_manifest(files[MANIFEST]))
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -199,9 +199,7 @@ def read_bundle(path: str | Path) -> Bundle:
 def without(bundle: Bundle, name: str) -> Bundle:
     """Return a bundle without one of its files, which its lock no longer lists."""
     files = {other: content for other, content in bundle.files.items() if other not in (name, LOCK)}
-    lock = json.loads(bundle.files[LOCK])
-    lock["files"] = digests(files)
-    return _bundle({**files, LOCK: _printed(lock)}, bundle.manifest, None)
+    return _locked(files, json.loads(bundle.files[LOCK]), bundle.manifest)
 
 
 def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
@@ -246,8 +244,9 @@ def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -
     return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
 
 
-def _printed(lock: Mapping[str, Any]) -> bytes:
-    return (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()
+def _locked(files: Mapping[str, bytes], lock: Mapping[str, Any], manifest: Manifest) -> Bundle:
+    text = json.dumps({**lock, "files": digests(files)}, indent=1, sort_keys=True) + "\n"
+    return _bundle({**files, LOCK: text.encode()}, manifest, None)
 
 
 @contextmanager

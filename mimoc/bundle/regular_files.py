@@ -30,7 +30,7 @@ _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
 class UnusableFileError(Exception):
-    """A file is a link, a pipe or a device, or too large."""
+    """A file is a link, a pipe or a device, too large, or not what mimoc writes."""
 
 
 class RegularFiles:

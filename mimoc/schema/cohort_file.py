@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, StringConstraints, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from mimoc.base.errors import suggestion
 from mimoc.base.rounding import rounded
@@ -14,7 +14,8 @@ from mimoc.schema.cohort_steps import FUNCTION, Step, by_shape, not_empty
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
 from mimoc.schema.quantities import Identifier, Int64, NotNegative, PathText, Plain, Real, Whole, version_one
-from mimoc.schema.source import FileKind, Source
+from mimoc.schema.reading import FileModel
+from mimoc.schema.source import FileKind
 from mimoc.schema.wording import unknown_key
 
 COHORT = FileKind("cohort file", "mimoc, cohort, base and do", "cohort: spring")
@@ -158,7 +159,7 @@ class SampleDesign(Model):
     """How many, and by which seed."""
 
 
-class CohortSpec(Model):
+class CohortSpec(FileModel):
     """A cohort: children, what is varied, what is done with each infant, and what is measured."""
 
     mimoc: Annotated[Literal[1], version_one("cohort files"), Field(examples=[1])]
@@ -191,18 +192,6 @@ class CohortSpec(Model):
     """What is done with each infant."""
     measure: tuple[Annotated[str, AfterValidator(_known_measure)], ...] = ()
     """What the table shows; by default, every measure of every step."""
-
-    _source: Source | None = PrivateAttr(default=None)
-
-    @property
-    def source(self) -> Source | None:
-        """The file this was read from, or None if it was created in Python."""
-        return self._source
-
-    def model_post_init(self, context: Any) -> None:
-        """Store the source, which is passed as the context of validation."""
-        if isinstance(context, Source):
-            self._source = context
 
     @model_validator(mode="after")
     def _keys_do_not_overlap(self) -> Self:

@@ -86,7 +86,6 @@ def _is_age(months: Any) -> bool:
 class InfantSpec(InfantKeys):
     """One infant in one scene, as the user specified it: nothing is computed, and omitted keys have their defaults."""
 
-    _source: Source | None = PrivateAttr(default=None)
     _as_read: tuple[Any, ...] = PrivateAttr(default=())
     """The values that were read from the source; a changed copy has others."""
 
@@ -101,11 +100,6 @@ class InfantSpec(InfantKeys):
         if isinstance(data, Mapping) and not isinstance(info.context, Source):
             read_keys(cls, in_memory(plain(data), f"<{shown(str(data.get('name', 'spec')))}>", Path()))
         raise refusal
-
-    @property
-    def source(self) -> Source | None:
-        """The file this was read from, or None if it was created in Python."""
-        return self._source
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some keys changed, validated like a spec that is read from a file.
@@ -144,9 +138,9 @@ class InfantSpec(InfantKeys):
         return isinstance(other, InfantSpec) and self.__dict__ == other.__dict__
 
     def model_post_init(self, context: Any) -> None:
-        """Store the source, which is passed as the context of validation."""
-        if isinstance(context, Source):
-            self._source, self._as_read = context, tuple(self.__dict__.values())
+        """Store the source, which is passed as the context of validation, and what was read from it."""
+        super().model_post_init(context)
+        self._as_read = tuple(self.__dict__.values()) if self._source else ()
 
     @property
     def is_as_read(self) -> bool:

@@ -16,6 +16,7 @@ from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import SIDES, Development, single_groups, unsided
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
+from mimoc.schema.reading import FileModel
 from mimoc.schema.sizes import check_sizes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
@@ -93,7 +94,7 @@ class ControlSpec(Model):
 
 
 @composed(lambda: {"task": task_field()})
-class InfantKeys(Model):
+class InfantKeys(FileModel):
     """All keys of the spec language, and the checks that involve several sections."""
 
     mimoc: Annotated[Literal[1], version_one("the spec language"), Field(examples=[1])]
