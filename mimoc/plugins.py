@@ -87,14 +87,9 @@ def register(*records: Record) -> None:
 @cache
 def load_plugins() -> None:
     """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
-    for entry_point in _entry_points():
-        _load(entry_point)
-
-
-def _entry_points() -> Iterator[EntryPoint]:
-    installed = installed_entry_points()
     for group in KINDS:
-        yield from sorted(installed.select(group=group), key=lambda point: point.name)
+        for entry_point in sorted(installed_entry_points().select(group=group), key=lambda point: point.name):
+            _load(entry_point)
 
 
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:

@@ -98,7 +98,9 @@ def _json(data: Any, levels: int, margin: str = "\n") -> str:
     if isinstance(data, str):
         return encode_basestring(data)
     if isinstance(data, float):
-        return _json_number(data)
+        if not math.isfinite(data):
+            raise ValueError(f"{data} is not JSON compliant")
+        return repr(float(num(data)))
     if levels == 0:
         margin, inner, between = "", "", ", "
     else:
@@ -112,9 +114,3 @@ def _json(data: Any, levels: int, margin: str = "\n") -> str:
             return f"[{', '.join([_json(item, 0) for item in data])}]"
         return f"[{inner}{between.join([_json(item, levels, inner) for item in data])}{margin}]"
     return json.dumps(data)
-
-
-def _json_number(number: float) -> str:
-    if not math.isfinite(number):
-        raise ValueError(f"{number} is not JSON compliant")
-    return repr(float(num(number)))

@@ -2,7 +2,7 @@
 
 import logging
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, get_args
@@ -219,23 +219,18 @@ def _names(value: Any, kind: str | None, where: str) -> Iterator[tuple[str, str,
 @lru_cache(maxsize=256)
 def _fields(section: type[Model]) -> tuple[tuple[str, str | None], ...]:
     """Return the fields of a section that may hold names, themselves or within, and what these name."""
-    kinds = {name: _kind(info.annotation, info.metadata) for name, info in section.model_fields.items()}
-    return tuple(
-        (name, kinds[name])
-        for name, info in section.model_fields.items()
-        if kinds[name] or _has_sections(info.annotation)
-    )
+    kinds = {name: _kind((*info.metadata, info.annotation)) for name, info in section.model_fields.items()}
+    fields = section.model_fields
+    return tuple((name, kind) for name, kind in kinds.items() if kind or _has_sections(fields[name].annotation))
 
 
 on_recompose(_fields.cache_clear)
 
 
-def _kind(annotation: Any, metadata: Any = ()) -> str | None:
-    """Return what the texts in a field name, by the mark in its annotation."""
-    marks = [mark for mark in (*metadata, *getattr(annotation, "__metadata__", ())) if isinstance(mark, NameOf)]
-    if marks:
-        return marks[0].kind
-    return next((kind for inner in get_args(annotation) if (kind := _kind(inner))), None)
+def _kind(annotations: Iterable[Any]) -> str | None:
+    """Return what texts with some annotations name, by the first mark among these or within them."""
+    kinds = (part.kind if isinstance(part, NameOf) else _kind(get_args(part)) for part in annotations)
+    return next(filter(None, kinds), None)
 
 
 def _has_sections(annotation: Any) -> bool:

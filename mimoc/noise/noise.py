@@ -104,12 +104,12 @@ class SignalNoise:
     def __init__(self, noise: Noise, channel: str, streams: NoiseStreams):
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
-        self.state: list[Any] = [-math.inf, None]
-        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
+        self.reset()
 
     def reset(self) -> None:
         """Forget the samples taken so far."""
-        self.state = [-math.inf, None]
+        self.state: list[Any] = [-math.inf, None]
+        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
 
     def at(self, time_s: float, sample: Sample) -> Sample:
         """Return the sample of some time with noise, as a new array."""
