@@ -1,13 +1,14 @@
 """All keys of a spec, its `control`, and the checks that involve several sections or what the infant does not have."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.units import to_steps
-from mimoc.body.anatomy import Anatomy, assemble
+from mimoc.body.anatomy import assemble
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
 from mimoc.scenes.spec import SceneSpec
@@ -36,48 +37,28 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     if not body.remove:
         return
     anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
-    gone = removed(anatomy, body.remove)
+    gone, group_of = set(body.remove), dict[str, str]()
+    for side, part in anatomy.parts:  # Parents come first.
+        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
+        group_of[name] = part.group.format(side=side) or group_of.get(parent, "")
+        if parent in gone:
+            gone.add(name)
     for name in body.parts:
         if name in gone:
             _refuse(("body", "parts", name), f"'{name}' is removed, so it has no size")
     for key in body.measurements:
-        if unsided(key) in anatomy.follows and unsided(key) not in _followed(anatomy, gone, _side(key)):
+        sides = [side for side in SIDES if key.startswith(f"{side}_")] or ["", *SIDES]
+        left = (
+            (side, part) for side, part in anatomy.parts if part.name.format(side=side) not in gone and side in sides
+        )
+        if unsided(key) in anatomy.follows - replace(anatomy, parts=tuple(left)).follows:
             _refuse(("body", "measurements", key), "all that follows this is removed")
-    left = _groups(anatomy, gone)
+    groups_left = {group for name, group in group_of.items() if name not in gone}
     for path, names in groups.items():
         for index, name in enumerate(names):
-            if single_groups([name]) and not single_groups([name]) & left:
+            if single_groups([name]) and not single_groups([name]) & groups_left:
                 key = name if path[-1] == "strength" else index
                 _refuse((*path, key), f"all of '{name}' is removed")
-
-
-def removed(anatomy: Anatomy, names: Iterable[str]) -> set[str]:
-    """Return the parts that are missing if some are removed: these, and all that is attached to them."""
-    gone = set(names)
-    for side, part in anatomy.parts:  # Parents come first.
-        if (part.parent or "").format(side=side) in gone:
-            gone.add(part.name.format(side=side))
-    return gone
-
-
-def _side(key: str) -> str:
-    return next((side for side in SIDES if key.startswith(f"{side}_")), "")
-
-
-def _followed(anatomy: Anatomy, gone: set[str], only: str) -> set[str]:
-    """Return the measurements that the remaining parts follow: those of one side, or all."""
-    parts = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
-    of_geoms = (names for part in parts for geom in part.geoms for names in (geom.size_from, geom.position_from))
-    return {name for part in parts for name in part.position_from}.union(*of_geoms)
-
-
-def _groups(anatomy: Anatomy, gone: set[str]) -> set[str]:
-    """Return the muscle groups that the remaining parts belong to."""
-    groups: dict[str, str] = {}
-    for side, part in anatomy.parts:
-        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
-        groups[name] = part.group.format(side=side) or groups.get(parent, "")
-    return {group for name, group in groups.items() if name not in gone}
 
 
 def _refuse(key: KeyPath, what: str) -> None:
@@ -166,12 +147,10 @@ class InfantKeys(FileModel):
         if self.task is None:
             return self
         kind = TASKS[self.task.kind]
-        if kind.scenes is not None and self.scene.kind not in kind.scenes:
-            message = f"task '{kind.name}' requires scene.kind: {' or '.join(kind.scenes)}; change one of them"
-            raise KeyedError(("scene", "kind"), message, against=("task", "kind"))
-        if kind.poses and self.scene.pose not in kind.poses:
-            message = f"task '{kind.name}' requires scene.pose: {' or '.join(kind.poses)}; change one of them"
-            raise KeyedError(("scene", "pose"), message, against=("task", "kind"))
+        for key, allowed in (("kind", kind.scenes), ("pose", kind.poses)):
+            if allowed and getattr(self.scene, key) not in allowed:
+                message = f"task '{kind.name}' requires scene.{key}: {' or '.join(allowed)}; change one of them"
+                raise KeyedError(("scene", key), message, against=("task", "kind"))
         return self
 
     @model_validator(mode="after")
