@@ -81,11 +81,8 @@ def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.N
 def render_json(data: Any, levels: int = 99) -> bytes:
     """Return *data* as JSON with sorted keys and rounded numbers, a list of numbers on one line.
 
-    It takes a third of the time of `json.dumps` with an indent, on which a build would spend most of its time.
-
-    Args:
-        data: The data.
-        levels: What lies deeper in it is on one line.
+    What lies deeper than some levels is on one line. It takes a third of the time of `json.dumps` with an indent, on
+    which a build would spend most of its time.
 
     Raises:
         ValueError: If a number is infinite or not a number.

@@ -36,12 +36,7 @@ def check_page(file: str | Path) -> Path:
 def write_file(path: str | Path, content: bytes, *, below: Path | None = None) -> Path:
     """Write a file into an existing folder atomically: a reader sees either the old content or the new.
 
-    A link in its place is replaced, and never followed.
-
-    Args:
-        path: The file.
-        content: What it shall contain.
-        below: A folder above it; none between the two may be a link.
+    A link in its place is replaced, and never followed; no folder between it and one above, *below*, may be a link.
 
     Raises:
         OutputError: If the file cannot be written.
@@ -112,11 +107,7 @@ def remove_temporary_files(folder: Path) -> None:
 
 
 def move_into_place(temporary: Path, path: Path) -> Path:
-    """Rename a complete temporary file to *path*, replacing any existing file.
-
-    Raises:
-        OutputError: If it cannot be renamed; the temporary file is removed then.
-    """
+    """Rename a complete temporary file to *path*, whatever is there; remove it and raise an OutputError if not."""
     try:
         os.replace(temporary, path)
     except OSError as error:

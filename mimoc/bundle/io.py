@@ -152,13 +152,9 @@ def lock_files(
     inputs: Mapping[str, bytes],
     manifest: Manifest | None = None,
 ) -> Bundle:
-    """Return a bundle of the given files (including the manifest) and a lock with their digests.
+    """Return a bundle of files, which include the manifest, and a lock with the digests of these and of all inputs.
 
-    Args:
-        files: Content by path within the bundle.
-        versions: Versions of the software that made the files, by name.
-        inputs: Tables the files were made from, by name; only their digests are kept.
-        manifest: The parsed manifest file, to avoid parsing it again.
+    The manifest, if it is given, need not be parsed again.
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs)}
     return _locked(files, lock, manifest or read_manifest(files[MANIFEST]))

@@ -167,11 +167,7 @@ def read_json_file(
 ) -> Data | None:
     """Return the content of a JSON file as data of a type; None if it does not exist or cannot be read.
 
-    Args:
-        path: The file.
-        kind: What it must contain; nothing is converted: text is no number, and a number no text.
-        most_bytes: The largest size that is read.
-        below: A folder above it; no folder between the two may be a link. By default, the one that it is in.
+    Nothing is converted: text is no number, and a number no text. See `read_regular_file` for the other arguments.
 
     Raises:
         UnusableFileError: If it is not a regular file, too large, or contains anything else: one line to write after

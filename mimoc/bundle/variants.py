@@ -44,12 +44,7 @@ class Variant:
 
 
 def open_variant(source: Variant | Bundle | str | Path) -> Variant:
-    """Return an infant with its model.
-
-    Raises:
-        BundleError: If a folder is not an intact bundle.
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return an infant with its model; a BundleError or a ModelError says why there is none."""
     if isinstance(source, Variant):
         return source
     bundle = source if isinstance(source, Bundle) else read_bundle(source)
@@ -65,9 +60,5 @@ class Variants(Protocol):
         ...
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in months, in the scene of a seed.
-
-        Raises:
-            MimocError: If there is no such infant; nothing has changed then.
-        """
+        """Return the infant at an age, in months, in the scene of a seed, or raise a MimocError and change nothing."""
         ...

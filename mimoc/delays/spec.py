@@ -65,11 +65,7 @@ class DelayEntry(Model):
     """Delay to or from legs and feet, if it differs."""
 
 
-def _entry_fields() -> dict[str, FieldInfo]:
-    return {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()}
-
-
-@composed(_entry_fields)
+@composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})
 class DelaysEntry(ComposedModel):
     """The delay of each signal."""
 

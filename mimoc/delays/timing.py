@@ -20,7 +20,10 @@ Commands = DelayedCommands | JitteredCommands
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """The time base of an infant, and the delays of its signals, with their jitter."""
+    """The time base of an infant, and the delays of its signals, with their jitter.
+
+    Any of its methods raises a ValueError if a time is not a whole number of physics steps.
+    """
 
     step_ms: float
     """Control step."""
@@ -35,16 +38,13 @@ class Timing:
 
     @property
     def period(self) -> int:
-        """Physics steps in a control step; a ValueError says that it is not a whole number."""
+        """Physics steps in a control step."""
         return to_steps(self.step_ms, self.timestep_ms)
 
     def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:
         """Return the samples of a sense on their way, by their delay.
 
         Of its n numbers, those *in_legs* belong to the legs, shape (n,); None where none does.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
         """
         return [
             JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
@@ -55,9 +55,6 @@ class Timing:
         """Return the n commands on their way to some actuators, shape (n,), by their delay.
 
         Those *in_legs*, shape (n,), go to the legs.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
         """
         delayed: list[Commands] = []
         for steps, part, wander in self._groups(MOTOR, in_legs, streams):

@@ -206,10 +206,6 @@ def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float],
     return value, rate, (first, mixed, math.sqrt(max(1 - rate[0] ** 2 - rate[1] ** 2 - mixed * mixed, 0.0)))
 
 
-CHANNEL = "motor"
-"""Stream of the noise."""
-
-
 @dataclass(frozen=True)
 class MotorNoise(Noise):
     """Signal-dependent noise: commands u drive actuators by u (1 + c n), with n low-passed and of standard deviation 1.
@@ -241,7 +237,7 @@ class NoisyMotors:
     """The commands of one infant, and the noise with which they drive its actuators."""
 
     def __init__(self, noise: MotorNoise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
-        self._noise, self._timestep_s = SignalNoise(noise, CHANNEL, streams), timestep_s
+        self._noise, self._timestep_s = SignalNoise(noise, "motor", streams), timestep_s
         self._actuators = actuation.actuators
 
     def reset(self, data: mujoco.MjData) -> None:

@@ -60,11 +60,7 @@ class NoiseSpec(ComposedModel):
     no more than itself."""
 
 
-def _entry_fields() -> dict[str, FieldInfo]:
-    return {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()}
-
-
-@composed(_entry_fields)
+@composed(lambda: {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()})
 class NoiseEntry(ComposedModel):
     """The noise of commands, senses and delays; 0 is none."""
 

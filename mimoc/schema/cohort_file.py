@@ -132,13 +132,16 @@ def _kind_of_levels(value: Any) -> str | None:
     return "a range" if isinstance(value, dict | RangeSpec) else None
 
 
-_LEVELS = "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
 Levels = Annotated[
     Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("a list")]
     | Annotated[RangeSpec, Tag("a range")]
     | Annotated[DrawsSpec, Tag("some draws")],
     Discriminator(_kind_of_levels),
-    Field(json_schema_extra={"wanted": _LEVELS}),
+    Field(
+        json_schema_extra={
+            "wanted": "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
+        }
+    ),
 ]
 """The values of a key that is varied."""
 

@@ -30,12 +30,8 @@ def at_another_age(body: BodySpec, before_months: float, after_months: Any) -> d
     An individual keeps its percentiles: a measured length, weight or head becomes what a child with the same z-score by
     WHO's standards has then, z(after) = z(before). A single measurement keeps its ratio to the average child's.
     Percentiles and factors stay as they are. What is said twice is said once from then on: the individual's measure
-    counts, not its percentile, nor the measurement of the same size.
-
-    Args:
-        body: The body.
-        before_months: The age at which it was measured.
-        after_months: The other age, as a user gives it; if it is none, nothing changes, and validation says why.
+    counts, not its percentile, nor the measurement of the same size. Where the other age is none, nothing changes:
+    validation says why.
     """
     if not all(_is_age(months) for months in (before_months, after_months)):
         return {}
