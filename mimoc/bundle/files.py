@@ -54,11 +54,7 @@ def write_file(path: str | Path, content: bytes, *, below: Path | None = None) -
 
 
 def check_unlinked(path: Path, *, below: Path) -> Path:
-    """Check that neither a path nor any folder between it and one above is a link; return the path.
-
-    Raises:
-        OutputError: If one is: what is written or removed there would be somewhere else.
-    """
+    """Return a path, or raise an OutputError if it or a folder between it and one above leads somewhere else."""
     place = below
     for name in path.relative_to(below).parts:
         place /= name
@@ -68,11 +64,7 @@ def check_unlinked(path: Path, *, below: Path) -> Path:
 
 
 def make_folder(path: Path, *, below: Path) -> Path:
-    """Make a folder, and those between it and one above, unless they exist; none of them may be a link.
-
-    Raises:
-        OutputError: If one is, or it cannot be made.
-    """
+    """Make a folder, and those between it and one above, or raise an OutputError, also if one is a link."""
     try:
         check_unlinked(path, below=below).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -83,10 +75,7 @@ def make_folder(path: Path, *, below: Path) -> Path:
 def open_new_file(path: Path, *, below: Path) -> int:
     """Return the handle of a new, empty file, opened for writing; whatever file or link has its name is removed first.
 
-    Its folder is made if it does not exist; see `make_folder`.
-
-    Raises:
-        OutputError: If it cannot be written.
+    Its folder is made if it does not exist. An OutputError says that it cannot be written; see `make_folder`.
     """
     make_folder(path.parent, below=below)
     try:
@@ -187,10 +176,7 @@ def swap_folders(first: Path, second: Path) -> None:
     """Swap two folders of one file system.
 
     If the system cannot do this atomically, *second* is first moved aside, and moved back if *first* cannot be
-    renamed.
-
-    Raises:
-        OSError: If they cannot be swapped.
+    renamed. An OSError says that they are not swapped.
     """
     try:
         _swap_at_once(os.fsencode(first), os.fsencode(second))

@@ -29,10 +29,8 @@ MOST_CONTACTS = 1500
 """At the start of an episode; an infant with ten fingers and fifty toys in a room have 150."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")
 """Endings of the files of a bundle that are not MuJoCo's."""
-BREAKDOWNS = tuple(
-    int(kind)
-    for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-)
+_WARNINGS = mujoco.mjtWarning
+BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL, _WARNINGS.mjWARN_BADQACC)))
 """MuJoCo's warnings that mean the simulation has become unstable."""
 
 

@@ -68,11 +68,7 @@ class RegularFiles:
             return None
 
     def names(self, folder: str = ".") -> list[str]:
-        """Return the sorted names of what is in a folder; none if it does not exist or cannot be read.
-
-        Raises:
-            UnusableFileError: If it is a link, or not a folder.
-        """
+        """Return the sorted names of what is in a folder, if there is one; of a link, raise an UnusableFileError."""
         try:
             return sorted(os.listdir(self._folder(PurePosixPath(folder))))
         except OSError as error:

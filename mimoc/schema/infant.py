@@ -159,11 +159,7 @@ def to_data(spec: InfantSpec) -> dict[str, Any]:
 
 
 def validated(spec: InfantSpec) -> InfantSpec:
-    """Return a spec after validating it, for specs made by `model_copy` or `model_construct`, which do not validate.
-
-    Raises:
-        SpecError: If the spec is invalid; the error lists all problems by key.
-    """
+    """Return a spec after validation, which `model_copy` and `model_construct` omit; a SpecError lists all problems."""
     if spec.is_as_read:
         return spec
     reading = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
