@@ -273,4 +273,6 @@ class Schedule:
 
 def arrived(delayed: Sequence[Samples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
+    if len(delayed) == 1:
+        return delayed[0].arrived
     return _merged([(line.part, line.arrived) for line in delayed])
