@@ -33,7 +33,7 @@ def at_another_age(body: BodySpec, before_months: float, after_months: Any) -> d
     counts, not its percentile, nor the measurement of the same size. Where the other age is none, nothing changes:
     validation says why.
     """
-    if not all(_is_age(months) for months in (before_months, after_months)):
+    if not _is_age(before_months) or not _is_age(after_months):
         return {}
     if rounded(float(after_months)) == rounded(before_months):  # Ages in manifests are rounded.
         return {}

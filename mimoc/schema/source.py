@@ -80,13 +80,12 @@ class Source:
             return {path[len(keys) :]: place for path, place in places.items() if path[: len(keys)] == keys}
 
         invalid = frozenset(path[len(keys) :] for path in self.invalid if path[: len(keys)] == keys)
-        key_places = {(): (1, 1), **below(self.key_places)}
         return replace(
             self,
             data=data,
             problems=(),
             invalid=invalid,
-            key_places=key_places,
+            key_places={(): (1, 1), **below(self.key_places)},
             value_places=below(self.value_places),
             inside=(*self.inside, *keys),
         )

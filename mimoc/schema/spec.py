@@ -25,8 +25,6 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
-REMOVED = ("body", "remove")
-
 
 def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None:
     """Check that an infant has the parts that keys are about, and the muscle groups that sections name, by their path.
@@ -62,7 +60,7 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
 
 
 def _refuse(key: KeyPath, what: str) -> None:
-    raise KeyedError(key, f"{what}; leave this out, or keep the part", against=REMOVED)
+    raise KeyedError(key, f"{what}; leave this out, or keep the part", against=("body", "remove"))
 
 
 class ControlSpec(Model):
