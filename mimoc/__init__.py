@@ -9,7 +9,6 @@ if interruption.is_command():
 
 from mimoc.base.lazy import names_of
 from mimoc.registration import register_envs, register_formatters
-from mimoc.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from mimoc.base.errors import MimocError as MimocError
@@ -44,40 +43,10 @@ if TYPE_CHECKING:
     from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
     from mimoc.training import evaluate as evaluate, load_policy as load_policy, train as train
     from mimoc.vector_environments import make_vec as make_vec, sb3_vec_env as sb3_vec_env
+    from mimoc.version import __version__ as __version__
     from mimoc.viewer.viewing import View as View, view as view
 
-__getattr__, __dir__, __all__ = names_of(
-    __name__,
-    {
-        "mimoc.base.errors": "MimocError",
-        "mimoc.bundle.io": "Bundle read_bundle write_bundle",
-        "mimoc.cohorts": "Cohort read_cohort",
-        "mimoc.compiler.loading": "load_spec",
-        "mimoc.compiler.pipeline": "build",
-        "mimoc.control": "Gains GazeTask InverseDynamics OrientationTask PositionTask Posture",
-        "mimoc.environments": "make",
-        "mimoc.plugins": "register",
-        "mimoc.recording": "record",
-        "mimoc.recording.export": "export_recording",
-        "mimoc.recording.reading": "read_recording",
-        "mimoc.recording.recorder": "Recorder",
-        "mimoc.recordings": "replay_recording",
-        "mimoc.reporting": "report",
-        "mimoc.runtime.env": "InfantEnv",
-        "mimoc.runtime.growth_schedule": "growth_schedule",
-        "mimoc.runtime.growth_wrapper": "GrowthWrapper",
-        "mimoc.runtime.limits": "torque_limits",
-        "mimoc.runtime.term": "Term",
-        "mimoc.schema.infant": "InfantSpec",
-        "mimoc.studies.experiments": "run_experiment",
-        "mimoc.studies.milestones": "validate_milestones",
-        "mimoc.tasks.task": "Judgement Task Verdict",
-        "mimoc.training": "evaluate load_policy train",
-        "mimoc.vector_environments": "make_vec sb3_vec_env",
-        "mimoc.version": "__version__",
-        "mimoc.viewer.viewing": "View view",
-    },
-)
+__getattr__, __dir__, __all__ = names_of(__name__)
 
 register_envs()
 register_formatters()

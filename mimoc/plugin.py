@@ -46,29 +46,4 @@ if TYPE_CHECKING:
     from mimoc.tasks.spec_base import TaskEntry as TaskEntry, TaskSpec as TaskSpec
     from mimoc.tasks.task import Change as Change, Judgement as Judgement, Task as Task, Verdict as Verdict
 
-__getattr__, __dir__, __all__ = names_of(
-    __name__,
-    {
-        "mimoc.actuation.binding": "Actuation effort_of",
-        "mimoc.base.kinds": "ActuationKind AgeTable ExporterKind NoiseOption PartKind PolicyKind SceneKind "
-        "SenseKind TaskKind ToySource",
-        "mimoc.body.dimensions": "BodyGeometry GeomShape",
-        "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
-        "mimoc.mjcf.furniture": "Furniture WorldGeom WorldMaterial",
-        "mimoc.mjcf.scene": "Placed",
-        "mimoc.mjcf.world": "Ground World",
-        "mimoc.noise.noise": "LowPass Noise Smooth",
-        "mimoc.plugins": "register",
-        "mimoc.quantities": "Quantity",
-        "mimoc.runtime.term": "Concatenated Field Term",
-        "mimoc.runtime.term_contract": "check_term",
-        "mimoc.runtime.worlds": "Worlds",
-        "mimoc.scenes.built_scene": "SUN BuiltScene",
-        "mimoc.schema.base": "Model as Entry Model as Spec",
-        "mimoc.senses.custom": "TermSense",
-        "mimoc.senses.sense": "Sense Vector",
-        "mimoc.tasks.build_setup": "TaskSetup",
-        "mimoc.tasks.spec_base": "TaskEntry TaskSpec",
-        "mimoc.tasks.task": "Change Judgement Task Verdict",
-    },
-)
+__getattr__, __dir__, __all__ = names_of(__name__)

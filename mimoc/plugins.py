@@ -15,21 +15,9 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from mimoc.actuation import ACTUATIONS
+from mimoc.base import kinds
 from mimoc.base.errors import KindError
-from mimoc.base.kinds import (
-    PLUGINS_VARIABLE,
-    ActuationKind,
-    Code,
-    ExporterKind,
-    Kinds,
-    PartKind,
-    PolicyKind,
-    SceneKind,
-    SenseKind,
-    TaskKind,
-    ToySource,
-    installed_entry_points,
-)
+from mimoc.base.kinds import PLUGINS_VARIABLE, Code, Kinds, installed_entry_points
 from mimoc.body.part import ReferencePart
 from mimoc.body.parts import PARTS
 from mimoc.body.parts.checking import check_parts
@@ -43,18 +31,28 @@ from mimoc.senses import SENSES
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 
-Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PartKind | PolicyKind | Quantity | ExporterKind
+Record = (
+    kinds.SenseKind
+    | kinds.ActuationKind
+    | kinds.TaskKind
+    | kinds.SceneKind
+    | kinds.ToySource
+    | kinds.PartKind
+    | kinds.PolicyKind
+    | kinds.ExporterKind
+    | Quantity
+)
 
 KINDS: dict[str, tuple[type, Kinds]] = {
-    "mimoc.senses": (SenseKind, SENSES),
-    "mimoc.actuation": (ActuationKind, ACTUATIONS),
-    "mimoc.tasks": (TaskKind, TASKS),
-    "mimoc.scenes": (SceneKind, SCENES),
-    "mimoc.toys": (ToySource, TOY_SOURCES),
-    "mimoc.parts": (PartKind, PARTS),
-    "mimoc.policies": (PolicyKind, POLICIES),
+    "mimoc.senses": (kinds.SenseKind, SENSES),
+    "mimoc.actuation": (kinds.ActuationKind, ACTUATIONS),
+    "mimoc.tasks": (kinds.TaskKind, TASKS),
+    "mimoc.scenes": (kinds.SceneKind, SCENES),
+    "mimoc.toys": (kinds.ToySource, TOY_SOURCES),
+    "mimoc.parts": (kinds.PartKind, PARTS),
+    "mimoc.policies": (kinds.PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),
-    "mimoc.exporters": (ExporterKind, EXPORTERS),
+    "mimoc.exporters": (kinds.ExporterKind, EXPORTERS),
 }
 """The class and the table of records, by group of entry points."""
 IMPORT_LIMIT_S = 60.0
@@ -92,20 +90,15 @@ def register(*records: Record) -> None:
 @cache
 def load_plugins() -> None:
     """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
-    for entry_point in _entry_points():
-        _load(entry_point)
-
-
-def _entry_points() -> Iterator[EntryPoint]:
-    installed = installed_entry_points()
     for group in KINDS:
-        yield from sorted(installed.select(group=group), key=lambda point: point.name)
+        for entry_point in sorted(installed_entry_points().select(group=group), key=lambda point: point.name):
+            _load(entry_point)
 
 
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:
     """Add a record to its table and to the sections that depend on it, or to none of them."""
     _check_fields(record)
-    if isinstance(record, PartKind):
+    if isinstance(record, kinds.PartKind):
         check_parts(record)
     table.add(record, distribution)
     try:

@@ -21,25 +21,15 @@ def env_name(task: str) -> str:
 
 def register_envs() -> None:
     """Tell Gymnasium of all environments, those of plug-ins included; calling it again changes nothing."""
-    if INFANT not in registry:
-        register(
-            id=INFANT,
-            entry_point="mimoc.environments:open_infant",
-            vector_entry_point="mimoc.vector_environments:make_vec_infant",
-        )
+    _register_env(INFANT, "open_infant", "make_vec_infant")
     for task in (*TASKS, *announced("mimoc.tasks")):
-        register_task_env(task)
+        _register_env(env_name(task), "make_task", "make_vec_task", kind=task)
 
 
-def register_task_env(task: str) -> None:
-    """Tell Gymnasium of the environment of one task."""
-    if env_name(task) not in registry:
-        register(
-            id=env_name(task),
-            entry_point="mimoc.environments:make_task",
-            vector_entry_point="mimoc.vector_environments:make_vec_task",
-            kwargs={"kind": task},
-        )
+def _register_env(name: str, one: str, many: str, **keywords: str) -> None:
+    if name not in registry:
+        for_many = f"mimoc.vector_environments:{many}"
+        register(name, f"mimoc.environments:{one}", vector_entry_point=for_many, kwargs=keywords)
 
 
 def register_formatters() -> None:

@@ -60,7 +60,7 @@ LAYERS = {
     "units": layer("base.units base.mujoco_layout"),
     "streams": layer("base.random_streams"),
     "geometry": layer("geometry base.rounding", "errors units", "scipy"),
-    "files": layer("bundle.files bundle.json_text", "errors version geometry"),
+    "files": layer("bundle.files", "errors version geometry"),
     "grammar": layer("schema.base", "errors", "pydantic"),
     "part": layer("body.part", "geometry"),
     "parts": layer(
@@ -68,7 +68,7 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.body schema.entries schema.names schema.plain schema.quantities schema.source schema.yaml_document",
+        "schema.body schema.entries schema.names schema.quantities schema.source schema.yaml_document",
         "errors units grammar part parts",
         "pydantic yaml",
     ),

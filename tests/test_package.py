@@ -1,10 +1,8 @@
-import ast
 import json
 import subprocess
 import sys
 from importlib import import_module
 from importlib.metadata import version
-from pathlib import Path
 
 import pytest
 
@@ -26,29 +24,12 @@ def folder(bundle_at, tmp_path_factory):
     return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
 
 
-def test_every_public_name_is_there():
-    assert all(getattr(mimoc, name) is not None for name in mimoc.__all__)
-    assert dir(mimoc) == mimoc.__all__ == sorted(mimoc.__all__)
-
-
 @pytest.mark.parametrize("package", ["mimoc", "mimoc.plugin", "mimoc.schema"])
-def test_type_checkers_are_told_of_the_same_homes(package):
-    tree = ast.parse(Path(import_module(package).__file__).read_text())
-    (branch,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
-    told = {
-        (node.module, name.name, name.asname)
-        for node in branch.body
-        if isinstance(node, ast.ImportFrom)
-        for name in node.names
-    }
-    (homes,) = (ast.literal_eval(node) for node in ast.walk(tree) if isinstance(node, ast.Dict))
-    entries = [
-        (home, *entry.split("="))
-        for home, names in homes.items()
-        for entry in names.replace(" as ", "=").split()
-        if entry != "__version__"
-    ]
-    assert told == {(home, name, (alias or [name])[0]) for home, name, *alias in entries}
+def test_every_public_name_is_there(package):
+    module = import_module(package)
+    assert all(getattr(module, name) is not None for name in module.__all__)
+    assert dir(module) == module.__all__ == sorted(module.__all__)
+    assert len(module.__all__) > 10
 
 
 def test_a_name_that_mimoc_does_not_have_is_an_attribute_error():

@@ -3,12 +3,11 @@
 import os
 import sys
 import traceback
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-_MAX_NAMES = 40
-"""Number of names that an error lists when none is similar."""
+_MAX_NAMES = 40  # That an error lists when none is similar.
 
 
 class MimocError(Exception):
@@ -164,11 +163,7 @@ class UnknownNameError(MimocError):
 
 
 def check_name(kind: str, name: object, known: Collection[str]) -> None:
-    """Check that something is one of the known names of a kind.
-
-    Raises:
-        UnknownNameError: If it is not.
-    """
+    """Raise an UnknownNameError unless something is one of the known names of a kind."""
     if not isinstance(name, str) or name not in known:
         raise UnknownNameError(kind, name, known)
 
@@ -197,11 +192,8 @@ def suggestion(name: str, known: Collection[str]) -> str:
     """Return the advice of an error message: the *known* names that *name* may be a misspelling of."""
     near = get_close_matches(name, known, n=3, cutoff=0.6)
     if near:
-        return f"did you mean {_alternatives(near)}?"
+        alternatives = " or ".join(f"'{name}'" for name in near)
+        return f"did you mean {alternatives}?"
     names = sorted(known)
     shown = names if len(names) <= _MAX_NAMES else [*names[:_MAX_NAMES], f"... ({len(names)} in all)"]
     return f"choose from {', '.join(shown)}"
-
-
-def _alternatives(names: Sequence[str]) -> str:
-    return " or ".join(f"'{name}'" for name in names)

@@ -242,11 +242,7 @@ class Kinds(Mapping[str, K]):
         return len(self.builtin) + len(self._added)
 
     def find(self, name: str) -> K:
-        """Return the record of a name.
-
-        Raises:
-            UnknownNameError: If there is none.
-        """
+        """Return the record of a name, or raise an UnknownNameError."""
         if name not in self:
             raise UnknownNameError(self.what, name, list(self))
         return self[name]
@@ -274,11 +270,7 @@ class Kinds(Mapping[str, K]):
 
 
 def check_custom_object(what: str, custom: object, method: str, example: str) -> None:
-    """Check that what a script passes instead of a record is an object with a method, and not its class.
-
-    Raises:
-        KindError: If it is not.
-    """
+    """Raise a KindError unless what a script passes instead of a record is an object with a method, not its class."""
     if isinstance(custom, type):
         raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
     if not callable(getattr(custom, method, None)):
@@ -309,11 +301,7 @@ def installed_entry_points() -> EntryPoints:
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:
-    """Return the function that a record means.
-
-    Args:
-        code: The function itself, or the module that defines it.
-        name: Its name in the module.
+    """Return the function that a record means: *code* itself, or what has this name in the module.
 
     Raises:
         KindError: If somebody else's module cannot be imported, or has no such function.

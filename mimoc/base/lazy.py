@@ -1,25 +1,23 @@
 """Packages whose names are imported when they are first used, so that each command loads only what it needs."""
 
-from collections.abc import Callable, Mapping
+import ast
+import inspect
+import sys
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
 from mimoc.base.errors import RenderingError, problem_of_loading_mujoco
 
 
-def names_of(package: str, homes: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Return `__getattr__`, `__dir__` and `__all__` of a package.
+def names_of(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """Return `__getattr__`, `__dir__` and `__all__` of a package, from what it imports `if TYPE_CHECKING`.
 
-    Args:
-        package: Its name.
-        homes: The names that it has from each module, with spaces between them; `Model as Spec` is `Model` by another
-            name.
+    Python skips these imports; each is made when its name is first asked for.
     """
-    origins: dict[str, tuple[str, str]] = {}
-    for home, names in homes.items():
-        for entry in names.replace(" as ", "=").split():
-            name, _, alias = entry.partition("=")
-            origins[alias or name] = home, name
+    blocks = [node.body for node in ast.parse(inspect.getsource(sys.modules[package])).body if isinstance(node, ast.If)]
+    imports = [node for block in blocks for node in block if isinstance(node, ast.ImportFrom)]
+    origins = {item.asname or item.name: (str(node.module), item.name) for node in imports for item in node.names}
 
     def get(name: str) -> Any:
         if name not in origins:

@@ -13,11 +13,7 @@ SEED = "spec.scene.seed"
 
 
 def checked_seed(seed: Any, what: str = "seed") -> int:
-    """Return a seed as one of Python's integers.
-
-    Raises:
-        ValueError: If it is not a non-negative integer.
-    """
+    """Return a seed as one of Python's integers; a ValueError says that it is none, or negative."""
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise ValueError(f"expected a non-negative integer as {what}, got {seed!r}")
     return int(seed)

@@ -1,7 +1,10 @@
-"""Numbers as they stand in files: the one place where floats are rounded."""
+"""Numbers and plain data as they stand in files: the one place where floats are rounded."""
 
+import json
+import math
 import sys
 from collections.abc import Iterable, Mapping
+from json.encoder import encode_basestring
 from typing import Any
 
 import numpy as np
@@ -73,3 +76,38 @@ def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.N
     result = np.copysign(digits / tens, numbers).astype(numbers.dtype)
     are_all = (digits >= TENS[SIGNIFICANT_DIGITS - 1]) & (digits < TENS[SIGNIFICANT_DIGITS])
     return result, usual & are_all & (np.abs(np.abs(scaled - digits) - 0.5) > NEAR_HALF)
+
+
+def render_json(data: Any, levels: int = 99) -> bytes:
+    """Return *data* as JSON with sorted keys and rounded numbers, a list of numbers on one line.
+
+    What lies deeper than some levels is on one line. It takes a third of the time of `json.dumps` with an indent, on
+    which a build would spend most of its time.
+
+    Raises:
+        ValueError: If a number is infinite or not a number.
+    """
+    return f"{_json(data, levels)}\n".encode()
+
+
+def _json(data: Any, levels: int, margin: str = "\n") -> str:
+    """Return the JSON of *data*; *margin* begins each line."""
+    if isinstance(data, str):
+        return encode_basestring(data)
+    if isinstance(data, float):
+        if not math.isfinite(data):
+            raise ValueError(f"{data} is not JSON compliant")
+        return repr(float(num(data)))
+    if levels == 0:
+        margin, inner, between = "", "", ", "
+    else:
+        inner = f"{margin} "
+        between, levels = f",{inner}", levels - 1
+    if isinstance(data, (dict, Mapping)):  # Asking for a dict first saves the time of asking for an abstract class.
+        items = [f"{encode_basestring(key)}: {_json(data[key], levels, inner)}" for key in sorted(data)]
+        return f"{{{inner}{between.join(items)}{margin}}}" if items else "{}"
+    if isinstance(data, (list, tuple)):
+        if not data or (type(data[0]) in {float, int} and {float, int}.issuperset(map(type, data))):
+            return f"[{', '.join([_json(item, 0) for item in data])}]"
+        return f"[{inner}{between.join([_json(item, levels, inner) for item in data])}{margin}]"
+    return json.dumps(data)

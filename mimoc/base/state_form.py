@@ -11,10 +11,7 @@ import numpy.typing as npt
 def check_form(given: Any, expected: Any, where: str = "") -> None:
     """Check that a state, or something in it, has the form of another: the same names and arrays, and finite numbers.
 
-    Args:
-        given: What comes from anywhere.
-        expected: What is there in a state of this environment; names that it leaves out are not looked at.
-        where: Names that lead to it, for the message.
+    Names that *expected* leaves out are not looked at; *where* are the names that lead to it.
 
     Raises:
         ValueError: If it has another form.
@@ -35,11 +32,7 @@ def check_form(given: Any, expected: Any, where: str = "") -> None:
 
 
 def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[Any]:
-    """Return what is there, which is a list, of this length if it is said.
-
-    Raises:
-        ValueError: If it is not.
-    """
+    """Return what is there, or raise a ValueError unless it is a list, of this length if it is said."""
     demand(isinstance(given, (list, tuple)) and length in (None, len(given)), where, given)
     return given
 
@@ -71,11 +64,7 @@ def _check_array(given: Any, expected: np.ndarray, where: str) -> None:
 
 
 def check_finite(given: npt.NDArray[Any], where: str) -> None:
-    """Check that an array of a state has neither NaN nor infinity.
-
-    Raises:
-        ValueError: If it has one.
-    """
+    """Raise a ValueError if an array of a state has a NaN or an infinity."""
     if given.dtype.kind == "f" and not np.isfinite(given).all():
         raise ValueError(f"state cannot be restored: {where} has a NaN or an infinity")
 

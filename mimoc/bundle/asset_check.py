@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from mimoc.base.errors import BundleError
+from mimoc.bundle.regular_files import UnusableFileError
 
 MOST_SIDE_PX = 4096
 """Pixels along a side of a picture; those of infants have 256."""
@@ -32,11 +33,7 @@ _NAME_BYTES = 40
 
 
 def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> None:
-    """Check the files that the MJCF of a bundle refers to.
-
-    Args:
-        files: The files of the bundle, by path.
-        references: The element that refers to each, by path.
+    """Check the files of a bundle that its MJCF refers to, by the element that does, by path.
 
     Raises:
         BundleError: If one is missing, damaged, or too large.
@@ -47,14 +44,10 @@ def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> N
             raise BundleError(f"{path}: <{element}> refers to it, but it is not among the files of the bundle")
         try:
             sizes[element] += _CHECKS[element](files[path])
-        except _UnusableError as error:
+        except UnusableFileError as error:
             raise BundleError(f"{path}: {error}") from None
         if sizes[element] > _MOST[element]:
             raise BundleError(f"{path}: with this one, every <{element}> together is larger than any infant needs")
-
-
-class _UnusableError(Exception):
-    """A file is not what mimoc writes."""
 
 
 def _pixels(content: bytes) -> int:
@@ -62,11 +55,11 @@ def _pixels(content: bytes) -> int:
     data = b"".join(_chunks(content))
     width, height, depth, colour = struct.unpack_from(">IIBB", content, 16)
     if not 0 < width <= MOST_SIDE_PX or not 0 < height <= MOST_SIDE_PX:
-        raise _UnusableError(
+        raise UnusableFileError(
             f"it says that it has {width:,} x {height:,} pixels; at most {MOST_SIDE_PX:,} a side may be"
         )
     if depth > 8 or colour not in _CHANNELS:
-        raise _UnusableError("its colours are of a kind that mimoc never writes")
+        raise UnusableFileError("its colours are of a kind that mimoc never writes")
     if len(data) > SURELY_SMALL:
         bytes_of_all = (1 + (width * _CHANNELS[colour] * depth + 7) // 8) * height
         unpacked = zlib.decompressobj()
@@ -75,19 +68,19 @@ def _pixels(content: bytes) -> int:
         except zlib.error:
             is_as_large = False
         if not is_as_large:
-            raise _UnusableError("it has not as many pixels as it says")
+            raise UnusableFileError("it has not as many pixels as it says")
     return width * height
 
 
 def _chunks(content: bytes) -> list[bytes]:
     """Return the compressed data of a PNG, checked chunk by chunk."""
     if content[:8] != _SIGNATURE or content[12:16] != b"IHDR" or len(content) < 45:
-        raise _UnusableError("it is not a PNG")
+        raise UnusableFileError("it is not a PNG")
     place, compressed = 8, []
     while place + 12 <= len(content):
         size, kind = struct.unpack_from(">I4s", content, place)
         if kind not in _CHUNKS or place + 12 + size > len(content):
-            raise _UnusableError("it is damaged, or not a PNG as mimoc writes it")
+            raise UnusableFileError("it is damaged, or not a PNG as mimoc writes it")
         if kind == b"IDAT":
             compressed.append(content[place + 8 : place + 8 + size])
         place += 12 + size
@@ -97,19 +90,19 @@ def _chunks(content: bytes) -> list[bytes]:
 def _mesh_bytes(content: bytes) -> int:
     """Return the size of an OBJ of vertices and triangles."""
     if content.translate(None, b"0123456789-+.e \nvf") or content[:2] != b"v ":
-        raise _UnusableError("it is not an OBJ of vertices and triangles alone")
+        raise UnusableFileError("it is not an OBJ of vertices and triangles alone")
     if content.count(b"f") > MOST_FACES or content.count(b"v") > MOST_FACES:
-        raise _UnusableError(f"it has more than {MOST_FACES:,} triangles")
+        raise UnusableFileError(f"it has more than {MOST_FACES:,} triangles")
     return len(content)
 
 
 def _vertices(content: bytes) -> int:
     """Return the number of vertices of a skin in MuJoCo's format (XML reference, `deformable/skin/file`)."""
     if len(content) < 16:
-        raise _UnusableError("it is not a skin")
+        raise UnusableFileError("it is not a skin")
     verts, texcoords, faces, bones = np.frombuffer(content, "<i4", 4).tolist()
     if min(verts, faces, bones) < 1 or texcoords not in (0, verts) or verts > MOST_VERTICES:
-        raise _UnusableError("its sizes are not those of a skin")
+        raise UnusableFileError("its sizes are not those of a skin")
     place = 16 + 12 * verts + 8 * texcoords
     indices = _indices(content, place, 3 * faces, verts)
     place += indices
@@ -118,7 +111,7 @@ def _vertices(content: bytes) -> int:
         count = int(_integers(content, head, 1)[0])
         place = head + 4 + 2 * _indices(content, head + 4, count, verts)
     if place != len(content):
-        raise _UnusableError("it is longer or shorter than it says")
+        raise UnusableFileError("it is longer or shorter than it says")
     return verts
 
 
@@ -126,13 +119,13 @@ def _indices(content: bytes, place: int, count: int, verts: int) -> int:
     """Return the bytes of some indices of vertices, all of which must be there."""
     vertices = _integers(content, place, count)
     if len(vertices) and (vertices.min() < 0 or vertices.max() >= verts):
-        raise _UnusableError("it refers to vertices that it does not have")
+        raise UnusableFileError("it refers to vertices that it does not have")
     return 4 * count
 
 
 def _integers(content: bytes, place: int, count: int) -> "np.ndarray":
     if count < 0 or place + 4 * count > len(content):
-        raise _UnusableError("it is longer or shorter than it says")
+        raise UnusableFileError("it is longer or shorter than it says")
     return np.frombuffer(content, "<i4", count, place)
 
 

@@ -36,12 +36,7 @@ def check_page(file: str | Path) -> Path:
 def write_file(path: str | Path, content: bytes, *, below: Path | None = None) -> Path:
     """Write a file into an existing folder atomically: a reader sees either the old content or the new.
 
-    A link in its place is replaced, and never followed.
-
-    Args:
-        path: The file.
-        content: What it shall contain.
-        below: A folder above it; none between the two may be a link.
+    A link in its place is replaced, and never followed; no folder between it and one above, *below*, may be a link.
 
     Raises:
         OutputError: If the file cannot be written.
@@ -59,11 +54,7 @@ def write_file(path: str | Path, content: bytes, *, below: Path | None = None) -
 
 
 def check_unlinked(path: Path, *, below: Path) -> Path:
-    """Check that neither a path nor any folder between it and one above is a link; return the path.
-
-    Raises:
-        OutputError: If one is: what is written or removed there would be somewhere else.
-    """
+    """Return a path, or raise an OutputError if it or a folder between it and one above leads somewhere else."""
     place = below
     for name in path.relative_to(below).parts:
         place /= name
@@ -73,11 +64,7 @@ def check_unlinked(path: Path, *, below: Path) -> Path:
 
 
 def make_folder(path: Path, *, below: Path) -> Path:
-    """Make a folder, and those between it and one above, unless they exist; none of them may be a link.
-
-    Raises:
-        OutputError: If one is, or it cannot be made.
-    """
+    """Make a folder, and those between it and one above, or raise an OutputError, also if one is a link."""
     try:
         check_unlinked(path, below=below).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -88,10 +75,7 @@ def make_folder(path: Path, *, below: Path) -> Path:
 def open_new_file(path: Path, *, below: Path) -> int:
     """Return the handle of a new, empty file, opened for writing; whatever file or link has its name is removed first.
 
-    Its folder is made if it does not exist; see `make_folder`.
-
-    Raises:
-        OutputError: If it cannot be written.
+    Its folder is made if it does not exist. An OutputError says that it cannot be written; see `make_folder`.
     """
     make_folder(path.parent, below=below)
     try:
@@ -112,11 +96,7 @@ def remove_temporary_files(folder: Path) -> None:
 
 
 def move_into_place(temporary: Path, path: Path) -> Path:
-    """Rename a complete temporary file to *path*, replacing any existing file.
-
-    Raises:
-        OutputError: If it cannot be renamed; the temporary file is removed then.
-    """
+    """Rename a complete temporary file to *path*, whatever is there; remove it and raise an OutputError if not."""
     try:
         os.replace(temporary, path)
     except OSError as error:
@@ -196,10 +176,7 @@ def swap_folders(first: Path, second: Path) -> None:
     """Swap two folders of one file system.
 
     If the system cannot do this atomically, *second* is first moved aside, and moved back if *first* cannot be
-    renamed.
-
-    Raises:
-        OSError: If they cannot be swapped.
+    renamed. An OSError says that they are not swapped.
     """
     try:
         _swap_at_once(os.fsencode(first), os.fsencode(second))

@@ -15,7 +15,7 @@ from typing import Any
 
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
+from mimoc.bundle.files import discard, make_folder, remove_leftovers, swap_folders, temporary_path, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
@@ -25,23 +25,18 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
-from mimoc.bundle.shared_files import SharedFiles
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class LazyFiles(Mapping[str, bytes]):
-    """Content by path, read-only."""
+    """Content by path, made when it is first asked for."""
 
-    def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
-        """Promise some files.
-
-        Args:
-            arrays: What the file of the large arrays holds, read-only, rounded as it is in the file.
-            make: Returns all files.
-        """
-        self.arrays, self._make = arrays, make
+    arrays: Mapping[str, Array]
+    """What the file of the large arrays holds, read-only, rounded as it is in the file."""
+    make: Callable[[], Mapping[str, bytes]]
+    """Returns all files."""
 
     def __getitem__(self, path: str) -> bytes:
-        """Return the content of a file."""
         return self._all[path]
 
     def __iter__(self) -> Iterator[str]:
@@ -52,7 +47,47 @@ class LazyFiles(Mapping[str, bytes]):
 
     @cached_property
     def _all(self) -> Mapping[str, bytes]:
-        return self._make()
+        return self.make()
+
+
+@dataclass(frozen=True, slots=True)
+class SharedFiles:
+    """A folder of files by digest, on the file system of the bundles that share them."""
+
+    folder: Path
+
+    def put(self, path: Path, content: bytes) -> None:
+        """Write a file as a link to the shared one, or as a copy where there are no links.
+
+        Raises:
+            OSError: If it cannot be written.
+            OutputError: If the folder of the shared one is a link.
+        """
+        digest = sha256(content).hexdigest()
+        shared = self.folder / digest[:2] / digest
+        if not self._link(shared, path, content):
+            path.write_bytes(content)
+            self._share(path, shared)
+
+    def _link(self, shared: Path, path: Path, content: bytes) -> bool:
+        """Make a file a link to the shared one, if that has its content; return whether it is one now."""
+        try:
+            if read_regular_file(shared, below=self.folder) != content:
+                return False
+            os.link(shared, path, follow_symlinks=False)
+        except (OSError, UnusableFileError):  # It has as many links as the file system allows, or there are none.
+            return False
+        return True
+
+    def _share(self, path: Path, shared: Path) -> None:
+        """Let later bundles link to a file, if the file system can."""
+        make_folder(shared.parent, below=self.folder)
+        temporary = temporary_path(shared)
+        try:
+            os.link(path, temporary)
+            os.replace(temporary, shared)
+        except OSError:
+            discard(temporary)
 
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
@@ -117,16 +152,12 @@ def lock_files(
     inputs: Mapping[str, bytes],
     manifest: Manifest | None = None,
 ) -> Bundle:
-    """Return a bundle of the given files (including the manifest) and a lock with their digests.
+    """Return a bundle of files, which include the manifest, and a lock with the digests of these and of all inputs.
 
-    Args:
-        files: Content by path within the bundle.
-        versions: Versions of the software that made the files, by name.
-        inputs: Tables the files were made from, by name; only their digests are kept.
-        manifest: The parsed manifest file, to avoid parsing it again.
+    The manifest, if it is given, need not be parsed again.
     """
-    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
-    return _bundle({**files, LOCK: _printed(lock)}, manifest or read_manifest(files[MANIFEST]), None)
+    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs)}
+    return _locked(files, lock, manifest or read_manifest(files[MANIFEST]))
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -164,9 +195,7 @@ def read_bundle(path: str | Path) -> Bundle:
 def without(bundle: Bundle, name: str) -> Bundle:
     """Return a bundle without one of its files, which its lock no longer lists."""
     files = {other: content for other, content in bundle.files.items() if other not in (name, LOCK)}
-    lock = json.loads(bundle.files[LOCK])
-    lock["files"] = digests(files)
-    return _bundle({**files, LOCK: _printed(lock)}, bundle.manifest, None)
+    return _locked(files, json.loads(bundle.files[LOCK]), bundle.manifest)
 
 
 def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
@@ -211,8 +240,9 @@ def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -
     return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
 
 
-def _printed(lock: Mapping[str, Any]) -> bytes:
-    return (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()
+def _locked(files: Mapping[str, bytes], lock: Mapping[str, Any], manifest: Manifest) -> Bundle:
+    text = json.dumps({**lock, "files": digests(files)}, indent=1, sort_keys=True) + "\n"
+    return _bundle({**files, LOCK: text.encode()}, manifest, None)
 
 
 @contextmanager

@@ -292,11 +292,7 @@ BUILDING = ("scenes", "toys", "parts")
 
 
 def check_plugins(manifest: Any) -> None:
-    """Pass the data of a manifest whose plug-ins are all here.
-
-    Raises:
-        BundleError: If one is missing, or another distribution has a kind of that name.
-    """
+    """Raise a BundleError if a plug-in that a manifest names is missing, or another has a kind of that name."""
     plugins = manifest.get("plugins", {}) if isinstance(manifest, dict) else {}
     if not isinstance(plugins, dict):
         raise BundleError("its plug-ins are listed in a way that mimoc never writes; build it again")

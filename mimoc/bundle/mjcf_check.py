@@ -2,197 +2,133 @@
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 from xml.parsers import expat
 
 from mimoc.base.errors import BundleError
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Words:
-    """Some words, and no others."""
-
-    words: frozenset[str]
-
-    def allow(self, values: Iterable[str]) -> bool:
-        """Return whether all of some values are among the words."""
-        return self.words.issuperset(values)
+Values = Callable[[Sequence[str]], bool]
+"""Whether all of some values are what an attribute may be; looking at those of a file together takes a tenth of the
+time."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Text:
-    """Text of some characters; all values of a file are looked at together, which takes a tenth of the time."""
-
-    characters: frozenset[str] | None
-    """The characters it consists of; None for all that can be seen, and blanks."""
-    forbidden: re.Pattern[str] | None
-    """Matches what it may not contain."""
-    longest: int
-    """Characters of the longest value."""
-
-    def allow(self, values: Iterable[str]) -> bool:
-        """Return whether all of some values are such texts."""
-        text = " ".join(values)
-        if self.forbidden and self.forbidden.search(text):
-            return False
-        if not (text.isprintable() if self.characters is None else self.characters.issuperset(text)):
-            return False
-        return len(text) <= self.longest or max(map(len, values)) <= self.longest
+def _words(words: str) -> Values:
+    return frozenset(words.split()).issuperset
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Shaped:
-    """Text of some shape, in few attributes."""
-
-    shape: re.Pattern[str]
-
-    def allow(self, values: Iterable[str]) -> bool:
-        """Return whether all of some values have the shape."""
-        return all(map(self.shape.fullmatch, values))
+def _numbers(lowest: int, highest: int) -> Values:
+    return frozenset(map(str, range(lowest, highest + 1))).issuperset
 
 
-Values = Words | Text | Shaped
-"""What the values of an attribute may be."""
+def _shaped(shape: str) -> Values:
+    pattern = re.compile(shape, re.ASCII)
+    return lambda values: all(map(pattern.fullmatch, values))
 
 
-def _words(words: str) -> Words:
-    return Words(frozenset(words.split()))
-
-
-def _file(suffix: str) -> Shaped:
+def _file(suffix: str) -> Values:
     """Among the assets, without `..`, blanks or anything else that two programs could read in two ways."""
-    return Shaped(re.compile(rf"assets/(?:[\w-][\w.+-]*/){{0,4}}[\w-][\w.+-]{{0,200}}\.{suffix}", re.ASCII))
+    return _shaped(rf"assets/(?:[\w-][\w.+-]*/){{0,4}}[\w-][\w.+-]{{0,200}}\.{suffix}")
 
 
-NUMBERS = Text(frozenset("0123456789-+.e "), re.compile(r"e(?:\+?0*[1-9][0-9]|-[0-9]{4})"), 100_000)
-"""One number or several, without exponents above 9. MuJoCo knows how many there must be."""
-NAME = Text(None, None, 200)
-FLAG = _words("true false auto enable disable 0 1")
-COUNT = Words(frozenset(map(str, range(100))))
-ITERATIONS = Words(frozenset(map(str, range(1, 101))))
-PIXELS = Words(frozenset(map(str, range(1, 4097))))
-WORD = Shaped(re.compile("[a-zA-Z0-9]{1,20}"))
-CLASS = _words("infant")
-HERE = _words(".")
+def _are_short(values: Sequence[str], joined: str, longest: int) -> bool:
+    return len(joined) <= longest or max(map(len, values)) <= longest
 
 
-def _of(names: str, values: Values) -> dict[str, Values]:
-    return dict.fromkeys(names.split(), values)
+DIGITS = frozenset("0123456789-+.e ")
+LARGE = re.compile(r"e(?:\+?0*[1-9][0-9]|-[0-9]{4})")
+"""Exponents above 9."""
 
 
-_SOFT = _of("solref solimp solreflimit solimplimit solreffriction solimpfriction margin gap solmix", NUMBERS)
-_MASKS = _of("contype conaffinity condim priority", COUNT)
-_SENSORS = "torque gyro accelerometer force touch velocimeter magnetometer rangefinder framepos framequat framelinvel"
+def _are_numbers(values: Sequence[str]) -> bool:
+    """Return whether each is one number or several; MuJoCo knows how many there must be."""
+    text = " ".join(values)
+    return DIGITS.issuperset(text) and not LARGE.search(text) and _are_short(values, text, 100_000)
 
-ELEMENTS: Mapping[str, Mapping[str, Values]] = {
-    "mujoco": {"model": NAME},
-    "include": {"file": _words("infant.xml")},
-    "compiler": {
-        "angle": _words("radian"),
-        "eulerseq": _words("xyz"),
-        "autolimits": _words("false"),
-        **_of("texturedir meshdir", HERE),
-        "boundinertia": NUMBERS,
-    },
-    "option": {
-        "timestep": NUMBERS,
-        **_of("integrator cone jacobian solver", WORD),
-        **_of("iterations ls_iterations", ITERATIONS),
-        **_of("tolerance ls_tolerance gravity", NUMBERS),
-    },
-    "flag": _of("multiccd nativeccd eulerdamp island energy sensor", FLAG),
-    "size": {"nuser_actuator": COUNT},
-    "statistic": _of("center extent", NUMBERS),
-    "visual": {},
-    "global": {**_of("offwidth offheight", PIXELS), **_of("azimuth elevation fovy", NUMBERS)},
-    "headlight": {"active": FLAG, **_of("ambient diffuse specular", NUMBERS)},
-    "quality": {"shadowsize": PIXELS, **_of("numslices numstacks offsamples", COUNT)},
-    "map": _of("znear zfar shadowclip", NUMBERS),
-    "rgba": _of("haze fog", NUMBERS),
-    "default": {"class": CLASS},
-    "asset": {},
-    "texture": {
-        "name": NAME,
-        **_of("type builtin", WORD),
-        **_of("rgb1 rgb2", NUMBERS),
-        **_of("width height", PIXELS),
-        "file": _file("png"),
-        "gridsize": Shaped(re.compile("[1-6] [1-6]")),
-        "gridlayout": Shaped(re.compile("[.RLUDFB]{1,12}")),
-    },
-    "material": {
-        "name": NAME,
-        "rgba": NUMBERS,
-        "texture": NAME,
-        "texrepeat": NUMBERS,
-        "texuniform": FLAG,
-        **_of("specular shininess reflectance emission", NUMBERS),
-    },
-    "mesh": {"name": NAME, "file": _file("obj"), "inertia": _words("shell convex exact legacy")},
-    "worldbody": {},
-    "light": {
-        "name": NAME,
-        "directional": FLAG,
-        **_of("pos dir diffuse specular ambient attenuation cutoff exponent", NUMBERS),
-        "castshadow": FLAG,
-    },
-    "body": {"name": NAME, **_of("pos euler quat", NUMBERS), "childclass": CLASS, "mocap": FLAG},
-    "freejoint": {"name": NAME},
-    "joint": {
-        **_of("name joint joint1", NAME),
-        "type": _words("hinge"),
-        **_of("limited active", FLAG),
-        **_of("axis pos range stiffness damping frictionloss armature springref coef polycoef", NUMBERS),
-        **_SOFT,
-    },
-    "geom": {
-        "name": NAME,
-        "type": _words("plane sphere capsule ellipsoid cylinder box mesh"),
-        "mesh": NAME,
-        **_of("size pos euler quat mass rgba", NUMBERS),
-        "material": NAME,
-        **_MASKS,
-        "friction": NUMBERS,
-        **_SOFT,
-        "group": COUNT,
-    },
-    "site": {
-        "name": NAME,
-        "type": _words("sphere capsule ellipsoid cylinder box"),
-        **_of("pos size euler quat zaxis fromto rgba", NUMBERS),
-        "group": COUNT,
-        "material": NAME,
-    },
-    "camera": {"name": NAME, **_of("pos euler quat fovy", NUMBERS), "mode": WORD, "target": NAME},
-    "deformable": {},
-    "skin": {"name": NAME, "file": _file("skn"), "material": NAME, "group": COUNT},
-    "contact": {},
-    "exclude": _of("name body1 body2", NAME),
-    "pair": {**_of("name geom1 geom2", NAME), "condim": COUNT, "friction": NUMBERS, **_SOFT},
-    "tendon": {},
-    "fixed": {"name": NAME, "limited": FLAG, **_of("range stiffness damping frictionloss", NUMBERS), **_SOFT},
-    "actuator": {},
-    "general": {
-        "name": NAME,
-        "class": CLASS,
-        "joint": NAME,
-        **_of("ctrllimited forcelimited actlimited actearly", FLAG),
-        **_of("gear ctrlrange forcerange actrange lengthrange", NUMBERS),
-        **_of("dyntype gaintype biastype", WORD),
-        **_of("dynprm gainprm biasprm user", NUMBERS),
-        "group": COUNT,
-    },
-    "sensor": {},
-    **{kind: {**_of("name site objname", NAME), "objtype": WORD} for kind in _SENSORS.split()},
-    "equality": {},
-    "weld": {**_of("name body1 body2", NAME), "active": FLAG, **_of("anchor relpose torquescale", NUMBERS), **_SOFT},
-    "keyframe": {},
-    "key": {"name": NAME, **_of("qpos qvel act ctrl mpos mquat time", NUMBERS)},
+
+def _are_names(values: Sequence[str]) -> bool:
+    text = " ".join(values)
+    return text.isprintable() and _are_short(values, text, 200)
+
+
+VALUES: Mapping[Values, str] = {
+    _are_names: "model name joint joint1 site objname body1 body2 geom1 geom2 target texture mesh material",
+    _words("true false auto enable disable 0 1"): "limited active actearly actlimited ctrllimited forcelimited "
+    "castshadow directional mocap texuniform energy eulerdamp island multiccd nativeccd sensor",
+    _numbers(0, 99): "contype conaffinity condim priority group numslices numstacks offsamples nuser_actuator",
+    _numbers(1, 100): "iterations ls_iterations",
+    _numbers(1, 4096): "width height offwidth offheight shadowsize",
+    _shaped("[a-zA-Z0-9]{1,20}"): "integrator cone jacobian solver mode objtype builtin dyntype gaintype biastype",
+    _words("infant"): "class childclass",
+    _words("."): "texturedir meshdir",
+    _words("radian"): "angle",
+    _words("xyz"): "eulerseq",
+    _words("false"): "autolimits",
+    _words("shell convex exact legacy"): "inertia",
+    _shaped("[1-6] [1-6]"): "gridsize",
+    _shaped("[.RLUDFB]{1,12}"): "gridlayout",
 }
-"""What the values of each attribute of each element may be. A sense, a task or a scene of a plug-in prints by the same
-templates, so that it is within them as well."""
+"""What attributes of these names may be in any element; all others are numbers."""
+BY_ELEMENT: Mapping[tuple[str, str], Values] = {
+    ("include", "file"): _words("infant.xml"),
+    ("texture", "file"): _file("png"),
+    ("mesh", "file"): _file("obj"),
+    ("skin", "file"): _file("skn"),
+    ("texture", "type"): _shaped("[a-zA-Z0-9]{1,20}"),
+    ("joint", "type"): _words("hinge"),
+    ("geom", "type"): _words("plane sphere capsule ellipsoid cylinder box mesh"),
+    ("site", "type"): _words("sphere capsule ellipsoid cylinder box"),
+}
+"""What attributes may be whose name means something else in each element."""
+_SOFT = "solref solimp solreflimit solimplimit solreffriction solimpfriction margin gap solmix"
+ATTRIBUTES: Mapping[str, str] = {
+    "mujoco": "model",
+    "include": "file",
+    "compiler": "angle eulerseq autolimits texturedir meshdir boundinertia",
+    "option": "timestep integrator cone jacobian solver iterations ls_iterations tolerance ls_tolerance gravity",
+    "flag": "multiccd nativeccd eulerdamp island energy sensor",
+    "size": "nuser_actuator",
+    "statistic": "center extent",
+    "visual asset worldbody deformable contact tendon actuator sensor equality keyframe": "",
+    "global": "offwidth offheight azimuth elevation fovy",
+    "headlight": "active ambient diffuse specular",
+    "quality": "shadowsize numslices numstacks offsamples",
+    "map": "znear zfar shadowclip",
+    "rgba": "haze fog",
+    "default": "class",
+    "texture": "name type builtin rgb1 rgb2 width height file gridsize gridlayout",
+    "material": "name rgba texture texrepeat texuniform specular shininess reflectance emission",
+    "mesh": "name file inertia",
+    "light": "name directional pos dir diffuse specular ambient attenuation cutoff exponent castshadow",
+    "body": "name pos euler quat childclass mocap",
+    "freejoint": "name",
+    "joint": "name joint joint1 type limited active axis pos range stiffness damping frictionloss armature springref "
+    f"coef polycoef {_SOFT}",
+    "geom": "name type mesh size pos euler quat mass rgba material contype conaffinity condim priority friction group "
+    f"{_SOFT}",
+    "site": "name type pos size euler quat zaxis fromto rgba group material",
+    "camera": "name pos euler quat fovy mode target",
+    "skin": "name file material group",
+    "exclude": "name body1 body2",
+    "pair": f"name geom1 geom2 condim friction {_SOFT}",
+    "fixed": f"name limited range stiffness damping frictionloss {_SOFT}",
+    "general": "name class joint ctrllimited forcelimited actlimited actearly gear ctrlrange forcerange actrange "
+    "lengthrange dyntype gaintype biastype dynprm gainprm biasprm user group",
+    "torque gyro accelerometer force touch velocimeter magnetometer rangefinder framepos framequat framelinvel": (
+        "name site objname objtype"
+    ),
+    "weld": f"name body1 body2 active anchor relpose torquescale {_SOFT}",
+    "key": "name qpos qvel act ctrl mpos mquat time",
+}
+"""The attributes of elements. A sense, a task or a scene of a plug-in prints by the same templates, so that it is
+within them as well."""
+_BY_NAME = {name: values for values, names in VALUES.items() for name in names.split()}
+ELEMENTS: Mapping[str, Mapping[str, Values]] = {
+    element: {name: BY_ELEMENT.get((element, name)) or _BY_NAME.get(name, _are_numbers) for name in names.split()}
+    for elements, names in ATTRIBUTES.items()
+    for element in elements.split()
+}
+"""What the values of each attribute of each element may be."""
 
 REFERRING = {"texture", "mesh", "skin"}
 """Elements that refer to files, besides the one `include`."""
@@ -231,10 +167,6 @@ _SHOWN = 60
 def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
     """Check that a file of MJCF is one that mimoc could have written.
 
-    Args:
-        file: Its name, for errors.
-        content: The file.
-
     Returns:
         How many there are of each element, and the element that refers to each other file, by the path of that.
 
@@ -248,7 +180,7 @@ def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
         raise BundleError(f"{file}:{line}: mimoc writes nothing but elements")
     reader = _Reader(file)
     reader.read(content)
-    if not all(values.allow(given) for values, given in reader.given.items()):
+    if not all(values(given) for values, given in reader.given.items()):
         _Reader(file, at_once=True).read(content)
     for name, most in MOST.items():
         if (number := reader.counts[name]) > most:
@@ -262,12 +194,7 @@ class _Reader:
     """Reads MJCF element by element, and refuses what mimoc does not write."""
 
     def __init__(self, file: str, *, at_once: bool = False):
-        """Begin a file.
-
-        Args:
-            file: Its name.
-            at_once: Whether to check each value where it is; it takes less time to check them together in the end.
-        """
+        """Begin a file; to check each value *at once*, where it is, takes longer than all together in the end."""
         self.counts, self.references = Counter[str](), dict[str, str]()
         self.given: defaultdict[Values, list[str]] = defaultdict(list)
         """The values of all attributes, by what they may be."""
@@ -294,7 +221,7 @@ class _Reader:
             if name not in sinks:
                 self._refuse(f"{name[:_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
             sinks[name](value)
-            if self._at_once and not ELEMENTS[element][name].allow([value]):
+            if self._at_once and not ELEMENTS[element][name]([value]):
                 self._refuse(f"{name}={value[:_SHOWN]!r} is not what mimoc writes there")
         if element in REFERRING and "file" in attributes:
             self.references[attributes["file"]] = element
@@ -310,10 +237,8 @@ class _Reader:
     def _check_muscle(self, attributes: dict[str, str]) -> None:
         """MuJoCo finds the lengths of a muscle that does not give them by simulating it, which takes long."""
         self._muscles |= "muscle" in (attributes.get("gaintype"), attributes.get("biastype"))
-        if self._muscles and "joint" in attributes:
-            lengths = attributes.get("lengthrange", "").split()
-            if len(lengths) != 2 or not _is_rising(lengths):
-                self._refuse("a muscle without a lengthrange")
+        if self._muscles and "joint" in attributes and not _is_range(attributes.get("lengthrange", "")):
+            self._refuse("a muscle without a lengthrange")
 
     def _end(self, element: str) -> None:
         self._depth -= 1
@@ -322,8 +247,9 @@ class _Reader:
         raise BundleError(f"{self._file}:{self._parser.CurrentLineNumber}: {reason}")
 
 
-def _is_rising(numbers: list[str]) -> bool:
+def _is_range(numbers: str) -> bool:
     try:
-        return float(numbers[0]) < float(numbers[1])
+        lowest, highest = map(float, numbers.split())
+        return lowest < highest
     except ValueError:
         return False

@@ -2,7 +2,7 @@
 
 import logging
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, get_args
@@ -17,108 +17,10 @@ from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.mjcf_check import read_mjcf
+from mimoc.bundle.regular_files import first_of
 from mimoc.schema.base import Model
 from mimoc.schema.composition import on_recompose
-from mimoc.schema.entries import NameKind, NameOf
-
-_SHOWN = 5
-"""Most problems that an error tells of."""
-
-
-def check_names(manifest: Model, model: mujoco.MjModel) -> None:
-    """Check that a model has everything that a manifest names, and that it is what it should be.
-
-    Raises:
-        BundleError: If it does not; the message says which names, and where they stand.
-    """
-    fitting, known = _fitting(model), dict[tuple[NameKind, str], bool]()
-    missing = []
-    for where, kind, name in names_in(manifest):
-        if (kind, name) not in known:
-            index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
-            known[kind, name] = index >= 0 and (kind not in fitting or index in fitting[kind])
-        if not known[kind, name]:
-            missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
-    if missing:
-        rest = [f"and {len(missing) - _SHOWN} more"] if len(missing) > _SHOWN else []
-        raise BundleError(f"its manifest does not fit its model: {'; '.join([*missing[:_SHOWN], *rest])}")
-
-
-def names_in(entry: Model, where: str = "") -> Iterator[tuple[str, NameKind, str]]:
-    """Yield where each name in a manifest stands, what it is the name of, and the name."""
-    for field, kind in _fields(type(entry)):
-        value = getattr(entry, field)
-        if value is not None:
-            yield from _names(value, kind, f"{where}{field}")
-
-
-def _names(value: Any, kind: NameKind | None, where: str) -> Iterator[tuple[str, NameKind, str]]:
-    if isinstance(value, str):
-        if kind:
-            yield where, kind, value
-    elif isinstance(value, Model):
-        yield from names_in(value, f"{where}.")
-    elif isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _names(inner, kind, f"{where}.{key}")
-    elif isinstance(value, tuple):
-        for index, inner in enumerate(value):
-            yield from _names(inner, kind, f"{where}[{index}]")
-
-
-@lru_cache(maxsize=256)
-def _fields(section: type[Model]) -> tuple[tuple[str, NameKind | None], ...]:
-    """Return the fields of a section that may hold names, themselves or within, and what these name."""
-    fields = section.model_fields.items()
-    kinds: list[tuple[str, NameKind | None]] = [(name, _kind(info.annotation, info.metadata)) for name, info in fields]
-    return tuple((name, kind) for name, kind in kinds if kind or _has_sections(section.model_fields[name].annotation))
-
-
-on_recompose(_fields.cache_clear)
-
-
-def _kind(annotation: Any, metadata: Any = ()) -> NameKind | None:
-    """Return what the texts in a field name, by the mark in its annotation."""
-    marks = [mark for mark in (*metadata, *getattr(annotation, "__metadata__", ())) if isinstance(mark, NameOf)]
-    if marks:
-        return marks[0].kind
-    return next((kind for inner in get_args(annotation) if (kind := _kind(inner))), None)
-
-
-def _has_sections(annotation: Any) -> bool:
-    if isinstance(annotation, type) and issubclass(annotation, Model):
-        return True
-    return any(map(_has_sections, get_args(annotation)))
-
-
-def _fitting(model: mujoco.MjModel) -> dict[NameKind, set[int]]:
-    """Return, for kinds of names that not every object of a type will do for, those that do."""
-    masks: dict[NameKind, npt.NDArray[np.bool_]] = {
-        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
-        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
-        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
-        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
-        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
-    }
-    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
-
-
-_OBJECTS: Mapping[NameKind, mujoco.mjtObj] = {
-    "body": mujoco.mjtObj.mjOBJ_BODY,
-    "hinge": mujoco.mjtObj.mjOBJ_JOINT,
-    "free joint": mujoco.mjtObj.mjOBJ_JOINT,
-    "geom": mujoco.mjtObj.mjOBJ_GEOM,
-    "sensor of three numbers": mujoco.mjtObj.mjOBJ_SENSOR,
-    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
-    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
-    "keyframe": mujoco.mjtObj.mjOBJ_KEY,
-    "material": mujoco.mjtObj.mjOBJ_MATERIAL,
-    "skin": mujoco.mjtObj.mjOBJ_SKIN,
-    "lock": mujoco.mjtObj.mjOBJ_EQUALITY,
-    "weld": mujoco.mjtObj.mjOBJ_EQUALITY,
-}
-"""Types of objects that names are looked up among."""
-
+from mimoc.schema.entries import NameOf
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
@@ -127,10 +29,8 @@ MOST_CONTACTS = 1500
 """At the start of an episode; an infant with ten fingers and fifty toys in a room have 150."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")
 """Endings of the files of a bundle that are not MuJoCo's."""
-BREAKDOWNS = tuple(
-    int(kind)
-    for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-)
+_WARNINGS = mujoco.mjtWarning
+BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL, _WARNINGS.mjWARN_BADQACC)))
 """MuJoCo's warnings that mean the simulation has become unstable."""
 
 
@@ -175,11 +75,7 @@ def prepare(model: mujoco.MjModel) -> None:
 
 @contextmanager
 def bounded() -> Iterator[None]:
-    """Turn MuJoCo's lack of memory, for contacts that no infant has, into an error of mimoc's.
-
-    Raises:
-        ModelError: If the physics needs more memory than the model has.
-    """
+    """Turn MuJoCo's lack of memory, for contacts that no infant has, into a ModelError."""
     try:
         yield
     except mujoco.FatalError as error:
@@ -206,21 +102,13 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def check_contacts(data: mujoco.MjData) -> None:
-    """Check, at the start of an episode, that there are no more contacts than in any scene.
-
-    Raises:
-        ModelError: If there are.
-    """
+    """Raise a ModelError if, at the start of an episode, there are more contacts than in any scene."""
     if data.ncon > MOST_CONTACTS:
         raise ModelError(f"the model has {data.ncon:,} contacts at the start, which no scene of mimoc's has")
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
-
-    Args:
-        bundle: The infant.
-        pose: A keyframe; else the bundle's own.
+    """Return the compiled scene of a bundle and its state in a pose or its own, with all that is derived from it.
 
     Raises:
         ModelError: If MuJoCo rejects the model.
@@ -259,6 +147,8 @@ def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.b
     return is_inside
 
 
+_SHOWN = 5
+"""Most problems that an error tells of."""
 INFANT, SCENE = "infant.xml", "scene.xml"
 """The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
@@ -288,27 +178,96 @@ def check_files(bundle: Bundle) -> None:
 
 
 def check_model(bundle: Bundle, model: mujoco.MjModel) -> None:
-    """Check that the manifest of a bundle fits its model, unless it was built here.
+    """Check that a model has the time step and all things that the manifest of its bundle names, unless built here.
 
     Raises:
-        BundleError: If it does not.
+        BundleError: If it has not; the message says which names, and where they stand.
     """
     if bundle.path is None:
         return
-    try:
-        if not abs(model.opt.timestep - ms_to_s(bundle.manifest.timestep_ms)) < 1e-9:
-            raise BundleError(f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms")
-        check_names(bundle.manifest, model)
-    except BundleError as error:
-        raise BundleError(f"{bundle.path}: {error}; build it again") from None
+    if not abs(model.opt.timestep - ms_to_s(bundle.manifest.timestep_ms)) < 1e-9:
+        reason = f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms"
+        raise BundleError(f"{bundle.path}: {reason}; build it again")
+    fitting, missing = _fitting(model), []
+    for where, kind, name in _names(bundle.manifest, None, ""):
+        index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
+        if index < 0 or index not in fitting.get(kind, (index,)):
+            missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
+    if missing:
+        reason = f"its manifest does not fit its model: {first_of(missing, _SHOWN)}"
+        raise BundleError(f"{bundle.path}: {reason}; build it again")
+
+
+def _names(value: Any, kind: str | None, where: str) -> Iterator[tuple[str, str, str]]:
+    """Yield where each name in a manifest stands, what it is the name of, and the name."""
+    if isinstance(value, str):
+        if kind:
+            yield where, kind, value
+    elif isinstance(value, Model):
+        for field, named in _fields(type(value)):
+            yield from _names(getattr(value, field), named, f"{where}.{field}".removeprefix("."))
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _names(inner, kind, f"{where}.{key}")
+    elif isinstance(value, tuple):
+        for index, inner in enumerate(value):
+            yield from _names(inner, kind, f"{where}[{index}]")
+
+
+@lru_cache(maxsize=256)
+def _fields(section: type[Model]) -> tuple[tuple[str, str | None], ...]:
+    """Return the fields of a section that may hold names, themselves or within, and what these name."""
+    kinds = {name: _kind((*info.metadata, info.annotation)) for name, info in section.model_fields.items()}
+    fields = section.model_fields
+    return tuple((name, kind) for name, kind in kinds.items() if kind or _has_sections(fields[name].annotation))
+
+
+on_recompose(_fields.cache_clear)
+
+
+def _kind(annotations: Iterable[Any]) -> str | None:
+    """Return what texts with some annotations name, by the first mark among these or within them."""
+    kinds = (part.kind if isinstance(part, NameOf) else _kind(get_args(part)) for part in annotations)
+    return next(filter(None, kinds), None)
+
+
+def _has_sections(annotation: Any) -> bool:
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return True
+    return any(map(_has_sections, get_args(annotation)))
+
+
+def _fitting(model: mujoco.MjModel) -> dict[str, set[int]]:
+    """Return, for kinds of names that not every object of a type will do for, those that do."""
+    masks: dict[str, npt.NDArray[np.bool_]] = {
+        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
+        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
+        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
+        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
+        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
+    }
+    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
+
+
+_OBJECTS: Mapping[str, mujoco.mjtObj] = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "hinge": mujoco.mjtObj.mjOBJ_JOINT,
+    "free joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "sensor of three numbers": mujoco.mjtObj.mjOBJ_SENSOR,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
+    "keyframe": mujoco.mjtObj.mjOBJ_KEY,
+    "material": mujoco.mjtObj.mjOBJ_MATERIAL,
+    "skin": mujoco.mjtObj.mjOBJ_SKIN,
+    "lock": mujoco.mjtObj.mjOBJ_EQUALITY,
+    "weld": mujoco.mjtObj.mjOBJ_EQUALITY,
+}
+"""Types of objects that names are looked up among."""
 
 
 def pose_of(manifest: Manifest, pose: str | None) -> str:
-    """Return the name of a pose, the bundle's default if *pose* is None.
-
-    Raises:
-        UnknownNameError: If the bundle has no such pose.
-    """
+    """Return the name of a pose, by default the bundle's, or raise an UnknownNameError."""
     if pose is None or pose in manifest.poses:
         return pose or manifest.pose
     kept = manifest.constraints.locks or manifest.constraints.welds

@@ -7,7 +7,7 @@ their indices.
 
 import json
 import re
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
@@ -32,17 +32,17 @@ BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
 
 def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
     """Return the provenance of numbers, by key, as it is written."""
-    phrases, sources = _Table(), _Table()
+    phrases, sources = dict[str, int](), dict[tuple[str, ...], int]()
     numbers = {}
     for key in sorted(entries):
         entry = dict(entries[key])
-        entry["rule"] = [phrases.index(part) for part in BETWEEN_PHRASES.split(entry["rule"])]
+        entry["rule"] = [_index(phrases, part) for part in BETWEEN_PHRASES.split(entry["rule"])]
         if "from" in entry:
-            entry["from"] = sources.index(tuple(entry["from"]))
+            entry["from"] = _index(sources, tuple(entry["from"]))
         if "xml" in entry:
-            entry["xml"] = phrases.index(entry["xml"].replace(f"'{_name(key)}'", "'*'"))
+            entry["xml"] = _index(phrases, entry["xml"].replace(f"'{_name(key)}'", "'*'"))
         numbers[key] = entry
-    return {NUMBERS: numbers, PHRASES: phrases.values, SOURCES: sources.values}
+    return {NUMBERS: numbers, PHRASES: list(phrases), SOURCES: list(sources)}
 
 
 def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
@@ -77,18 +77,9 @@ def _size(numbers: Iterable[Entry], phrases: Sequence[str], sources: Sequence[An
     return size
 
 
-class _Table:
-    """Values, each once, in the order in which they are first asked for."""
-
-    def __init__(self):
-        self._indices: dict[Hashable, int] = {}
-
-    def index(self, value: Hashable) -> int:
-        return self._indices.setdefault(value, len(self._indices))
-
-    @property
-    def values(self) -> list[Any]:
-        return list(self._indices)
+def _index(indices: dict[Any, int], value: Any) -> int:
+    """Return the index of a value among those that were asked for so far, to which it is added."""
+    return indices.setdefault(value, len(indices))
 
 
 def _name(key: str) -> str:

@@ -3,7 +3,7 @@
 import errno
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO, TypeVar
@@ -30,7 +30,7 @@ _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
 class UnusableFileError(Exception):
-    """A file is a link, a pipe or a device, or too large."""
+    """A file is a link, a pipe or a device, too large, or not what mimoc writes."""
 
 
 class RegularFiles:
@@ -58,11 +58,7 @@ class RegularFiles:
         return content
 
     def open(self, name: str, most_bytes: int) -> BinaryIO | None:
-        """Return a file opened for reading, None if it does not exist or cannot be read.
-
-        Raises:
-            UnusableFileError: If it is not a regular file of the folder, or too large.
-        """
+        """Return a file opened for reading; see `read`."""
         path = PurePosixPath(name)
         try:
             return _open(path.name, most_bytes, self._folder(path.parent))
@@ -72,11 +68,7 @@ class RegularFiles:
             return None
 
     def names(self, folder: str = ".") -> list[str]:
-        """Return the sorted names of what is in a folder; none if it does not exist or cannot be read.
-
-        Raises:
-            UnusableFileError: If it is a link, or not a folder.
-        """
+        """Return the sorted names of what is in a folder, if there is one; of a link, raise an UnusableFileError."""
         try:
             return sorted(os.listdir(self._folder(PurePosixPath(folder))))
         except OSError as error:
@@ -95,11 +87,7 @@ class RegularFiles:
 
 @contextmanager
 def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> Iterator[RegularFiles]:
-    """Open a folder, which may itself be a link, to read its files.
-
-    Raises:
-        OSError: If it cannot be opened.
-    """
+    """Open a folder, which may itself be a link, to read its files; an OSError says that it cannot be opened."""
     with ExitStack() as handles:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         handles.callback(os.close, handle)
@@ -119,8 +107,7 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path |
     """
     try:
         if below is None:  # By its path at once: another process may replace its folder meanwhile.
-            file = _open(path, most_bytes)
-            return None if file is None else _content(file)
+            return _content(_open(path, most_bytes))
         with regular_files(below, most_bytes) as files:
             return files.read(path.relative_to(below).as_posix(), most_bytes)
     except OSError as error:
@@ -130,11 +117,7 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path |
 
 
 def open_regular_file(path: Path, most_bytes: int, *, below: Path) -> BinaryIO | None:
-    """Return a file opened for reading, None if it does not exist or cannot be read; see `read_regular_file`.
-
-    Raises:
-        UnusableFileError: If it is not a regular file, or too large.
-    """
+    """Return a file opened for reading; see `read_regular_file`."""
     try:
         with regular_files(below) as files:
             return files.open(path.relative_to(below).as_posix(), most_bytes)
@@ -156,21 +139,15 @@ def _content(file: BinaryIO) -> bytes:
         return file.read(os.fstat(file.fileno()).st_size)
 
 
-def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO | None:
-    handle = os.open(name, _FILE, dir_fd=folder)
-    try:
-        status = os.fstat(handle)
-        if stat.S_ISDIR(status.st_mode):
-            os.close(handle)
-            return None
-        if not stat.S_ISREG(status.st_mode):
-            raise UnusableFileError("is not a regular file")
-        if status.st_size > most_bytes:
-            raise UnusableFileError("is larger than those of any infant")
-        return os.fdopen(handle, "rb")
-    except UnusableFileError:
-        os.close(handle)
-        raise
+def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO:
+    """Return a file opened for reading; of a folder, Python raises an OSError."""
+    file = open(name, "rb", opener=lambda path, flags: os.open(path, flags | _FILE, dir_fd=folder))  # noqa: SIM115
+    status = os.fstat(file.fileno())
+    if stat.S_ISREG(status.st_mode) and status.st_size <= most_bytes:
+        return file
+    file.close()
+    is_file = stat.S_ISREG(status.st_mode)
+    raise UnusableFileError("is larger than those of any infant" if is_file else "is not a regular file")
 
 
 MOST_JSON_BYTES = 2**22
@@ -186,11 +163,7 @@ def read_json_file(
 ) -> Data | None:
     """Return the content of a JSON file as data of a type; None if it does not exist or cannot be read.
 
-    Args:
-        path: The file.
-        kind: What it must contain; nothing is converted: text is no number, and a number no text.
-        most_bytes: The largest size that is read.
-        below: A folder above it; no folder between the two may be a link. By default, the one that it is in.
+    Nothing is converted: text is no number, and a number no text. See `read_regular_file` for the other arguments.
 
     Raises:
         UnusableFileError: If it is not a regular file, too large, or contains anything else: one line to write after
@@ -201,11 +174,7 @@ def read_json_file(
 
 
 def parse_json(content: bytes, kind: type[Data]) -> Data:
-    """Return JSON as data of a type; see `read_json_file`.
-
-    Raises:
-        UnusableFileError: If it is anything else.
-    """
+    """Return JSON as data of a type, or raise an UnusableFileError; see `read_json_file`."""
     try:
         return kind.model_validate_json(content, strict=True)
     except ValidationError as error:
@@ -218,8 +187,13 @@ def problems_in(error: ValidationError) -> str:
         ": ".join([".".join(map(str, problem["loc"])), problem["msg"].removeprefix("Value error, ")]).removeprefix(": ")
         for problem in error.errors(include_url=False, include_context=False, include_input=False)
     ]
-    more = [f"and {len(problems) - _SHOWN} more"] if len(problems) > _SHOWN else []
-    return one_line("; ".join(problems[:_SHOWN] + more))
+    return one_line(first_of(problems, _SHOWN))
+
+
+def first_of(problems: Sequence[str], most: int) -> str:
+    """Return the first problems in one line, and how many more there are."""
+    more = [f"and {len(problems) - most} more"] if len(problems) > most else []
+    return "; ".join([*problems[:most], *more])
 
 
 def one_line(text: str) -> str:

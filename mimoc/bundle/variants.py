@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -11,18 +12,15 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
 
+@dataclass(eq=False)
 class Variant:
     """An infant at some age in some scene."""
 
-    def __init__(self, bundle: Bundle, model: mujoco.MjModel, dress: Callable[[mujoco.MjModel], None] | None = None):
-        """Hand out an infant.
-
-        Args:
-            bundle: The infant.
-            model: Its model, which belongs to whoever asked for it and may be changed.
-            dress: Writes the skin of this age into the model, if that has still that of another one.
-        """
-        self.bundle, self.bare, self._dress = bundle, model, dress
+    bundle: Bundle
+    bare: mujoco.MjModel
+    """Its model, which belongs to whoever asked for it and may be changed."""
+    _dress: Callable[[mujoco.MjModel], None] | None = None
+    """Writes the skin of this age into the model, if that has still that of another one."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle it with its skin."""
@@ -46,12 +44,7 @@ class Variant:
 
 
 def open_variant(source: Variant | Bundle | str | Path) -> Variant:
-    """Return an infant with its model.
-
-    Raises:
-        BundleError: If a folder is not an intact bundle.
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return an infant with its model; a BundleError or a ModelError says why there is none."""
     if isinstance(source, Variant):
         return source
     bundle = source if isinstance(source, Bundle) else read_bundle(source)
@@ -67,9 +60,5 @@ class Variants(Protocol):
         ...
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in months, in the scene of a seed.
-
-        Raises:
-            MimocError: If there is no such infant; nothing has changed then.
-        """
+        """Return the infant at an age, in months, in the scene of a seed, or raise a MimocError and change nothing."""
         ...

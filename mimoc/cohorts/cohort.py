@@ -16,10 +16,11 @@ from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
 from mimoc.policies import POLICIES
 from mimoc.schema import source as sources
-from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
+from mimoc.schema.base import plain
+from mimoc.schema.cohort_file import COHORT, CohortSpec
 from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
 from mimoc.schema.infant import InfantSpec, read_spec
-from mimoc.schema.plain import plain
+from mimoc.schema.reading import read_keys
 from mimoc.schema.source import Source
 
 Progress = Callable[[int, int], None]
@@ -77,7 +78,8 @@ class Cohort:
         if isinstance(source, Mapping):
             source = sources.in_memory(plain(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
-        spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
+        spec = _tried(lambda source: read_keys(CohortSpec, source), self._source)
+        base = _tried(_base, self._source)
         if problems := [problem for part in (spec, base) if isinstance(part, SpecError) for problem in part.problems]:
             raise SpecError(problems)
         self.spec: CohortSpec = spec

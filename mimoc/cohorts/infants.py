@@ -13,11 +13,10 @@ import numpy as np
 from mimoc.base.errors import Problem, SpecError
 from mimoc.base.random_streams import between, stream, whole_between
 from mimoc.base.rounding import rounded
-from mimoc.schema.base import KeyedError, dotted
+from mimoc.schema.base import KeyedError, changed, dotted, given, plain
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, at_another_age, read_spec
-from mimoc.schema.plain import changed, given, plain
 from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
 from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
-from mimoc.base.rounding import rounded, rounded_array
+from mimoc.base.rounding import render_json, rounded, rounded_array
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
 from mimoc.body.parts import PARTS
@@ -19,7 +19,6 @@ from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, lock_files
-from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses

@@ -28,11 +28,7 @@ def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> No
     """Put the samples of a sense that are on their way into those with the delays of another age.
 
     The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
-    there is room for more, the oldest is observed for longer.
-
-    Args:
-        groups: The samples by their new delays.
-        former: The same samples by their former delays, which are left as they are.
+    there is room for more, the oldest is observed for longer. The former are left as they are.
     """
     plain = [group for group in former if isinstance(group, DelayedSamples)]
     history = _history(plain) if len(plain) == len(former) else []
@@ -71,12 +67,13 @@ def _history(groups: Sequence[DelayedSamples]) -> list[Sample]:
     """Return the samples of a sense from the oldest to the newest, each number with the delay of its own group."""
     longest = max(group.length for group in groups) + 1
     lines = [(group.part, _resized(group.state, longest, group.arrived)) for group in groups]
-    if len(lines) == 1:
-        return lines[0][1]
     return [_merged([(part, line[at]) for part, line in lines]) for at in range(longest)]
 
 
 def _merged(samples: Sequence[tuple[Mask | None, Sample]]) -> Sample:
+    """Return the parts of a sample together."""
+    if len(samples) == 1:
+        return samples[0][1]
     merged = samples[0][1].copy()
     for part, sample in samples[1:]:
         merged[part] = sample[part]
@@ -107,14 +104,7 @@ class Schedule:
         timing: Timing,
         streams: NoiseStreams | None = None,
     ):
-        """Plan the control step, once.
-
-        Args:
-            senses: Senses that are bound to the model, by name.
-            actuation: What turns an action into controls of the model.
-            model: The model.
-            timing: The time base, the delays and the noise.
-            streams: Random numbers of the noise, if there is any.
+        """Plan the control step, once, for senses and an actuation that are bound to the model.
 
         Raises:
             ValueError: If a delay, its jitter or the control step is not a whole number of physics steps.
@@ -131,7 +121,10 @@ class Schedule:
         self._noisy = {
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
-        self._motor_noise = _motor_noise(timing, actuation, streams)
+        self._motor_noise: NoisyMotors | None = None
+        if timing.noise.motor:
+            noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
+            self._motor_noise = NoisyMotors(noise, timestep_s, actuation, streams)
         self._jittered = [
             line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
@@ -246,12 +239,7 @@ class Schedule:
             demand(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
 
     def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
-        """Go on with the signals that are on their way in the same infant at another age, in place of a reset.
-
-        Args:
-            former: Its schedule so far, which is left as it is.
-            data: Its state now.
-        """
+        """Go on with the signals on their way in the same infant at another age, whose schedule is left as it is."""
         for name, delayed in self._samples.items():
             transfer_samples(delayed, former._samples[name])
         transfer_commands(self._commands, former._commands)
@@ -283,17 +271,8 @@ class Schedule:
         )
 
 
-def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> NoisyMotors | None:
-    if not timing.noise.motor:
-        return None
-    return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
-
-
 def arrived(delayed: Sequence[Samples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
     if len(delayed) == 1:
         return delayed[0].arrived
-    merged = delayed[0].arrived.copy()
-    for line in delayed[1:]:
-        merged[line.part] = line.arrived[line.part]
-    return merged
+    return _merged([(line.part, line.arrived) for line in delayed])

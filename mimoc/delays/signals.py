@@ -13,11 +13,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 def check_controls(controls: Any, part: IntArray, where: str) -> None:
-    """Check that something in a state can be the controls of all actuators, of which a part is on its way.
-
-    Raises:
-        ValueError: If it cannot.
-    """
+    """Raise a ValueError unless it can be the controls of all actuators, of which a part is on its way."""
     is_array = isinstance(controls, np.ndarray) and controls.dtype.kind == "f" and controls.ndim == 1
     demand(is_array and controls.size > part.max(initial=-1), where, controls)
     check_finite(controls, where)
@@ -27,13 +23,7 @@ class DelayedSamples:
     """The samples of a sense, or of some of its numbers, on their way to the observation."""
 
     def __init__(self, delay_steps: int, control_steps: int, part: Mask | None = None):
-        """Delay samples by a number of physics steps.
-
-        Args:
-            delay_steps: The delay.
-            control_steps: Physics steps in a control step.
-            part: Which numbers of a sample have this delay; None is all.
-        """
+        """Delay samples by some physics steps, or those numbers of them that are *part*; None is all."""
         self.sampled_after = (control_steps - delay_steps % control_steps,)
         """Physics steps of a control step after which the sense is sampled, to arrive at the end of a control step."""
         self.part = part
@@ -68,14 +58,7 @@ class DelayedCommands:
     """Commands on their way to some actuators."""
 
     def __init__(self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray):
-        """Delay commands by a number of physics steps.
-
-        Args:
-            delay_steps: The delay.
-            control_steps: Physics steps in a control step.
-            part: Indices of the commands that have this delay, shape (n,).
-            actuators: The actuators of the model that they control, shape (n,).
-        """
+        """Delay the commands with some indices, shape (n,), by some physics steps, to these actuators, shape (n,)."""
         self.applied_after = (delay_steps % control_steps,)
         """Physics steps of a control step after which commands arrive."""
         self.length = delay_steps // control_steps

@@ -1,14 +1,14 @@
 """The `delays` of a spec and of a manifest: one for each registered sense, and one for the motor commands."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
+from typing import Annotated, Literal
 
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import KindError
 from mimoc.schema.base import Model
-from mimoc.schema.composition import composed
+from mimoc.schema.composition import ComposedModel, composed, described_field
 from mimoc.schema.entries import Body, Duration
 from mimoc.schema.quantities import Milliseconds
 from mimoc.senses import SENSES
@@ -27,15 +27,11 @@ def signals() -> tuple[str, ...]:
 
 def _delay_fields() -> dict[str, FieldInfo]:
     about = {name: f"Delay of {name}." for name in SENSES} | {MOTOR: "Delay from command to actuator."}
-    annotation: Any = Optional[Delay]  # noqa: UP045 - Type checkers reject `|` here.
-    return {
-        f"{name}_ms": FieldInfo.from_annotated_attribute(annotation, Field(default=None, description=about[name]))
-        for name in signals()
-    }
+    return {f"{name}_ms": described_field(Delay | None, None, about[name]) for name in signals()}
 
 
 @composed(_delay_fields)
-class DelaysSpec(Model):
+class DelaysSpec(ComposedModel):
     """Sensory and motor delays, each a multiple of the physics step; the more specific key takes precedence."""
 
     preset: Literal["none", "paper", "physiological"] = "none"
@@ -43,11 +39,6 @@ class DelaysSpec(Model):
     age (`physiological`)."""
     sensory_ms: Delay | None = None
     """Delay of every sense for which no delay is given below."""
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """Return the delay of a signal, or None."""
 
 
 def given_keys(spec: DelaysSpec, signal: str) -> list[str]:
@@ -74,21 +65,9 @@ class DelayEntry(Model):
     """Delay to or from legs and feet, if it differs."""
 
 
-def _entry_fields() -> dict[str, FieldInfo]:
-    return {
-        name: FieldInfo(annotation=DelayEntry, default=DelayEntry(), description=f"Delay of {name}.")
-        for name in signals()
-    }
-
-
-@composed(_entry_fields)
-class DelaysEntry(Model):
+@composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})
+class DelaysEntry(ComposedModel):
     """The delay of each signal."""
 
     legs: tuple[Body, ...] = ()
     """The first body of each leg."""
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """Return the delay of a signal."""

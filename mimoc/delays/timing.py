@@ -22,7 +22,10 @@ Commands = DelayedCommands | JitteredCommands
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """The time base of an infant, and the delays of its signals, with their jitter."""
+    """The time base of an infant, and the delays of its signals, with their jitter.
+
+    Any of its methods raises a ValueError if a time is not a whole number of physics steps.
+    """
 
     step_ms: float
     """Control step."""
@@ -37,23 +40,13 @@ class Timing:
 
     @property
     def period(self) -> int:
-        """Physics steps in a control step.
-
-        Raises:
-            ValueError: If it is not a whole number.
-        """
+        """Physics steps in a control step."""
         return to_steps(self.step_ms, self.timestep_ms)
 
     def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:
         """Return the samples of a sense on their way, by their delay.
 
-        Args:
-            sense: The sense.
-            in_legs: Which of its numbers belong to the legs, shape (n,); None where none does.
-            streams: Random numbers of the jitter.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
+        Of its n numbers, those *in_legs* belong to the legs, shape (n,); None where none does.
         """
         return [
             JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
@@ -61,15 +54,9 @@ class Timing:
         ]
 
     def commands(self, in_legs: Mask, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
-        """Return the commands on their way, by their delay.
+        """Return the n commands on their way to some actuators, shape (n,), by their delay.
 
-        Args:
-            in_legs: Which of the n commands go to the legs, shape (n,).
-            actuators: The actuators of the model that they control, shape (n,).
-            streams: Random numbers of the jitter.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
+        Those *in_legs*, shape (n,), go to the legs.
         """
         delayed: list[Commands] = []
         for steps, part, wander in self._jittered(MOTOR, in_legs, streams):

@@ -44,7 +44,6 @@ class NoiseStreams:
     """
 
     def __init__(self, seed: int):
-        """Begin all streams at a seed."""
         self.restart(seed)
 
     def restart(self, seed: int) -> None:
@@ -71,9 +70,6 @@ class NoiseStreams:
             self[channel].bit_generator.state = at
 
 
-BoolArray = npt.NDArray[np.bool_]
-
-
 @dataclass(slots=True)  # Not frozen, which would take three times as long to make.
 class Draw:
     """What noise is made of at one time."""
@@ -82,16 +78,9 @@ class Draw:
     """The array library."""
     elapsed_s: float
     """Time since the state; infinite if there is none."""
-    _normals: Callable[[Sequence[int], Any], Any]
-
-    def normals(self, shape: Sequence[int], where: Any = None) -> Any:
-        """Return random numbers with mean 0 and standard deviation 1.
-
-        Args:
-            shape: Their shape, (k, ...).
-            where: Which of them are needed, an array of bool of this shape; others may be anything. None is all.
-        """
-        return self._normals(shape, where)
+    normals: Callable[..., Any]
+    """From a shape, (k, ...), to random numbers with mean 0 and standard deviation 1; an array of bool of this shape as
+    second argument says which of them are needed: others may be anything then."""
 
 
 @dataclass(frozen=True)
@@ -113,15 +102,14 @@ class SignalNoise:
     """The noise of one signal of one infant, with its state and its stream of random numbers."""
 
     def __init__(self, noise: Noise, channel: str, streams: NoiseStreams):
-        """Disturb a signal by the stream of a channel."""
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
-        self.state: list[Any] = [-math.inf, None]
-        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
+        self.reset()
 
     def reset(self) -> None:
         """Forget the samples taken so far."""
-        self.state = [-math.inf, None]
+        self.state: list[Any] = [-math.inf, None]
+        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
 
     def at(self, time_s: float, sample: Sample) -> Sample:
         """Return the sample of some time with noise, as a new array."""
@@ -137,7 +125,7 @@ class SignalNoise:
         self.state = [former_s, state]
         return noisy[0]
 
-    def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:
+    def _normals(self, shape: Sequence[int], where: npt.NDArray[np.bool_] | None = None) -> FloatArray:
         generator = self._streams[self._channel]
         if where is None:
             return generator.standard_normal(shape)
@@ -218,10 +206,6 @@ def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float],
     return value, rate, (first, mixed, math.sqrt(max(1 - rate[0] ** 2 - rate[1] ** 2 - mixed * mixed, 0.0)))
 
 
-CHANNEL = "motor"
-"""Stream of the noise."""
-
-
 @dataclass(frozen=True)
 class MotorNoise(Noise):
     """Signal-dependent noise: commands u drive actuators by u (1 + c n), with n low-passed and of standard deviation 1.
@@ -253,8 +237,7 @@ class NoisyMotors:
     """The commands of one infant, and the noise with which they drive its actuators."""
 
     def __init__(self, noise: MotorNoise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
-        """Disturb the commands of all commanded actuators, in each physics step."""
-        self._noise, self._timestep_s = SignalNoise(noise, CHANNEL, streams), timestep_s
+        self._noise, self._timestep_s = SignalNoise(noise, "motor", streams), timestep_s
         self._actuators = actuation.actuators
 
     def reset(self, data: mujoco.MjData) -> None:

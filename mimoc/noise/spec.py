@@ -1,7 +1,7 @@
 """The `noise` of a spec and of a manifest: of the commands, of each sense that has one, and of the delays."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
@@ -9,8 +9,8 @@ from pydantic.fields import FieldInfo
 from mimoc.actuation import ACTUATIONS
 from mimoc.base.units import to_steps
 from mimoc.delays.spec import DelaysSpec, is_delayed
-from mimoc.schema.base import KeyedError, Model
-from mimoc.schema.composition import composed
+from mimoc.schema.base import KeyedError
+from mimoc.schema.composition import ComposedModel, composed, described_field
 from mimoc.schema.entries import Amount, Duration
 from mimoc.schema.quantities import Milliseconds, Real
 from mimoc.senses import SENSES
@@ -43,13 +43,13 @@ def _spec_fields() -> dict[str, FieldInfo]:
     fields = {}
     for name, key in noise_keys().items():
         noise: Any = SENSES[name].noise
-        amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
-        fields[key] = FieldInfo.from_annotated_attribute(amount, Field(default=0.0, description=noise.about))
+        amount = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
+        fields[key] = described_field(amount, 0.0, noise.about)
     return fields
 
 
 @composed(_spec_fields)
-class NoiseSpec(Model):
+class NoiseSpec(ComposedModel):
     """Noise of the commands and the senses, and jitter of their delays; 0 is none."""
 
     motor: MotorNoise = 0.0
@@ -59,22 +59,9 @@ class NoiseSpec(Model):
     """Largest deviation of a delay from its value, a multiple of the physics step; a delay that is shorter deviates by
     no more than itself."""
 
-    if TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Any:
-            """Return the noise of a sense."""
-
-
-def _entry_fields() -> dict[str, FieldInfo]:
-    amount: Any = Amount
-    return {
-        key: FieldInfo.from_annotated_attribute(amount, Field(default=0.0, description=f"Noise of {name}."))
-        for name, key in noise_keys().items()
-    }
-
-
-@composed(_entry_fields)
-class NoiseEntry(Model):
+@composed(lambda: {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()})
+class NoiseEntry(ComposedModel):
     """The noise of commands, senses and delays; 0 is none."""
 
     motor: Annotated[Amount, Field(le=1)] = 0.0
@@ -84,23 +71,11 @@ class NoiseEntry(Model):
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """Return the noise of a sense."""
-
 
 def check_noise(
     noise: NoiseSpec, senses: Mapping[str, Any], delays: DelaysSpec, actuation: str, timestep_ms: float
 ) -> None:
-    """Check that there is something for each noise to act on.
-
-    Args:
-        noise: The noise.
-        senses: The section of each sense, or None if it is off.
-        delays: The delays.
-        actuation: Name of the actuation model.
-        timestep_ms: Physics step.
+    """Check that there is something for each noise to act on; the section of a sense is None if it is off.
 
     Raises:
         KeyedError: If a sense is off, nothing has a delay, or the actuation model has no such noise.

@@ -1,6 +1,6 @@
 """The `scene` of a spec: the world around the infant."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 from mimoc.scenes import SCENES
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import PartName
-from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.composition import ComposedModel, choice_field, composed, own_sections
 from mimoc.schema.quantities import Distinct, PathText, Whole
 from mimoc.toys.spec import ToysSpec
 
@@ -33,7 +33,7 @@ def _fields() -> dict[str, FieldInfo]:
 
 
 @composed(_fields)
-class SceneSpec(Model):
+class SceneSpec(ComposedModel):
     """The world around the infant."""
 
     kind: str = "flat"
@@ -58,8 +58,3 @@ class SceneSpec(Model):
             kinds = " or ".join(kind.name for kind in SCENES.values() if kind.has_floor)
             raise KeyedError(("toys",), f"toys require scene.kind: {kinds}; change it, or remove the toys")
         return self
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """Return the section of a kind of scene, such as `room`."""

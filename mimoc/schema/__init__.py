@@ -27,23 +27,4 @@ if TYPE_CHECKING:
     from mimoc.tasks.spec_base import TaskSpec as TaskSpec
     from mimoc.toys.spec import ToysSpec as ToysSpec
 
-__getattr__, __dir__, __all__ = names_of(
-    __name__,
-    {
-        "mimoc.actuation.spec": "ActuationSpec",
-        "mimoc.delays.spec": "DelaysSpec",
-        "mimoc.noise.spec": "NoiseSpec",
-        "mimoc.scenes.room.spec": "RoomSpec",
-        "mimoc.scenes.spec": "SceneSpec TexturesSpec",
-        "mimoc.schema.body": "BodySpec IndividualSpec PartSpec",
-        "mimoc.schema.infant": "InfantSpec as_written read_spec to_data validated",
-        "mimoc.schema.spec": "ControlSpec",
-        "mimoc.senses.proprioception": "ProprioceptionSpec",
-        "mimoc.senses.spec": "SensesSpec",
-        "mimoc.senses.touch": "TouchSpec",
-        "mimoc.senses.vestibular": "VestibularSpec",
-        "mimoc.senses.vision": "AcuitySpec VisionSpec",
-        "mimoc.tasks.spec_base": "TaskSpec",
-        "mimoc.toys.spec": "ToysSpec",
-    },
-)
+__getattr__, __dir__, __all__ = names_of(__name__)

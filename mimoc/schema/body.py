@@ -121,10 +121,6 @@ class IndividualSpec(Model):
         return self
 
 
-def _parts_among(schema: dict[str, Any]) -> None:
-    schema |= keys_among(trunk_bodies() + all_limb_bodies())
-
-
 class PartSpec(Model):
     """Scale factors of one part of the body, relative to its size at the infant's age."""
 
@@ -151,7 +147,10 @@ class BodySpec(Model):
     )
     """Measurements that replace those predicted from age and individual, by AnthroKids name; the prefix `left_` or
     `right_` selects one side, on which it counts. At another age, each keeps its ratio to the average child's."""
-    parts: Mapping[PartName, PartSpec] = Field(default_factory=dict, json_schema_extra=_parts_among)
+    parts: Mapping[PartName, PartSpec] = Field(
+        default_factory=dict,
+        json_schema_extra=lambda schema: schema.update(keys_among(trunk_bodies() + all_limb_bodies())),
+    )
     """Scale factors of single parts, by name of the body, on what they would be otherwise."""
     remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""

@@ -1,40 +1,24 @@
-"""A cohort file: which infants a study has, what is done with each, and what is measured."""
+"""A cohort file: which infants a study has, what is done and measured; and the files that keep its results."""
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    PrivateAttr,
-    StringConstraints,
-    Tag,
-    model_validator,
-)
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from mimoc.base.errors import suggestion
 from mimoc.base.rounding import rounded
 from mimoc.quantities import measures
-from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.base import KeyedError, Model, plain
 from mimoc.schema.body import IndividualSpec
-from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty
+from mimoc.schema.cohort_steps import FUNCTION, Step, by_shape, not_empty
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
-from mimoc.schema.plain import plain
-from mimoc.schema.quantities import PathText, Real, Whole
-from mimoc.schema.reading import read_keys
-from mimoc.schema.source import FileKind, Source
+from mimoc.schema.quantities import Identifier, Int64, NotNegative, PathText, Plain, Real, Whole, version_one
+from mimoc.schema.reading import FileModel
+from mimoc.schema.source import FileKind
 from mimoc.schema.wording import unknown_key
 
 COHORT = FileKind("cohort file", "mimoc, cohort, base and do", "cohort: spring")
-
-
-def _known_version(value: Any) -> Any:
-    if type(value) is not int or value != 1:
-        raise ValueError("this mimoc reads version 1 of cohort files; write 'mimoc: 1'")
-    return value
 
 
 def _known_key(key: str) -> str:
@@ -148,22 +132,18 @@ def _kind_of_levels(value: Any) -> str | None:
     return "a range" if isinstance(value, dict | RangeSpec) else None
 
 
-_LEVELS = "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
-_BASE = "a spec; write the path of its file, or its keys"
 Levels = Annotated[
     Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("a list")]
     | Annotated[RangeSpec, Tag("a range")]
     | Annotated[DrawsSpec, Tag("some draws")],
     Discriminator(_kind_of_levels),
-    Field(json_schema_extra={"wanted": _LEVELS}),
+    Field(
+        json_schema_extra={
+            "wanted": "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
+        }
+    ),
 ]
 """The values of a key that is varied."""
-
-
-def _kind_of_children(value: Any) -> str | None:
-    if isinstance(value, list | tuple):
-        return "a list"
-    return "drawn children" if isinstance(value, dict | DrawnChildren) else None
 
 
 class SampleSize(Model):
@@ -182,38 +162,24 @@ class SampleDesign(Model):
     """How many, and by which seed."""
 
 
-def _kind_of_design(value: Any) -> str | None:
-    return "a word" if isinstance(value, str) else "a sample" if isinstance(value, dict | SampleDesign) else None
-
-
-def _kind_of_base(value: Any) -> str | None:
-    return "a path" if isinstance(value, str) else "a spec" if isinstance(value, dict) else None
-
-
-class CohortSpec(Model):
+class CohortSpec(FileModel):
     """A cohort: children, what is varied, what is done with each infant, and what is measured."""
 
-    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    mimoc: Annotated[Literal[1], version_one("cohort files"), Field(examples=[1])]
     """Version of the language."""
-    cohort: Annotated[
-        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["spring"])
-    ]
+    cohort: Annotated[Identifier, Field(examples=["spring"])]
     """Name of the cohort."""
     base: Annotated[
-        Annotated[PathText, Tag("a path")] | Annotated[dict[str, Any], Tag("a spec")],
-        Discriminator(_kind_of_base),
-        Field(
-            examples=["nine_months.yaml"],
-            json_schema_extra={"wanted": _BASE},
-        ),
+        Annotated[PathText, Tag("a word")] | Annotated[dict[str, Any], Tag("a section")],
+        *by_shape("a spec; write the path of its file, or its keys"),
+        Field(examples=["nine_months.yaml"]),
     ]
     """The infant that all others are made from: the path of a spec, or the spec itself."""
     children: (
         Annotated[
-            Annotated[DrawnChildren, Tag("drawn children")]
+            Annotated[DrawnChildren, Tag("a section")]
             | Annotated[tuple[IndividualSpec, ...], AfterValidator(not_empty), Tag("a list")],
-            Discriminator(_kind_of_children),
-            Field(json_schema_extra={"wanted": "children; write {draw: 100, seed: 7}, or a list of individuals"}),
+            *by_shape("children; write {draw: 100, seed: 7}, or a list of individuals"),
         ]
         | None
     ) = None
@@ -221,27 +187,14 @@ class CohortSpec(Model):
     vary: Mapping[Annotated[str, AfterValidator(_known_key)], Levels] = Field(default_factory=dict)
     """Values of keys of the spec, by dotted key."""
     design: Annotated[
-        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a sample")],
-        Discriminator(_kind_of_design),
-        Field(json_schema_extra={"wanted": "a design; write grid, zip or {sample: {n: 500, seed: 1}}"}),
+        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a section")],
+        *by_shape("a design; write grid, zip or {sample: {n: 500, seed: 1}}"),
     ] = "grid"
     """How values are combined: each with each, in parallel, or at random."""
     do: Annotated[tuple[Step, ...], AfterValidator(not_empty), Field(examples=[["build"]])]
     """What is done with each infant."""
     measure: tuple[Annotated[str, AfterValidator(_known_measure)], ...] = ()
     """What the table shows; by default, every measure of every step."""
-
-    _source: Source | None = PrivateAttr(default=None)
-
-    @property
-    def source(self) -> Source | None:
-        """The file this was read from, or None if it was created in Python."""
-        return self._source
-
-    def model_post_init(self, context: Any) -> None:
-        """Store the source, which is passed as the context of validation."""
-        if isinstance(context, Source):
-            self._source = context
 
     @model_validator(mode="after")
     def _keys_do_not_overlap(self) -> Self:
@@ -284,10 +237,46 @@ class CohortSpec(Model):
         return self
 
 
-def read_cohort_spec(source: Source) -> CohortSpec:
-    """Return the cohort in a file.
+def _of_one_child(factors: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return factors, if those that describe a child are numbers, and a text for its sex."""
+    for name, value in factors.items():
+        if name == "child" or name in IndividualSpec.model_fields:
+            kinds = str if name == "sex" else int if name == "child" else (int, float)
+            if not isinstance(value, kinds) or isinstance(value, bool):
+                raise ValueError(f"'{name}' of a child is {type(value).__name__}")
+    return factors
 
-    Raises:
-        SpecError: If the file is invalid; the error lists all problems.
-    """
-    return read_keys(CohortSpec, source)
+
+Key = Annotated[str, StringConstraints(pattern="^[0-9a-f]{32}$")]
+"""Hash of all that determines the result of a job."""
+Measure = None | bool | Int64 | Real | str
+Factors = Annotated[Mapping[str, Plain], AfterValidator(_of_one_child)]
+
+
+MOST_BYTES = 2**20
+"""Of the file of a result; 1 MB. Those of mimoc's own steps have one kilobyte."""
+
+
+class MarkFile(Model):
+    """`cohort.json`, which says that a folder is a cohort's."""
+
+    cohort: str
+    """Name of the cohort."""
+    version: Literal[1]
+    """Version of this kind of folder."""
+
+
+class ResultFile(Model):
+    """`results/<first two letters of the key>/<key>.json`: a job and what became of it."""
+
+    job: Key
+    cohort: str
+    step: str
+    seed: Int64 | None
+    options: Mapping[str, Plain]
+    factors: Factors
+    status: Literal["ok", "failed"]
+    measures: Mapping[str, Measure]
+    versions: Mapping[str, str]
+    error: str
+    seconds: NotNegative

@@ -4,16 +4,9 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    StringConstraints,
-    Tag,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 from pydantic.config import JsonDict
+from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
@@ -154,18 +147,22 @@ class PythonStep(Model):
 
 
 def _shape(value: Any) -> str | None:
-    return "a word" if isinstance(value, str) else "a section" if isinstance(value, dict | Model) else None
+    shapes = {"a word": str, "a list": list | tuple, "a section": dict | Model}
+    return next((shape for shape, types in shapes.items() if isinstance(value, types)), None)
+
+
+def by_shape(wanted: str) -> tuple[Discriminator, FieldInfo]:
+    """Return what marks alternatives whose shape, the `Tag` of each, tells them apart; messages say what is wanted."""
+    return Discriminator(_shape), Field(json_schema_extra={"wanted": wanted})
 
 
 Python = Annotated[
     Annotated[Function, Tag("a word")] | Annotated[PythonStep, Tag("a section")],
-    Discriminator(_shape),
-    Field(json_schema_extra={"wanted": "a function; write module:function, or {function: module:function}"}),
+    *by_shape("a function; write module:function, or {function: module:function}"),
 ]
 Experiment = Annotated[
     Annotated[Words, Tag("a word")] | Annotated[ExperimentStep, Tag("a section")],
-    Discriminator(_shape),
-    Field(json_schema_extra={"wanted": "an experiment; write its name, or {name: growth, quick: true}"}),
+    *by_shape("an experiment; write its name, or {name: growth, quick: true}"),
 ]
 
 
@@ -208,8 +205,7 @@ def _word(value: str) -> str:
 Step = Annotated[
     Annotated[Words, AfterValidator(_word), Field(json_schema_extra={"enum": [*WORDS]}), Tag("a word")]
     | Annotated[StepChoice, Tag("a section")],
-    Discriminator(_shape),
-    Field(json_schema_extra={"wanted": "a step; write build, check, run, train, or {run: {steps: 1000}}"}),
+    *by_shape("a step; write build, check, run, train, or {run: {steps: 1000}}"),
 ]
 """An item of `do`."""
 

@@ -5,32 +5,17 @@ names, so that all are looked up in the model before anything runs.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, TypeAlias
 
 from pydantic import Field, StringConstraints
-
-NameKind = Literal[
-    "body",
-    "hinge",
-    "free joint",
-    "geom",
-    "sensor of three numbers",
-    "actuator",
-    "camera",
-    "keyframe",
-    "material",
-    "skin",
-    "lock",
-    "weld",
-]
-"""Things of a model that a manifest names; a lock is an equality constraint of a joint, a weld one of two bodies."""
 
 
 @dataclass(frozen=True, slots=True)
 class NameOf:
     """Marks a field, in its annotation, as the name of something in the model."""
 
-    kind: NameKind
+    kind: str
+    """What it is, such as `hinge`; a lock is an equality constraint of a joint, a weld one of two bodies."""
 
 
 Label = Annotated[str, StringConstraints(max_length=1000)]

@@ -1,18 +1,19 @@
 """A spec: reading it from a file, creating it in Python, and changing it, such as to another age of its child."""
 
 import operator
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import PrivateAttr
+from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from mimoc.base.rounding import rounded
 from mimoc.plugins import load_plugins
+from mimoc.schema.base import changed, everything, given, plain, shown
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided
-from mimoc.schema.plain import changed, everything, given, plain
 from mimoc.schema.reading import read_keys
 from mimoc.schema.sizes import pairs
 from mimoc.schema.source import Source, in_memory, in_memory_as_text
@@ -29,14 +30,10 @@ def at_another_age(body: BodySpec, before_months: float, after_months: Any) -> d
     An individual keeps its percentiles: a measured length, weight or head becomes what a child with the same z-score by
     WHO's standards has then, z(after) = z(before). A single measurement keeps its ratio to the average child's.
     Percentiles and factors stay as they are. What is said twice is said once from then on: the individual's measure
-    counts, not its percentile, nor the measurement of the same size.
-
-    Args:
-        body: The body.
-        before_months: The age at which it was measured.
-        after_months: The other age, as a user gives it; if it is none, nothing changes, and validation says why.
+    counts, not its percentile, nor the measurement of the same size. Where the other age is none, nothing changes:
+    validation says why.
     """
-    if not all(_is_age(months) for months in (before_months, after_months)):
+    if not _is_age(before_months) or not _is_age(after_months):
         return {}
     if rounded(float(after_months)) == rounded(before_months):  # Ages in manifests are rounded.
         return {}
@@ -81,21 +78,24 @@ def _is_age(months: Any) -> bool:
     return isinstance(months, int | float) and not isinstance(months, bool) and 0 <= months <= OLDEST_MONTHS
 
 
-HERE = Path()
-
-
 @composed(lambda: {"task": task_field()})
 class InfantSpec(InfantKeys):
     """One infant in one scene, as the user specified it: nothing is computed, and omitted keys have their defaults."""
 
-    _source: Source | None = PrivateAttr(default=None)
     _as_read: tuple[Any, ...] = PrivateAttr(default=())
     """The values that were read from the source; a changed copy has others."""
 
-    @property
-    def source(self) -> Source | None:
-        """The file this was read from, or None if it was created in Python."""
-        return self._source
+    @model_validator(mode="wrap")
+    @classmethod
+    def _refused_as_a_file(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        """Refuse data from Python with the messages of a file that says the same."""
+        try:
+            return handler(data)
+        except ValidationError as error:
+            refusal = error
+        if isinstance(data, Mapping) and not isinstance(info.context, Source):
+            read_keys(cls, in_memory(plain(data), f"<{shown(str(data.get('name', 'spec')))}>", Path()))
+        raise refusal
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some keys changed, validated like a spec that is read from a file.
@@ -134,9 +134,9 @@ class InfantSpec(InfantKeys):
         return isinstance(other, InfantSpec) and self.__dict__ == other.__dict__
 
     def model_post_init(self, context: Any) -> None:
-        """Store the source, which is passed as the context of validation."""
-        if isinstance(context, Source):
-            self._source, self._as_read = context, tuple(self.__dict__.values())
+        """Store the source, which is passed as the context of validation, and what was read from it."""
+        super().model_post_init(context)
+        self._as_read = tuple(self.__dict__.values()) if self._source else ()
 
     @property
     def is_as_read(self) -> bool:
@@ -146,11 +146,7 @@ class InfantSpec(InfantKeys):
 
 
 def read_spec(source: Source) -> InfantSpec:
-    """Return the spec in a file.
-
-    Raises:
-        SpecError: If the spec is invalid; the error lists all problems.
-    """
+    """Return the spec in a file; a SpecError lists all problems."""
     return read_keys(InfantSpec, source)
 
 
@@ -163,11 +159,7 @@ def to_data(spec: InfantSpec) -> dict[str, Any]:
 
 
 def validated(spec: InfantSpec) -> InfantSpec:
-    """Return a spec after validating it, for specs made by `model_copy` or `model_construct`, which do not validate.
-
-    Raises:
-        SpecError: If the spec is invalid; the error lists all problems by key.
-    """
+    """Return a spec after validation, which `model_copy` and `model_construct` omit; a SpecError lists all problems."""
     if spec.is_as_read:
         return spec
     reading = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
@@ -198,7 +190,7 @@ def _name(spec: InfantSpec) -> str:
 
 
 def _folder(spec: InfantSpec) -> Path:
-    return spec.source.folder if spec.source else HERE
+    return spec.source.folder if spec.source else Path()
 
 
 load_plugins()

@@ -26,12 +26,9 @@ NOTHING = {"type": "null"}
 
 
 def json_schema(of: str = "infant") -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a kind of files, with the kinds of plug-ins.
+    """Return the JSON Schema (draft 2020-12) of a kind of files, one of FILES, with the kinds of plug-ins.
 
     It says what each key may be by itself. What keys must be together, and what a body can be, only mimoc knows.
-
-    Args:
-        of: One of FILES.
 
     Raises:
         UnknownNameError: If there are no such files.

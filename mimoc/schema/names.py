@@ -14,36 +14,15 @@ from mimoc.schema.quantities import Distinct
 SIDES = ("left", "right")
 
 TRUNK_MEASUREMENTS = (
-    "chest_breadth",
-    "chest_circumference",
-    "crown_rump_length",
-    "crown_sole_length",
-    "head_breadth",
-    "head_circumference",
-    "head_length",
-    "hip_breadth",
-    "hip_circumference",
-    "shoulder_breadth",
+    *("chest_breadth", "chest_circumference", "crown_rump_length", "crown_sole_length", "head_breadth"),
+    *("head_circumference", "head_length", "hip_breadth", "hip_circumference", "shoulder_breadth"),
     "waist_circumference",
 )
 LIMB_MEASUREMENTS = (
-    "ankle_circumference",
-    "calf_circumference",
-    "elbow_hand_length",
-    "foot_breadth",
-    "foot_length",
-    "forearm_circumference",
-    "hand_breadth",
-    "hand_length",
-    "knee_sole_length",
-    "maximum_fist_breadth",
-    "mid_thigh_circumference",
-    "middle_finger_diameter",
-    "rump_knee_length",
-    "rump_sole_length",
-    "shoulder_elbow_length",
-    "thumb_diameter",
-    "upper_arm_circumference",
+    *("ankle_circumference", "calf_circumference", "elbow_hand_length", "foot_breadth", "foot_length"),
+    *("forearm_circumference", "hand_breadth", "hand_length", "knee_sole_length", "maximum_fist_breadth"),
+    *("mid_thigh_circumference", "middle_finger_diameter", "rump_knee_length", "rump_sole_length"),
+    *("shoulder_elbow_length", "thumb_diameter", "upper_arm_circumference"),
 )
 """AnthroKids has both sides in one; a spec can tell them apart."""
 MEASUREMENTS = tuple(sorted(TRUNK_MEASUREMENTS + LIMB_MEASUREMENTS))

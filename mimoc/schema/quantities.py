@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, Field, JsonValue, StringConstraints
+from pydantic import AfterValidator, BeforeValidator, Field, JsonValue, StringConstraints
 from pydantic.fields import FieldInfo
 
 Number = TypeVar("Number", int, float)
@@ -32,8 +32,21 @@ Percentile = Annotated[
 Age = Annotated[Months, Field(le=24)]
 """Ages at which infants can be built."""
 
+Identifier = Annotated[str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64)]
+"""Name of an infant or of a cohort."""
 PathText = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
 """Path of a file or folder, relative to the folder of the spec."""
+
+
+def version_one(what: str) -> BeforeValidator:
+    """Return what marks a version of a language of files, of which there is one."""
+
+    def known(value: Any) -> Any:
+        if type(value) is not int or value != 1:
+            raise ValueError(f"this mimoc reads version 1 of {what}; write 'mimoc: 1'")
+        return value
+
+    return BeforeValidator(known)
 
 
 def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:
@@ -75,11 +88,7 @@ INT64 = 2**63
 
 
 def bounded(data: Any) -> Any:
-    """Return plain data, if its whole numbers have at most 64 bits and the others are finite.
-
-    Raises:
-        ValueError: If not.
-    """
+    """Return plain data, or raise a ValueError if whole numbers have more than 64 bits or others are not finite."""
     if isinstance(data, dict | list):
         for item in data.values() if isinstance(data, dict) else data:
             bounded(item)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import takewhile
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import PrivateAttr, ValidationError
 
 from mimoc.base.errors import SpecError
 from mimoc.schema.base import KeyPath, Model
@@ -15,15 +15,27 @@ from mimoc.schema.wording import fault, missing_value
 Spec = TypeVar("Spec", bound=Model)
 
 
+class FileModel(Model):
+    """What a file says; it knows the file that it was read from."""
+
+    _source: Source | None = PrivateAttr(default=None)
+
+    @property
+    def source(self) -> Source | None:
+        """The file this was read from, or None if it was created in Python."""
+        return self._source
+
+    def model_post_init(self, context: Any) -> None:
+        """Store the source, which is passed as the context of validation."""
+        if isinstance(context, Source):
+            self._source = context
+
+
 def read_keys(keys: type[Spec], source: Source) -> Spec:
-    """Return the spec in a file.
+    """Return the spec, or another kind of file, that the class *keys* describes.
 
     Invalid values are reported and removed, and the rest is validated again, because pydantic runs the validators of
     a section only once each of its keys is valid.
-
-    Args:
-        keys: The class of the spec, or of another kind of file.
-        source: The file.
 
     Raises:
         SpecError: If the spec is invalid; the error lists all problems.

@@ -84,12 +84,7 @@ def pairs(body: BodySpec, age_months: float) -> Iterator[tuple[Naming, Naming, b
 
 
 def check_sizes(body: BodySpec, age_months: float, written: object = None) -> None:
-    """Check that no size has two values.
-
-    Args:
-        body: The body.
-        age_months: Its age, at which percentiles are compared with measures.
-        written: The file of the spec, if there is one, whose lines the message gives.
+    """Check that no size has two values at an age; the message has lines of the file, if the spec was written in one.
 
     Raises:
         KeyedError: If one has; at the key that says more, naming the other.

@@ -80,28 +80,19 @@ class Source:
             return {path[len(keys) :]: place for path, place in places.items() if path[: len(keys)] == keys}
 
         invalid = frozenset(path[len(keys) :] for path in self.invalid if path[: len(keys)] == keys)
-        key_places = {(): (1, 1), **below(self.key_places)}
         return replace(
             self,
             data=data,
             problems=(),
             invalid=invalid,
-            key_places=key_places,
+            key_places={(): (1, 1), **below(self.key_places)},
             value_places=below(self.value_places),
             inside=(*self.inside, *keys),
         )
 
 
 def read(path: str | Path, kind: FileKind = SPEC) -> Source:
-    """Read a YAML file.
-
-    Args:
-        path: Where it is.
-        kind: The expected kind of file, for messages.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read a YAML file, or raise a SpecError; messages say which kind of file was expected."""
     try:
         status = Path(path).stat()
         if stat.S_ISDIR(status.st_mode):
@@ -125,16 +116,7 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
 
 
 def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
-    """Read YAML from a pipe, to its end; relative paths in it are relative to the current folder.
-
-    Args:
-        stream: The pipe.
-        name: Its name, for messages.
-        kind: The expected kind of file, for messages.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read YAML from a pipe, to its end, as `read`; relative paths in it are relative to the current folder."""
     content = stream.read(MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
         _refuse(name, f"the input is larger than 1 MiB; check that it is a {kind.name}")
@@ -142,16 +124,7 @@ def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
 
 
 def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
-    """Read the text of a YAML file.
-
-    Args:
-        text: One YAML 1.2 document, a mapping at the top.
-        file: Its name, for messages.
-        kind: The expected kind of file, for messages.
-
-    Raises:
-        SpecError: If no data can be read from it.
-    """
+    """Read the text of a YAML file, or raise a SpecError: one YAML 1.2 document, a mapping at the top."""
     written = text if isinstance(text, str) else _decoded(text, file)
     plain = written.removeprefix("\ufeff")
     if "\0" in plain:

@@ -1,13 +1,14 @@
 """All keys of a spec, its `control`, and the checks that involve several sections or what the infant does not have."""
 
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, Literal, Self
+from dataclasses import replace
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, StringConstraints, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.units import to_steps
-from mimoc.body.anatomy import Anatomy, assemble
+from mimoc.body.anatomy import assemble
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
 from mimoc.scenes.spec import SceneSpec
@@ -15,7 +16,8 @@ from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import SIDES, Development, single_groups, unsided
-from mimoc.schema.quantities import Age, Milliseconds
+from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
+from mimoc.schema.reading import FileModel
 from mimoc.schema.sizes import check_sizes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
@@ -23,15 +25,9 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
-REMOVED = ("body", "remove")
-
 
 def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None:
-    """Check that an infant has the parts that keys of its spec are about.
-
-    Args:
-        body: The body.
-        groups: Names of muscle groups, by the path of the section that names them.
+    """Check that an infant has the parts that keys are about, and the muscle groups that sections name, by their path.
 
     Raises:
         KeyedError: If the infant has none of the parts that a key is about.
@@ -39,68 +35,32 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     if not body.remove:
         return
     anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
-    gone = removed(anatomy, body.remove)
+    gone, group_of = set(body.remove), dict[str, str]()
+    for side, part in anatomy.parts:  # Parents come first.
+        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
+        group_of[name] = part.group.format(side=side) or group_of.get(parent, "")
+        if parent in gone:
+            gone.add(name)
     for name in body.parts:
         if name in gone:
             _refuse(("body", "parts", name), f"'{name}' is removed, so it has no size")
     for key in body.measurements:
-        if unsided(key) in anatomy.follows and unsided(key) not in _followed(anatomy, gone, _side(key)):
+        sides = [side for side in SIDES if key.startswith(f"{side}_")] or ["", *SIDES]
+        left = (
+            (side, part) for side, part in anatomy.parts if part.name.format(side=side) not in gone and side in sides
+        )
+        if unsided(key) in anatomy.follows - replace(anatomy, parts=tuple(left)).follows:
             _refuse(("body", "measurements", key), "all that follows this is removed")
-    left = _groups(anatomy, gone)
+    groups_left = {group for name, group in group_of.items() if name not in gone}
     for path, names in groups.items():
         for index, name in enumerate(names):
-            if single_groups([name]) and not single_groups([name]) & left:
+            if single_groups([name]) and not single_groups([name]) & groups_left:
                 key = name if path[-1] == "strength" else index
                 _refuse((*path, key), f"all of '{name}' is removed")
 
 
-def check_delays(delays: Mapping[str, Any], senses: Mapping[str, Any]) -> None:
-    """Check that senses with a delay of their own are on.
-
-    Args:
-        delays: The section `delays`, by key.
-        senses: The section of each sense, or None if it is off.
-
-    Raises:
-        KeyedError: If one is off.
-    """
-    for name, section in senses.items():
-        if section is None and delays.get(f"{name}_ms"):
-            message = f"'{name}' is off, so it has no delay; add '{name}: {{}}' to the senses, or remove this"
-            raise KeyedError(("delays", f"{name}_ms"), message, against=("senses", name))
-
-
-def removed(anatomy: Anatomy, names: Iterable[str]) -> set[str]:
-    """Return the parts that are missing if some are removed: these, and all that is attached to them."""
-    gone = set(names)
-    for side, part in anatomy.parts:  # Parents come first.
-        if (part.parent or "").format(side=side) in gone:
-            gone.add(part.name.format(side=side))
-    return gone
-
-
-def _side(key: str) -> str:
-    return next((side for side in SIDES if key.startswith(f"{side}_")), "")
-
-
-def _followed(anatomy: Anatomy, gone: set[str], only: str) -> set[str]:
-    """Return the measurements that the remaining parts follow: those of one side, or all."""
-    parts = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
-    of_geoms = (names for part in parts for geom in part.geoms for names in (geom.size_from, geom.position_from))
-    return {name for part in parts for name in part.position_from}.union(*of_geoms)
-
-
-def _groups(anatomy: Anatomy, gone: set[str]) -> set[str]:
-    """Return the muscle groups that the remaining parts belong to."""
-    groups: dict[str, str] = {}
-    for side, part in anatomy.parts:
-        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
-        groups[name] = part.group.format(side=side) or groups.get(parent, "")
-    return {group for name, group in groups.items() if name not in gone}
-
-
 def _refuse(key: KeyPath, what: str) -> None:
-    raise KeyedError(key, f"{what}; leave this out, or keep the part", against=REMOVED)
+    raise KeyedError(key, f"{what}; leave this out, or keep the part", against=("body", "remove"))
 
 
 class ControlSpec(Model):
@@ -111,54 +71,14 @@ class ControlSpec(Model):
     timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
     """Duration of a physics step."""
 
-    def with_default_step(self, step_ms: float) -> Self:
-        """Return this section with another control step, which is treated as a default.
-
-        Raises:
-            KeyedError: If that is not a whole number of physics steps.
-        """
-        clock = self.model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
-        clock.check_steps()
-        return clock
-
-    def check_steps(self) -> None:
-        """Check that the control step is a whole number of physics steps.
-
-        Raises:
-            KeyedError: If it is not.
-        """
-        keys = ("step_ms", "timestep_ms") if "step_ms" in self.model_fields_set else ("timestep_ms", "step_ms")
-        try:
-            if self.step_ms < self.timestep_ms:
-                advice = f"give 'step_ms' {self.timestep_ms:g} or more"
-                raise ValueError(
-                    f"{self.step_ms:g} ms is less than a physics step of {self.timestep_ms:g} ms; {advice}"
-                )
-            to_steps(self.step_ms, self.timestep_ms)
-        except ValueError as error:
-            raise KeyedError(keys[:1], f"a control step of {error}", against=keys[1:]) from None
-
-    @model_validator(mode="after")
-    def _steps_fit(self) -> Self:
-        self.check_steps()
-        return self
-
-
-def _known_version(value: Any) -> Any:
-    if type(value) is not int or value != 1:
-        raise ValueError("this mimoc reads version 1 of the spec language; write 'mimoc: 1'")
-    return value
-
 
 @composed(lambda: {"task": task_field()})
-class InfantKeys(Model):
+class InfantKeys(FileModel):
     """All keys of the spec language, and the checks that involve several sections."""
 
-    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    mimoc: Annotated[Literal[1], version_one("the spec language"), Field(examples=[1])]
     """Version of the spec language."""
-    name: Annotated[
-        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["my_infant"])
-    ]
+    name: Annotated[Identifier, Field(examples=["my_infant"])]
     """Name of the infant and of its MuJoCo model."""
     age_months: Annotated[Age, Field(examples=[9])]
     """Age of the infant."""
@@ -205,7 +125,14 @@ class InfantKeys(Model):
         if self.senses.vision and self.senses.vision.body == "skin" and self.body.skin is False:
             message = "there is no skin to see; write 'solids', or remove 'skin: false' from the body"
             raise KeyedError(("senses", "vision", "body"), message, against=("body", "skin"))
-        check_delays(dict(self.delays), dict(self.senses))
+        return self
+
+    @model_validator(mode="after")
+    def _delayed_senses_are_on(self) -> Self:
+        for name, section in self.senses:
+            if section is None and getattr(self.delays, f"{name}_ms"):
+                message = f"'{name}' is off, so it has no delay; add '{name}: {{}}' to the senses, or remove this"
+                raise KeyedError(("delays", f"{name}_ms"), message, against=("senses", name))
         return self
 
     @model_validator(mode="after")
@@ -218,22 +145,28 @@ class InfantKeys(Model):
         if self.task is None:
             return self
         kind = TASKS[self.task.kind]
-        if kind.scenes is not None and self.scene.kind not in kind.scenes:
-            message = f"task '{kind.name}' requires scene.kind: {' or '.join(kind.scenes)}; change one of them"
-            raise KeyedError(("scene", "kind"), message, against=("task", "kind"))
-        if kind.poses and self.scene.pose not in kind.poses:
-            message = f"task '{kind.name}' requires scene.pose: {' or '.join(kind.poses)}; change one of them"
-            raise KeyedError(("scene", "pose"), message, against=("task", "kind"))
+        for key, allowed in (("kind", kind.scenes), ("pose", kind.poses)):
+            if allowed and getattr(self.scene, key) not in allowed:
+                message = f"task '{kind.name}' requires scene.{key}: {' or '.join(allowed)}; change one of them"
+                raise KeyedError(("scene", key), message, against=("task", "kind"))
         return self
 
     @model_validator(mode="after")
-    def _task_sets_the_clock(self) -> Self:
-        if self.task and "step_ms" not in self.control.model_fields_set:
-            try:
-                clock = self.control.with_default_step(TASKS[self.task.kind].step_ms)
-            except KeyedError as error:
-                raise KeyedError(("control", *error.key), str(error), against=("task", "kind")) from None
-            object.__setattr__(self, "control", clock)
+    def _control_step_is_whole(self) -> Self:
+        control, key, against = self.control, ("control", "timestep_ms"), ("control", "step_ms")
+        if "step_ms" in control.model_fields_set:
+            key, against = against, key
+        elif self.task:
+            against, step_ms = ("task", "kind"), TASKS[self.task.kind].step_ms
+            control = ControlSpec.model_construct(control.model_fields_set, **{**dict(control), "step_ms": step_ms})
+            object.__setattr__(self, "control", control)
+        try:
+            if control.step_ms < control.timestep_ms:
+                shorter = f"{control.step_ms:g} ms is less than a physics step of {control.timestep_ms:g} ms"
+                raise ValueError(f"{shorter}; give 'step_ms' {control.timestep_ms:g} or more")
+            to_steps(control.step_ms, control.timestep_ms)
+        except ValueError as error:
+            raise KeyedError(key, f"a control step of {error}", against=against) from None
         return self
 
     @model_validator(mode="after")

@@ -11,7 +11,6 @@ from mimoc.schema.yaml_document import dump
 
 COLUMN = 40
 """Where comments begin."""
-LATER = ("individual: {sex: female, length_percentile: 50, weight_percentile: 50}", "a child of WHO's percentiles")
 
 
 @dataclass(frozen=True)
@@ -44,9 +43,7 @@ def offered() -> dict[str, Sequence[str]]:
 def new_spec(choices: Choices, schema: Path | None = None) -> str:
     """Return the text of a spec, in which comments say what else each key may be.
 
-    Args:
-        choices: What it says; whether that is possible shows when it is read.
-        schema: A JSON Schema that editors are to use.
+    Whether its choices are possible shows when it is read. Editors are to use the schema.
     """
     lines = [*with_schema("", schema).splitlines(), *_lines(choices, language_of(InfantSpec))]
     return "\n".join(lines) + "\n"
@@ -65,7 +62,8 @@ def _lines(choices: Choices, language: Language) -> Iterator[str]:
     yield _line("name", choices.name)
     yield _beside(_line("age_months", choices.age_months), "0 to 24")
     yield from ("", "body:", said("hands", choices.hands, ("body", "hands")))
-    yield _beside(f"  # {LATER[0]}", LATER[1])
+    individual = "individual: {sex: female, length_percentile: 50, weight_percentile: 50}"
+    yield _beside(f"  # {individual}", "a child of WHO's percentiles")
     yield from ("", "actuation:", said("model", choices.actuation, ("actuation", "model")))
     yield from ("", _beside("senses:" if choices.senses else "senses: {}", "one that is not listed is off"))
     for name in dict.fromkeys((*choices.senses, *language.outline(("senses",)).keys)):

@@ -156,7 +156,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
             return "this list is empty; name one or more, or remove the key"
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
-        case "union_tag_not_found":
+        case "union_tag_not_found" | "union_tag_invalid":
             return f"{value} is not {known.schema['wanted']}"
     return _wrong_type(details["input"], known)
 

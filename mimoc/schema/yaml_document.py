@@ -6,17 +6,6 @@ from collections.abc import Mapping
 from typing import Any, NoReturn
 
 import yaml
-from yaml.events import (
-    AliasEvent,
-    CollectionEndEvent,
-    CollectionStartEvent,
-    DocumentStartEvent,
-    ScalarEvent,
-    SequenceStartEvent,
-)
-from yaml.parser import Parser
-from yaml.reader import Reader
-from yaml.scanner import Scanner
 
 from mimoc.base.errors import Problem, SpecError
 from mimoc.schema.base import KeyPath, Place, dotted, shown
@@ -109,7 +98,8 @@ class DocumentReader:
 
     def __init__(self, text: str, file: str):
         self.file = file
-        self.events = _Events(text)
+        self.events = yaml.SafeLoader(text)
+        """Only its events are taken: nothing is resolved or constructed."""
         self.problems: list[Problem] = []
         self.invalid: set[KeyPath] = set()
         self.key_places: dict[KeyPath, Place] = {}
@@ -122,12 +112,12 @@ class DocumentReader:
         """Return the data of the file's only document, or None if the file is empty."""
         try:
             self.events.get_event()  # The stream starts.
-            if not self.events.check_event(DocumentStartEvent):
+            if not self.events.check_event(yaml.DocumentStartEvent):
                 return None
             self.events.get_event()
             data = self._value((), self.events.get_event())
             self.events.get_event()  # The document ends.
-            if self.events.check_event(DocumentStartEvent):
+            if self.events.check_event(yaml.DocumentStartEvent):
                 self.stop((), _place(self.events.peek_event()), "a second document; write only one infant to a file")
         except yaml.MarkedYAMLError as error:
             raise SpecError([*self.problems, _syntax_problem(error, self.file)]) from None
@@ -154,19 +144,19 @@ class DocumentReader:
         self.key_places.setdefault(path, place)
         self._count(1, place)
         size_before = self.size
-        if isinstance(event, AliasEvent):
+        if isinstance(event, yaml.AliasEvent):
             return self._repeated(path, event.anchor, place)
         if event.tag is not None:
             tag = shown(event.tag.replace("tag:yaml.org,2002:", "!!"))
             self._note_invalid(path, place, f"the tag {tag} is not allowed; write the value without it")
         if event.anchor is not None:
             self.anchors[event.anchor] = None
-        if isinstance(event, ScalarEvent):
+        if isinstance(event, yaml.ScalarEvent):
             value = self._scalar(path, event)
         elif len(path) >= MAX_DEPTH:
             self._stop_too_deep(place)
         else:
-            value = self._list(path) if isinstance(event, SequenceStartEvent) else self._mapping(path)
+            value = self._list(path) if isinstance(event, yaml.SequenceStartEvent) else self._mapping(path)
         if event.anchor is not None:
             self.anchors[event.anchor] = (value, 1 + self.size - size_before)
         return value
@@ -194,13 +184,13 @@ class DocumentReader:
 
     def _list(self, path: KeyPath) -> list[Any]:
         values = []
-        while not isinstance(event := self.events.get_event(), CollectionEndEvent):
+        while not isinstance(event := self.events.get_event(), yaml.CollectionEndEvent):
             values.append(self._value((*path, len(values)), event))
         return values
 
     def _mapping(self, path: KeyPath) -> dict[str, Any]:
         values: dict[str, Any] = {}
-        while not isinstance(event := self.events.get_event(), CollectionEndEvent):
+        while not isinstance(event := self.events.get_event(), yaml.CollectionEndEvent):
             key = self._key(path, event)
             if key is None:
                 self._skip(self.events.get_event())
@@ -216,7 +206,7 @@ class DocumentReader:
 
     def _key(self, path: KeyPath, event: Any) -> str | None:
         """Return a key, None if it cannot be one."""
-        if not isinstance(event, ScalarEvent):
+        if not isinstance(event, yaml.ScalarEvent):
             self._skip(event)
             self._note(path, _place(event), "a key is missing or is not a word; write keys such as 'age_months'")
         elif event.implicit[0] and event.value == "<<":
@@ -235,7 +225,7 @@ class DocumentReader:
         depth = 0
         while True:
             self._count(1, _place(event))
-            depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth == 0:
                 return
             if depth > MAX_DEPTH:  # PyYAML takes a time for each level that grows with their number.
@@ -249,15 +239,6 @@ class DocumentReader:
         self.size += values
         if self.size > MAX_VALUES:
             self.stop((), place, f"more than {MAX_VALUES} values, counting aliases; a spec has at most some 300")
-
-
-class _Events(Reader, Scanner, Parser):
-    """Events of YAML's syntax only: nothing is resolved, constructed or imported."""
-
-    def __init__(self, text: str):
-        Reader.__init__(self, text)
-        Scanner.__init__(self)
-        Parser.__init__(self)
 
 
 def _syntax_problem(error: yaml.MarkedYAMLError, file: str) -> Problem:

@@ -4,7 +4,7 @@ import json
 
 from hypothesis import given, strategies as st
 
-from mimoc.bundle.json_text import render_json
+from mimoc.base.rounding import render_json
 from mimoc.bundle.provenance import packed, unpacked
 
 words = st.text("ab '*:;,.x1 ", max_size=12)

@@ -7,8 +7,9 @@ from mimoc.cohorts import Cohort
 from mimoc.cohorts.plan import plan
 from mimoc.quantities import measures
 from mimoc.schema import source
-from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
+from mimoc.schema.cohort_file import COHORT, CohortSpec
 from mimoc.schema.outline import language_of
+from mimoc.schema.reading import read_keys
 
 HEAD = "mimoc: 1\ncohort: spring\nbase: {mimoc: 1, name: x, age_months: 9}\n"
 DO = "do: [build]\n"
@@ -108,7 +109,7 @@ def test_a_cohort_of_too_many_infants_is_refused_before_they_are_made():
 
 
 def test_the_file_of_the_issue_is_a_cohort():
-    spec = read_cohort_spec(source.parse(ISSUE, "cohort.yaml"))
+    spec = read_keys(CohortSpec, source.parse(ISSUE, "cohort.yaml"))
     assert (spec.cohort, spec.children.draw, len(spec.do)) == ("spring", 100, 2)
     assert spec.do[1].train.steps == 200_000
     assert spec.do[0].run.seeds == (0, 1, 2)

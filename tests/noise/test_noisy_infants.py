@@ -134,7 +134,7 @@ def disturbed(library, noise: Noise, signals: list[np.ndarray], elapsed_s: float
     stacked: Noise = stack_terms([noise], put)
     state, results = None, []
     for signal in signals:
-        draw = Draw(xp, elapsed_s, lambda shape, where: put(generator.standard_normal(tuple(shape))))
+        draw = Draw(xp, elapsed_s, lambda shape, where=None: put(generator.standard_normal(tuple(shape))))
         result, state = stacked(draw, put(signal[None]), state)
         results.append(np.asarray(result)[0])
     return results

@@ -78,7 +78,7 @@ def test_jitter_needs_a_delay_of_the_commands_or_of_a_sense_that_is_on(preset, g
     if late:
         mimoc.InfantSpec.model_validate(spec)
     else:
-        with pytest.raises(ValueError, match="no delay varies"):
+        with pytest.raises(SpecError, match="no delay varies"):
             mimoc.InfantSpec.model_validate(spec)
 
 

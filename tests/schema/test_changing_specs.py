@@ -1,5 +1,6 @@
 """A spec can be changed in Python, and nothing is built of one that has not passed validation."""
 
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,7 +12,9 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.validation.who import grow_against_who
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
+from mimoc.schema.base import plain
 from mimoc.schema.source import parse
+from mimoc.schema.yaml_document import dump
 
 TEXT = """\
 # An infant of ours.
@@ -92,6 +95,27 @@ def test_every_problem_is_told_at_once_by_its_key(made, spec):
         "<ours>: body.hands: 'miten' is not a choice; did you mean 'mitten'?",
         f"<ours>: name: {object!s} is not text; write a word, or put it in quotes",
     ]
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"senses": {"smell": {}}},
+        {"delays": {"smell_ms": 5}},
+        {"task": {"kind": "smell"}},
+        {"senses": {"vision": {"fovy": 40}}, "body": {"remove": ("left_fot",)}, "age_month": 3},
+        {"age_months": 99, "control": {"step_ms": 7}},
+    ],
+)
+def test_data_from_python_is_refused_as_a_file_that_says_the_same(keys):
+    data = {"mimoc": 1, "name": "ours", "age_months": 9, **keys}
+    written = refusal(lambda: read_spec(parse(dump(plain(data)), "<ours>")))
+    for act in (lambda: mimoc.InfantSpec(**data), lambda: mimoc.InfantSpec.model_validate(data)):
+        assert refusal(act) == [re.sub(r":\d+:\d+: ", ": ", line) for line in sorted(written, key=key_of)]
+
+
+def key_of(line: str) -> str:
+    return line.split(": ")[1]
 
 
 UNVALIDATED = {

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
 from mimoc import schema
 from mimoc.base.errors import SpecError
@@ -124,5 +123,5 @@ def test_the_least_spec_needs_three_keys():
 
 
 def test_an_added_part_of_nobody_is_refused_with_advice():
-    with pytest.raises(ValidationError, match="no script or plug-in has added any; register or install it first"):
+    with pytest.raises(SpecError, match="no script or plug-in has added any; register or install it first"):
         InfantSpec(mimoc=1, name="x", age_months=9, body={"extra": ["tail"]})

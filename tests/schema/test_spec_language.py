@@ -137,7 +137,7 @@ def test_acuity_takes_four_forms(acuity):
     ],
 )
 def test_no_type_is_taken_for_another(section, wrong):
-    with pytest.raises(ValidationError):
+    with pytest.raises(SpecError):
         InfantSpec.model_validate({**LEAST, section: wrong})
 
 
@@ -145,7 +145,7 @@ def test_no_type_is_taken_for_another(section, wrong):
 def test_delays_are_whole_physics_steps_of_the_spec_s_own_clock(timestep_ms):
     given = {**LEAST, "control": {"timestep_ms": timestep_ms}, "senses": {"touch": {}}}
     InfantSpec.model_validate({**given, "delays": {"touch_ms": 3 * timestep_ms}})
-    with pytest.raises(ValidationError, match="nearest that works"):
+    with pytest.raises(SpecError, match="nearest that works"):
         InfantSpec.model_validate({**given, "delays": {"touch_ms": 3.3 * timestep_ms}})
 
 

@@ -41,7 +41,7 @@ class TwoSamples(Term):
     def __call__(self, worlds, samples, numbers):
         """Return both samples with noise, from samples of shape (k, 2, n) and random numbers of shape (k, m)."""
 
-        def normals(shape: tuple[int, ...], where: Any) -> Any:
+        def normals(shape: tuple[int, ...], where: Any = None) -> Any:
             return worlds.xp.reshape(numbers[:, : math.prod(shape[1:])], tuple(shape))
 
         first, state = self.noise(Draw(worlds.xp, math.inf, normals), samples[:, 0, :], None)

@@ -71,7 +71,7 @@ class DeviceNoise:
         return where_worlds(begins, noisy, signal)
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:
-        return Draw(array_library, elapsed_s, lambda shape, where: self._chance.normals(first, shape))
+        return Draw(array_library, elapsed_s, lambda shape, where=None: self._chance.normals(first, shape))
 
 
 def noise_of(

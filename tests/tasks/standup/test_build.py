@@ -140,5 +140,5 @@ def test_the_ankles_of_the_newborn_do_not_bend_down_far_enough():
 
 @pytest.mark.parametrize("kind", ["empty", "crib", "room"])
 def test_there_is_no_place_for_the_rail_elsewhere(kind):
-    with pytest.raises(ValueError, match=r"task 'standup' requires scene\.kind: flat"):
+    with pytest.raises(SpecError, match=r"task 'standup' requires scene\.kind: flat"):
         standup(9, scene={"kind": kind})

@@ -4,8 +4,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.base.rounding import rounded
-from mimoc.bundle.json_text import render_json
+from mimoc.base.rounding import render_json, rounded
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 plain_data = st.recursive(
