@@ -13,7 +13,7 @@ from support.full import FULL
 
 import mimoc
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.cohorts import perform as performing
+from mimoc.cohorts import run_jobs as performing
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.run_jobs import PINNED, run_jobs
 from mimoc.cohorts.store import Store
