@@ -22,14 +22,8 @@ from mimoc.cohorts.work import JobContext, measured
 from mimoc.version import __version__
 
 PINNED: Mapping[str, str] = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMEXPR_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-        "BLIS_NUM_THREADS",
-    ),
+    "OMP_NUM_THREADS OPENBLAS_NUM_THREADS MKL_NUM_THREADS NUMEXPR_NUM_THREADS VECLIB_MAXIMUM_THREADS "
+    "BLIS_NUM_THREADS".split(),
     "1",
 )
 """Environment variables of a process that does jobs: one thread, since there are as many processes as cores."""
@@ -76,11 +70,7 @@ def failed_result(job: Job, reason: str) -> Result:
 
 @contextmanager
 def _logged(path: Path, folder: Path) -> Iterator[None]:
-    """Write to a file below a folder all that this process prints, by Python or by a library beneath it.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write to a file below a folder all that this process prints, by Python or by a library beneath it."""
     _flush()
     log = open_new_file(path, below=folder)
     kept = [os.dup(number) for number in (1, 2)]

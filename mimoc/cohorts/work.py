@@ -171,11 +171,7 @@ def _policy(work: JobContext, name: str) -> Any:
 
 
 def _cell(value: Any, function: str) -> str | bool | int | float | None:
-    """Return a value for the table: NumPy's numbers as Python's.
-
-    Raises:
-        MimocError: If it is no number, text or None, or a whole number of more than 64 bits.
-    """
+    """Return a number, text or None for the table, NumPy's numbers as Python's; raise a MimocError for all else."""
     plain = value.item() if getattr(value, "shape", None) == () else value
     if plain is not None and not isinstance(plain, (str, bool, int, float)):
         raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")

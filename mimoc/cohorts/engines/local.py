@@ -89,7 +89,6 @@ class _Worker:
     """A process that does one job after the other."""
 
     def __init__(self, store: Store):
-        """Start it."""
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
@@ -105,7 +104,6 @@ class _Worker:
         self.infant = ""
 
     def begin(self, job: Job) -> None:
-        """Begin a job."""
         self.job, self.infant = job, job.infant
         with suppress(OSError):  # It has ended: the answer will tell.
             self.connection.send((job, self._store))
@@ -128,7 +126,6 @@ class _Worker:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def end(self) -> str:
@@ -154,7 +151,6 @@ class Queue:
     """Jobs that wait to be done, by infant."""
 
     def __init__(self, jobs: Sequence[Job]):
-        """Line up jobs in their order."""
         self._waiting: dict[str, deque[Job]] = {}
         for job in jobs:
             self.again(job)
@@ -162,7 +158,6 @@ class Queue:
         """Infants that some process has built, in the order in which their first jobs were handed out."""
 
     def __bool__(self) -> bool:
-        """Return whether any job waits."""
         return bool(self._waiting)
 
     def again(self, job: Job) -> None:
@@ -182,11 +177,7 @@ class Queue:
 
 
 def main(descriptor: int) -> None:
-    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written.
-
-    Args:
-        descriptor: File descriptor of the connection.
-    """
+    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written."""
     os.set_inheritable(descriptor, False)
     lifeline = os.dup(0)
     nothing = os.open(os.devnull, os.O_RDONLY)
