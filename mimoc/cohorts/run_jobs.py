@@ -22,8 +22,10 @@ from mimoc.cohorts.work import JobContext, measured
 from mimoc.version import __version__
 
 PINNED: Mapping[str, str] = dict.fromkeys(
-    "OMP_NUM_THREADS OPENBLAS_NUM_THREADS MKL_NUM_THREADS NUMEXPR_NUM_THREADS VECLIB_MAXIMUM_THREADS "
-    "BLIS_NUM_THREADS".split(),
+    (
+        *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"),
+        *("NUMEXPR_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "BLIS_NUM_THREADS"),
+    ),
     "1",
 )
 """Environment variables of a process that does jobs: one thread, since there are as many processes as cores."""

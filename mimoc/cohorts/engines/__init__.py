@@ -81,6 +81,7 @@ class Cluster(Protocol):
     @property
     def room(self) -> int:
         """Number of tasks that may wait or run there at once."""
+        ...
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
         """Begin tasks; return a name for each.
@@ -88,9 +89,11 @@ class Cluster(Protocol):
         Raises:
             RefusedError: If the cluster does not take them.
         """
+        ...
 
     def ended(self) -> Mapping[str, End]:
         """Wait a moment; return how tasks have ended that had not when this was called before."""
+        ...
 
     def cancel(self) -> None:
         """End all tasks."""
