@@ -98,6 +98,16 @@ def load_spec_of_infant(path: Path) -> "InfantSpec":
     return spec_of(read_bundle(path)) if path.is_dir() else load_spec(path)
 
 
+def check_video(video: Path | None, eyes: bool) -> None:
+    """Raise a MimocError if a video cannot be made, or there is none to show eyes in."""
+    from mimoc import recording
+
+    if eyes and not video:
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
+    if video:
+        recording.check_video(video)
+
+
 def import_object(name: str) -> Any:
     """Return an instance of a class that is named as `module:Class`; the module can be in the current folder.
 

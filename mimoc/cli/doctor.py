@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, requires, version
 from importlib.util import find_spec
 from typing import NamedTuple
@@ -65,7 +66,7 @@ def _looks() -> Iterator[tuple[str, Callable[[], str]]]:
     yield "mimoc", lambda: version("mimoc")
     yield "machine", _machine
     yield ESSENTIAL, _build
-    yield "OpenGL", _draw
+    yield "OpenGL", lambda: import_module("mimoc.render.opengl").opengl_driver()
     for extra in EXTRAS:
         yield f"mimoc[{extra}]", lambda extra=extra: _extra(extra)
     yield "torch", _torch
@@ -100,12 +101,6 @@ def _build() -> str:
         env.reset(seed=0)
         env.step(env.action_space.sample())
     return f"{version('mujoco')}; infants compile and move"
-
-
-def _draw() -> str:
-    from mimoc.render.opengl import opengl_driver
-
-    return opengl_driver()
 
 
 def _extra(extra: str) -> str:

@@ -3,18 +3,15 @@
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
-from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody, check_video, import_object
 from mimoc.cli.terminal import FAILED_CHECK, printable
 from mimoc.exporters import EXPORTERS
-
-if TYPE_CHECKING:
-    from mimoc.recording.reading import ReadRecording
 
 Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
 Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
@@ -41,9 +38,11 @@ def replay(
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
 
-    _check_video(video, eyes)
+    check_video(video, eyes)
     recorded = read_recording(recording)
-    _check_one_infant(recorded, infant, video)
+    if video and infant is None and recorded.infants > 1:
+        some = f"{recorded.infants} infants are recorded here"
+        raise MimocError(f"{recorded.path}: {some}; choose one for --video with --infant")
     failed = steps = count = 0
     filmed: Any = nullcontext()
     if video and recorded:
@@ -62,32 +61,6 @@ def replay(
     print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
         print(printable(video))
-
-
-def _check_video(video: Path | None, eyes: bool) -> None:
-    """Check that a video can be made, and that there is one to show eyes in.
-
-    Raises:
-        MimocError: If not.
-    """
-    from mimoc import recording
-
-    if eyes and not video:
-        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
-    if video:
-        recording.check_video(video)
-
-
-def _check_one_infant(recorded: "ReadRecording", infant: int | None, video: Path | None) -> None:
-    """Check that a video is to show one infant.
-
-    Raises:
-        MimocError: If there are several.
-    """
-    if video and infant is None and recorded.infants > 1:
-        raise MimocError(
-            f"{recorded.path}: {recorded.infants} infants are recorded here; choose one for --video with --infant"
-        )
 
 
 _OURS = [f"{name} ({EXPORTERS[name].about})" for name in EXPORTERS]

@@ -25,12 +25,7 @@ Column = Callable[["Row"], "str | Text"]
 
 
 def print_growth(report: GrowthReport, requested_sd: float) -> None:
-    """Print one table per growth indicator, with a row for each age, and the verdict.
-
-    Args:
-        report: The comparison.
-        requested_sd: How far measures may be from what the spec asks for, in standard deviations.
-    """
+    """Print one table per growth indicator, with a row for each age, and the verdict."""
     console = open_console()
     for indicator, rows in report.by_indicator.items():
         console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
@@ -43,12 +38,16 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     for goal, rows in goals.items():
         judged = [row for row in rows if row.is_judged]
         failing = sorted({row.indicator for row in judged if row.missed})
-        if failing:
-            console.print(Text(f"failed: not {goal} at every age: {', '.join(failing)}", style="red"))
-        elif judged:
-            console.print(Text(f"ok: {goal} at every age: {_names(judged)}", style="green"))
+        if judged:
+            _print_verdict(f"{goal} at every age: {_names(judged)}", f"not {goal} at every age", failing)
     if reported := [row for row in report.rows if not row.is_judged]:
         console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
+
+
+def _print_verdict(goal: str, missed: str, failing: Sequence[str]) -> None:
+    """Print in green that a goal is reached, or in red what has missed it."""
+    text, colour = (f"failed: {missed}: {', '.join(failing)}", "red") if failing else (f"ok: {goal}", "green")
+    open_console().print(Text(text, style=colour))
 
 
 def _growth_table(rows: Sequence[Row]) -> Table:
@@ -90,12 +89,7 @@ def _names(rows: Sequence[Row]) -> str:
 
 
 def print_measurements(report: MeasurementReport, tolerance: float) -> None:
-    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict.
-
-    Args:
-        report: The comparison.
-        tolerance: Largest deviation, relative to the goal.
-    """
+    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict."""
     console = open_console()
     is_average = all(row.requested == 1 for row in report.rows)
     goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
@@ -111,10 +105,8 @@ def print_measurements(report: MeasurementReport, tolerance: float) -> None:
         f"({100 * worst.deviation:+.1f} %)"
     )
     verdict = f"within {100 * tolerance:g} % of {goal} in every age group"
-    if failing := [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]:
-        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
-    else:
-        console.print(Text(f"ok: {verdict}", style="green"))
+    failing = [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]
+    _print_verdict(verdict, f"not {verdict}", failing)
     if reported := dict.fromkeys(row.measurement.replace("_", " ") for row in report.rows if not row.is_judged):
         console.print(f"in brackets: changed by other keys of the spec, and not judged: {', '.join(reported)}")
 
@@ -140,10 +132,8 @@ def print_milestones(report: MilestoneReport) -> None:
         out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
     out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
     failing = [item.trial.name for item in report.milestones if item.verdict not in ("inside", "no verdict")]
-    if failing:
-        out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
-    else:
-        out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
+    goal = "every milestone is inside the window of real infants"
+    _print_verdict(goal, "outside the window of real infants", failing)
 
 
 def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:

@@ -66,7 +66,6 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Cohort
     Raises:
         SpecError: If some combinations of values are invalid; the error names the values.
     """
-    _check_lengths(cohort, source)
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
     _check_children(cohort, source, origin)
@@ -101,21 +100,17 @@ def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> N
         raise SpecError(problems)
 
 
-def _check_lengths(cohort: CohortSpec, source: Source) -> None:
-    """Raise a SpecError if lists that are gone through in parallel differ in length."""
+def _check_number(cohort: CohortSpec, source: Source) -> None:
+    """Raise a SpecError if parallel lists differ in length, or there are too many infants, before any is made."""
     lengths = {key: len(levels_of(key, levels)) for key, levels in cohort.vary.items()}
     if cohort.design == "zip" and len({*lengths.values()}) > 1:
         listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
         raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {listed}")])
 
-
-def _check_number(cohort: CohortSpec, source: Source) -> None:
-    """Raise a SpecError if there are too many infants, before any of them is made."""
     if isinstance(cohort.design, SampleDesign):
         return
-    lengths = [len(levels_of(key, levels)) for key, levels in cohort.vary.items()]
     children = cohort.children.draw if isinstance(cohort.children, DrawnChildren) else len(cohort.children or (None,))
-    number = children * (max(lengths, default=1) if cohort.design == "zip" else prod(lengths))
+    number = children * (max(lengths.values(), default=1) if cohort.design == "zip" else prod(lengths.values()))
     if number > MAX_INFANTS:
         advice = "give fewer values, a sample, or several cohort files"
         raise SpecError([source.problem((), f"{number:,} infants are more than {MAX_INFANTS:,}; {advice}")])

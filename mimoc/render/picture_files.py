@@ -99,12 +99,7 @@ def tile_pictures(
 
 
 def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Picture:
-    """Return pictures in rows as one picture, wider than high, each below its caption.
-
-    Args:
-        pictures: All of one size.
-        captions: One for each.
-    """
+    """Return pictures of one size in rows as one picture, wider than high, each below its caption."""
     pairs = zip(pictures, captions, strict=True)
     return in_rows([tile_pictures([[picture]], columns=[caption]) for picture, caption in pairs])
 

@@ -221,7 +221,6 @@ class SharedRenderers:
     """One renderer in each thread for all models of the same meshes and textures, and for each size of pictures."""
 
     def __init__(self):
-        """Begin with none."""
         self._found: dict[tuple[int, bytes, tuple[int, int], Shown], Renderer] = {}
         self._opening = Lock()
 
@@ -234,7 +233,6 @@ class SharedRenderers:
         return self._found[key]
 
     def __len__(self) -> int:
-        """Return how many there are."""
         return len(self._found)
 
     def close(self) -> None:

@@ -6,18 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.model import load_model
-from mimoc.quantities import Quantity
-from mimoc.quantities.outcome import (
-    CURVE,
-    LEARNING,
-    RETURN,
-    SO_FAR,
-    SUCCESS,
-    TIME_TO_SUCCESS,
-    TRAINED,
-    UNFINISHED,
-    UNFINISHED_RETURN,
-)
+from mimoc.quantities import Quantity, outcome
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.reporting import words
@@ -51,7 +40,7 @@ NAMES = {
     "steps_per_episode": "most control steps of an episode",
     "checkpoint_every": "control steps between checkpoints",
 }
-TILES = (SUCCESS, TIME_TO_SUCCESS, RETURN)
+TILES = (outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.RETURN)
 SHOWN_DOTS = 60
 """Rows up to which each is a dot."""
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
@@ -93,11 +82,11 @@ def _summary(run: RunFile, curve: Curve) -> str:
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (TextBlock(NO_CURVE, "note"),))
-    drawn = [draw_svg(_plot(curve, quantity)) for quantity in LEARNING if _known(curve, quantity)]
-    caption = CAPTION + (UNFINISHED_NOTE if _points(curve, UNFINISHED_RETURN) else "")
+    drawn = [draw_svg(_plot(curve, quantity)) for quantity in outcome.LEARNING if _known(curve, quantity)]
+    caption = CAPTION + (UNFINISHED_NOTE if _points(curve, outcome.UNFINISHED_RETURN) else "")
     rows = [
         (Cell(quantity.title), *(number(_figure(getattr(row, quantity.curve))) for row in curve.ends))
-        for quantity in CURVE
+        for quantity in outcome.CURVE
     ]
     blocks = Tiles(tuple(_tiles(curve))), Drawings(tuple(drawn), caption, "pair"), table(("", "start", "end"), rows)
     return Section("curves", "Learning", blocks)
@@ -106,7 +95,7 @@ def _curves(curve: Curve) -> Section:
 def _tiles(curve: Curve) -> Iterator[Tile]:
     first, last = curve.ends
     for quantity in TILES:
-        unit, scale = ("%", 100) if quantity is SUCCESS else (quantity.unit, 1)
+        unit, scale = ("%", 100) if quantity is outcome.SUCCESS else (quantity.unit, 1)
         before, after = (scale * float(getattr(row, quantity.curve)) for row in (first, last))
         then = f"{words.figure(before)} {unit}".rstrip()
         since = f"; {then} at the start" if isfinite(before) else ""
@@ -114,18 +103,18 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
         yield Tile(quantity.label, value, f"at the end{since}.")
     if not last.episodes:
         so_far = f"{words.figure(last.unfinished_return)} so far"
-        yield Tile(UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
+        yield Tile(outcome.UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
 
 
 def _plot(curve: Curve, quantity: Quantity) -> Plot:
-    known, so_far = _points(curve, quantity), _points(curve, SO_FAR.get(quantity))
+    known, so_far = _points(curve, quantity), _points(curve, outcome.SO_FAR.get(quantity))
     last = float(max(curve.steps, 1))
     series = (so_far, "leader", "survey", " so far"), (known, "line", "mean", "")
     about = f"{quantity.title} by control steps of training"
     if known:
         about += f", from {words.figure(known[0][1])} to {words.figure(known[-1][1])}"
     return Plot(
-        x=TRAINED,
+        x=outcome.TRAINED,
         y=quantity,
         lines=tuple(Line(*_columns(points), "", look) for points, look, _, _ in series if len(points) > 1),
         dots=tuple(
@@ -148,7 +137,7 @@ def _figure(value: float) -> str:
 
 
 def _known(curve: Curve, quantity: Quantity) -> bool:
-    return bool(_points(curve, quantity) or _points(curve, SO_FAR.get(quantity)))
+    return bool(_points(curve, quantity) or _points(curve, outcome.SO_FAR.get(quantity)))
 
 
 def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]]:

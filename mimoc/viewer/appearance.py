@@ -101,14 +101,7 @@ def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray
 def describe_surroundings(
     packed: EncodedArrays, model: mujoco.MjModel, data: mujoco.MjData, parts: Own
 ) -> dict[str, Any]:
-    """Return the geoms that are not the infant's, with their bodies where they are now.
-
-    Args:
-        packed: Where the arrays go.
-        model: The model.
-        data: Its state, with what is derived from it.
-        parts: What is the infant's.
-    """
+    """Return the geoms that are not the infant's, with their bodies where they are in a state."""
     shown, bodies = _geoms(model, parts), bodies_around(model, parts)
     mesh_of_geom = model.geom_dataid[shown]
     meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])

@@ -66,11 +66,6 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
 def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
     """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
 
-    Args:
-        packed: Where the arrays go.
-        variants: The infant at each age.
-        ages_months: These ages.
-
     Raises:
         MimocError: If it has other parts at some age.
     """
@@ -174,12 +169,7 @@ SHOWN = ("length_cm", "weight_kg", "head_circumference_cm")
 
 
 def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) -> dict[str, Any]:
-    """Return WHO's percentiles by age for children of this sex, and the child's own measures at its ages.
-
-    Args:
-        packed: Where the arrays go.
-        children: The child at each age.
-    """
+    """Return WHO's percentiles by age for children of this sex, and the child's own measures at its ages."""
     reference = children[0].sex or "mean"
     ages_months = [child.age_months for child in children]
     charts = {}

@@ -196,11 +196,9 @@ class LiveView:
             self._server.stop()
 
     def __enter__(self) -> Self:
-        """Return this."""
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        """Stop serving."""
         self.close()
 
     def _add_bodies(self, model: mujoco.MjModel) -> dict[int, Any]:

@@ -37,12 +37,7 @@ SHOWN_ONLY = ("material", "texture", "skin")
 
 
 def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
-    """Return the models of an infant at some ages as MJCF, and what of them is the infant's.
-
-    Args:
-        packed: Where the arrays go.
-        variants: The infant at each age.
-    """
+    """Return the models of an infant at some ages as MJCF, and what of them is the infant's."""
     model, manifest = variants[0].model, variants[0].bundle.manifest
     parts = own_parts(model, manifest)
     return {

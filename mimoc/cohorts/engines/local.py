@@ -16,7 +16,6 @@ from mimoc.base.errors import MimocError
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.run_jobs import PINNED, failed_result, run_jobs
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import JobWorkspace
 
 OPTIONS = ("processes",)
 WORKER = "mimoc.cohorts.engines.local"
@@ -90,7 +89,6 @@ class _Worker:
     """A process that does one job after the other."""
 
     def __init__(self, store: Store):
-        """Start it."""
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
@@ -106,7 +104,6 @@ class _Worker:
         self.infant = ""
 
     def begin(self, job: Job) -> None:
-        """Begin a job."""
         self.job, self.infant = job, job.infant
         with suppress(OSError):  # It has ended: the answer will tell.
             self.connection.send((job, self._store))
@@ -129,7 +126,6 @@ class _Worker:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def end(self) -> str:
@@ -155,7 +151,6 @@ class Queue:
     """Jobs that wait to be done, by infant."""
 
     def __init__(self, jobs: Sequence[Job]):
-        """Line up jobs in their order."""
         self._waiting: dict[str, deque[Job]] = {}
         for job in jobs:
             self.again(job)
@@ -163,7 +158,6 @@ class Queue:
         """Infants that some process has built, in the order in which their first jobs were handed out."""
 
     def __bool__(self) -> bool:
-        """Return whether any job waits."""
         return bool(self._waiting)
 
     def again(self, job: Job) -> None:
@@ -183,22 +177,18 @@ class Queue:
 
 
 def main(descriptor: int) -> None:
-    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written.
-
-    Args:
-        descriptor: File descriptor of the connection.
-    """
+    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written."""
     os.set_inheritable(descriptor, False)
     lifeline = os.dup(0)
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-    connection, workspace = Connection(descriptor), JobWorkspace()
+    connection = Connection(descriptor)
     with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
         while True:
             job, store = connection.recv()
             try:
-                run_jobs([job], store, workspace)
+                run_jobs([job], store)
             except MimocError as error:
                 connection.send(error)
             else:

@@ -76,11 +76,7 @@ def _address(options: Mapping[str, Any]) -> str:
 
 
 def _join(address: str) -> None:
-    """Join a cluster, or start one if the address is `local`.
-
-    Raises:
-        MimocError: If that fails.
-    """
+    """Join a cluster, or start one if the address is `local`; raise a MimocError if that fails."""
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
     if address == LOCAL:
         _start()
@@ -118,7 +114,6 @@ class _Ray:
     """Tasks that a Ray cluster does."""
 
     def __init__(self, store: Store):
-        """Prepare to submit tasks."""
         self._store, self._running = store, dict[str, ray.ObjectRef]()
         pinned = {"env_vars": dict(PINNED)}
         self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(_do)
@@ -129,21 +124,18 @@ class _Ray:
         return TASKS_PER_CORE * max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Begin tasks."""
         begun = [self._do.remote(task, self._store) for task in tasks]
         names = [task.hex() for task in begun]
         self._running.update(zip(names, begun, strict=True))
         return names
 
     def ended(self) -> Mapping[str, End]:
-        """Return how tasks have ended."""
         ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
         if ready:
             ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
         return {task.hex(): _end(self._running.pop(task.hex())) for task in ready}
 
     def cancel(self) -> None:
-        """Cancel all tasks."""
         for task in self._running.values():
             ray.cancel(task, force=True)
 

@@ -88,7 +88,6 @@ class _Slurm:
         )
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Submit tasks as an array."""
         try:
             submitted = self._executor.map_array(_do, tasks, [self._store] * len(tasks))
         except submitit.core.utils.FailedJobError as error:
@@ -99,7 +98,6 @@ class _Slurm:
         return names
 
     def ended(self) -> Mapping[str, End]:
-        """Return how tasks have ended, after asking SLURM."""
         sleep(self._poll_s)
         self._poll_s = min(1.5 * self._poll_s, POLLS_S[1])
         states = _states()
@@ -113,7 +111,6 @@ class _Slurm:
         return ends
 
     def cancel(self) -> None:
-        """Cancel all tasks."""
         arrays = {name.partition("_")[0] for name in self._running}
         subprocess.run(["scancel", *sorted(arrays)], capture_output=True, check=False)
 

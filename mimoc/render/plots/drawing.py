@@ -23,8 +23,6 @@ class Path:
     d: str
     kind: str
     """Class of the style sheet, such as `line` or `band`."""
-    titles: tuple[str, ...] = ()
-    """What is said while a pointer rests on it, if anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +34,7 @@ class Dot:
     radius: str
     kind: str
     titles: tuple[str, ...] = ()
+    """What is said while a pointer rests on it, if anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,33 +78,29 @@ def px(value: float) -> str:
     return f"{round(float(value), DECIMALS) + 0.0:g}"
 
 
-def line(points: Sequence[Point], kind: str, title: str = "") -> Path:
+def line(points: Sequence[Point], kind: str) -> Path:
     """Return a line through some points."""
-    return Path(_through(points), kind, _titles(title))
+    return Path(_through(points), kind)
 
 
-def area(points: Sequence[Point], kind: str, title: str = "") -> Path:
+def area(points: Sequence[Point], kind: str) -> Path:
     """Return the area within some points."""
-    return Path(f"{_through(points)}Z", kind, _titles(title))
+    return Path(f"{_through(points)}Z", kind)
 
 
-def box(x: float, y: float, width: float, height: float, kind: str, title: str = "") -> Path:
+def box(x: float, y: float, width: float, height: float, kind: str) -> Path:
     """Return an upright rectangle, from its corner at the top left."""
-    return Path(f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z", kind, _titles(title))
+    return Path(f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z", kind)
 
 
 def dot(at: Point, kind: str, radius: float = 3.0, title: str = "") -> Dot:
     """Return a dot."""
-    return Dot(px(at[0]), px(at[1]), px(radius), kind, _titles(title))
+    return Dot(px(at[0]), px(at[1]), px(radius), kind, (title,) if title else ())
 
 
 def label(at: Point, text: str, kind: str) -> Label:
     """Return a line of text."""
     return Label(px(at[0]), px(at[1]), text, kind)
-
-
-def _titles(title: str) -> tuple[str, ...]:
-    return (title,) if title else ()
 
 
 def _through(points: Sequence[Point]) -> str:

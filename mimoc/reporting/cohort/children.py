@@ -150,7 +150,7 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     half = max(UNITS_PER_M * outline.half_width_m, LEAST_HALF)
     ground = ABOVE + UNITS_PER_M * tallest_m
     child = bundle.manifest.child
-    sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
+    sex = f"{KINDS[child.sex]}, " if child.sex else ""
     texts = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
     labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(texts)]
     paths = outline.paths(UNITS_PER_M, (half, ground))

@@ -18,16 +18,7 @@ __all__ = ["infant_page", "infant_sections"]
 
 
 def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: bool) -> Page:
-    """Return the page of an infant.
-
-    Args:
-        bundle: The infant.
-        progress: Called with how much is done, and how much there is to do.
-        check: Whether to check that its simulation is stable.
-
-    Raises:
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return the page of an infant; raise a ModelError if MuJoCo rejects its model."""
     steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)

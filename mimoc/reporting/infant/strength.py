@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -77,8 +78,9 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
 def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawing:
     scale = (FEET - TOP) / outline.height_m
     foot = (WIDTH / 2, FEET)
-    joints = _spread(_joint_notes(bundle, model, outline, scale, foot))
-    parts = _spread(_part_notes(bundle, model, outline, scale, foot))
+    at = partial(outline.at, scale=scale, foot=foot)
+    joints = _spread(_joint_notes(bundle, outline.figure.data, at))
+    parts = _spread(_part_notes(bundle, model, outline.figure.data, at))
     paths: list[Path] = [*outline.paths(scale, foot)]
     dots: list[Dot] = []
     labels: list[Label] = []
@@ -92,23 +94,18 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
     return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
 
 
-def _joint_notes(
-    bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point
-) -> Iterator[Note]:
+def _joint_notes(bundle: Bundle, data: mujoco.MjData, at: Callable[..., Point]) -> Iterator[Note]:
     """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other."""
     limits = torque_limits(bundle)
     for name, pattern in JOINTS.items():
         for side in ("right", "left"):
             joint = f"robot:{pattern.format(side=side)}"
             if joint in limits:
-                at = outline.at(outline.figure.data.joint(joint).xanchor, scale, foot)
-                yield Note(at, words.sentence(name), _torques(limits[joint]))
+                yield Note(at(data.joint(joint).xanchor), words.sentence(name), _torques(limits[joint]))
                 break
 
 
-def _part_notes(
-    bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point
-) -> Iterator[Note]:
+def _part_notes(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData, at: Callable[..., Point]) -> Iterator[Note]:
     """Yield what is said of parts: of the infant's left side, which is on the right, unless it has only the other."""
     total_kg = float(model.body(bundle.manifest.root_body).subtreemass[0])
     known = {model.body(number).name for number in range(model.nbody)}
@@ -116,10 +113,13 @@ def _part_notes(
         side = next(iter(sides))
         masses_kg = list(sides.values())
         body = next(name_of_body for pattern in PARTS[name] if (name_of_body := pattern.format(side=side)) in known)
-        at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
         ending = " each" if len(sides) == 2 else ""
         share = 100 * masses_kg[0] / total_kg
-        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{ending}")
+        yield Note(
+            at(data.body(body).xipos),
+            words.sentence(name),
+            f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{ending}",
+        )
 
 
 def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
