@@ -9,7 +9,6 @@ import sys
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
@@ -107,7 +106,6 @@ def _line(error: BaseException) -> str:
     return message if isinstance(error, MimocError) and message else f"{type(error).__name__}: {message}".rstrip(": ")
 
 
-@cache
 def _versions(step: str) -> dict[str, str]:
     software = {"mimoc": __version__, "python": platform.python_version()}
     for library in (*LIBRARIES[""], *LIBRARIES.get(step, ())):

@@ -44,7 +44,7 @@ from mimoc.compiler.provenance import (
     trace_world,
 )
 from mimoc.delays.build_presets import trace_delays
-from mimoc.fits.tables import data_files
+from mimoc.fits import load_tables
 from mimoc.mjcf import printing
 from mimoc.mjcf.mimo import find_target
 from mimoc.mjcf.scene import Placed, SceneTree
@@ -165,7 +165,7 @@ class Builder:
                 compile_model(files)
         except ModelError as error:
             raise trace_model_error(error, as_written(spec), {**world_origins, **self.origins}) from None
-        return lock_files(files, {"mimoc": __version__}, data_files(), manifest)
+        return lock_files(files, {"mimoc": __version__}, load_tables().files, manifest)
 
     def furnished(self, seed: int) -> PlacedScene:
         """Return the scene of a seed, before it is written.

@@ -62,6 +62,8 @@ class GrowthTables:
     """WHO Child Growth Standards by indicator, in the unit of its name."""
     postures: Postures
     """How children of the ages lie, sit and stand."""
+    files: Mapping[str, bytes]
+    """All files of tables, by their path in the data folder."""
 
 
 def data_folder() -> Path:
@@ -77,7 +79,6 @@ def data_folder() -> Path:
     raise DataError(f"mimoc's tables are not in {package / 'data'}; install mimoc again")
 
 
-@cache
 def data_files() -> dict[str, bytes]:
     """Return every table that ships with mimoc, by its path in the data folder."""
     folder = data_folder()
@@ -97,6 +98,7 @@ def load_tables() -> GrowthTables:
         published=MappingProxyType(_read(_read_published, folder / "anthrokids_published_fits.csv")),
         who=MappingProxyType({name: _read(_read_who, folder / "who" / file) for name, file in WHO_FILES.items()}),
         postures=_read(_read_postures, folder / "postures.csv"),
+        files=MappingProxyType(data_files()),
     )
 
 
