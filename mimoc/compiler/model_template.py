@@ -19,7 +19,7 @@ import numpy.typing as npt
 from mimoc.base.rounding import rounded_array
 from mimoc.bundle.model import prepare
 from mimoc.compiler.model_check import compile_model
-from mimoc.compiler.scene_numbers import Slot, read, slots
+from mimoc.compiler.scene_numbers import Slot, parameters, read
 from mimoc.mjcf.scene import SceneTree
 from mimoc.mjcf.skin import Skin, single
 
@@ -36,7 +36,7 @@ class DifferenceError(Exception):
 class ModelInstance:
     """The model of a scene, of which copies can be had."""
 
-    mould: mujoco.MjModel
+    shared: mujoco.MjModel
     """What never changes, such as textures."""
     numbers: mujoco.MjModel
     """All else."""
@@ -46,8 +46,8 @@ class ModelInstance:
     """Its skin, which MuJoCo only copies."""
 
     def model(self) -> mujoco.MjModel:
-        """Return a model of one's own, with the skin of the mould."""
-        model = copy.copy(self.mould)
+        """Return a model of one's own, with the skin of the template."""
+        model = copy.copy(self.shared)
         for name in self.arrays:
             getattr(model, name)[...] = getattr(self.numbers, name)
         for name in STATISTICS:
@@ -55,7 +55,7 @@ class ModelInstance:
         prepare(model)
         return model
 
-    def dress(self, model: mujoco.MjModel) -> None:
+    def set_textures(self, model: mujoco.MjModel) -> None:
         """Write the skin of the scene into one of these models."""
         if self.skin:
             _set_textures(model, self.skin)
@@ -72,7 +72,7 @@ class ModelTemplate:
         """
         self._model, self._spec = compile_model(files), _without_textures(files)
         self._numbers, self._rest = read(scene)
-        self._slots = slots(scene, self._spec)
+        self._slots = parameters(scene, self._spec)
         values = (getattr(*slot) for slot in self._slots)
         self._views = [value if isinstance(value, np.ndarray) else None for value in values]
         self._arrays = _same_arrays(self._model, self._spec.compile())
@@ -84,7 +84,7 @@ class ModelTemplate:
 
         Raises:
             DifferenceError: If more is different; nothing has changed then.
-            ValueError: If MuJoCo rejects it; this mould is broken then.
+            ValueError: If MuJoCo rejects it; this template is broken then.
         """
         numbers, rest = read(scene)
         if rest != self._rest:
@@ -92,9 +92,9 @@ class ModelTemplate:
         every = zip(self._slots, self._views, numbers, self._numbers, strict=True)
         _write([(slot, view, now) for slot, view, now, before in every if now != before])
         self._numbers, self.broken = numbers, True
-        casting = ModelInstance(self._model, self._spec.compile(), self._arrays, scene.skin)
+        instance = ModelInstance(self._model, self._spec.compile(), self._arrays, scene.skin)
         self.broken = False
-        return casting
+        return instance
 
 
 def _without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:

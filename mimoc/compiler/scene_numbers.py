@@ -99,7 +99,7 @@ def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
     return numbers, rest
 
 
-def slots(scene: SceneTree, spec: mujoco.MjSpec) -> list[Slot]:
+def parameters(scene: SceneTree, spec: mujoco.MjSpec) -> list[Slot]:
     """Return where MuJoCo's elements of a scene hold each of its numbers."""
     named = {form.elements: {element.name: element for element in getattr(spec, form.elements)} for form in FORMS}
     return [

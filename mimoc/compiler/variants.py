@@ -83,7 +83,7 @@ class SpecVariants:
         self._spec = spec
         self._builder = lru_cache(KEPT)(self._build_at)
         self._infant = lru_cache(KEPT)(self._make)
-        self._mould: ModelTemplate | None = None
+        self._template: ModelTemplate | None = None
         self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
 
@@ -106,14 +106,14 @@ class SpecVariants:
         Raises:
             ModelError: If MuJoCo rejects it.
         """
-        mould, seed = other._usable_mould(), self._spec.scene.seed
-        casting = _instantiate(mould, self._own_scene.scene)
-        if casting is None:
+        template, seed = other._usable_template(), self._spec.scene.seed
+        instance = _instantiate(template, self._own_scene.scene)
+        if instance is None:
             return Variant(self.original, load_model(self.original))
-        self._mould = mould
+        self._template = template
         files = LazyFiles(self._own.arrays, lambda: self.original.files)
         return Variant(
-            Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model(), casting.dress
+            Bundle(files, self._own.manifest_of(seed, self._own_scene), None), instance.model(), instance.set_textures
         )
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
@@ -133,10 +133,10 @@ class SpecVariants:
         files = LazyFiles(built.arrays, lambda: self._at(at_age(self._spec, age_months))(scene_seed, check=False).files)
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
         is_own_scene = scene_seed == self._spec.scene.seed
-        casting = _instantiate(self._usable_mould(), furnished.scene) if is_own_scene else None
-        if casting is None:
+        instance = _instantiate(self._usable_template(), furnished.scene) if is_own_scene else None
+        if instance is None:
             return Variant(bundle, load_model(bundle)).again
-        return lambda: Variant(bundle, casting.model(), casting.dress)
+        return lambda: Variant(bundle, instance.model(), instance.set_textures)
 
     def _build_at(self, age_months: float) -> Builder:
         return self._at(at_age_unchecked(self._spec, age_months), self._own)
@@ -144,21 +144,21 @@ class SpecVariants:
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)
 
-    def _usable_mould(self) -> ModelTemplate:
-        """Return the mould of this infant, or of another one that it was cast from."""
-        if self._mould is None or self._mould.broken:
-            self._mould = ModelTemplate(self.original.files, self._own_scene.scene)
-        return self._mould
+    def _usable_template(self) -> ModelTemplate:
+        """Return the template of this infant, or of another one that it was instantiated from."""
+        if self._template is None or self._template.broken:
+            self._template = ModelTemplate(self.original.files, self._own_scene.scene)
+        return self._template
 
 
-def _instantiate(mould: ModelTemplate, scene: SceneTree) -> ModelInstance | None:
+def _instantiate(template: ModelTemplate, scene: SceneTree) -> ModelInstance | None:
     """Return what gives out models of a scene, or nothing if it has to be printed.
 
     Either more than numbers is different, such as the poses, since some do not suit every age; or MuJoCo rejects it,
     and says more about what is printed.
     """
     try:
-        return mould.instantiate(scene)
+        return template.instantiate(scene)
     except (DifferenceError, ValueError):
         return None
 

@@ -1,4 +1,4 @@
-"""The journal of one infant whose episodes are recorded, and the thread that writes them meanwhile."""
+"""The observer of one infant whose episodes are recorded, and the thread that writes them meanwhile."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

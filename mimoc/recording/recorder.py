@@ -55,7 +55,7 @@ class Recording(AbstractContextManager):
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
                 files.discard(leftover)
             self._writer = Writer()
-            self._journals = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
+            self._observers = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
         except BaseException:
             self._folder.close()
             raise
@@ -78,12 +78,12 @@ class Recording(AbstractContextManager):
 
     def mark(self, run: str, steps: int) -> None:
         """End all episodes here, and remove what a run of this name has recorded beyond so many steps before."""
-        for journal in self._journals:
-            journal.end("reset")
+        for observer in self._observers:
+            observer.end("reset")
         self._writer.drain()
         self._folder.mark(run, steps)
-        for journal, number in zip(self._journals, self._folder.next_numbers(), strict=True):
-            journal.next_number = number
+        for observer, number in zip(self._observers, self._folder.next_numbers(), strict=True):
+            observer.next_number = number
 
     def close(self) -> None:
         """Write what is left, or raise an OutputError, and record no more; closing twice is fine."""
@@ -92,8 +92,8 @@ class Recording(AbstractContextManager):
         for infant in self._infants:
             infant.observer = NO_OBSERVER
         try:
-            for journal in self._journals:
-                journal.end("closed")
+            for observer in self._observers:
+                observer.end("closed")
             self._writer.close()
         finally:
             self._folder.close()
@@ -103,16 +103,16 @@ class Recording(AbstractContextManager):
         self.close()
 
     def _begun(self, part_rows: int, states_every: int, digests: Sequence[str]) -> list[RecordingObserver]:
-        """Give each infant its journal, with parts of as many rows as the memory suffices for."""
-        software, journals, folder = versions(), [], self._folder
+        """Give each infant its observer, with parts of as many rows as the memory suffices for."""
+        software, observers, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
             about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
             row_bytes = 1 + sum(math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values())
             rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
             stem_of = partial(folder.stem, number)
             infant.observer = RecordingObserver(infant, self._writer, stem_of, first, rows, states_every, about)
-            journals.append(infant.observer)
-        return journals
+            observers.append(infant.observer)
+        return observers
 
 
 class _Closing(AbstractContextManager):
