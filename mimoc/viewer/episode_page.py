@@ -53,16 +53,16 @@ def page_of_recording(
     """
     episode = chosen_episodes(recording, infant, number)[0]
     packed = EncodedArrays()
-    data = describe(packed, recording.bundle(episode.infant), physics)
-    replayed, difference = describe_episode(packed, recording, episode, progress)
-    return fill(packed, {**data, **replayed}), difference
+    data = packed.put(describe(recording.bundle(episode.infant), physics))
+    replayed, difference = describe_episode(recording, episode, progress)
+    return fill({**data, **replayed}, packed), difference
 
 
 def describe_episode(
-    packed: EncodedArrays, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+    recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
 ) -> tuple[dict[str, Any], str | None]:
     """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
-    film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
+    film = _Film(stride=-(-(episode.steps + 1) // FRAMES))
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
     )
@@ -72,10 +72,10 @@ def describe_episode(
         "recording": {
             "episode": episode.number,
             "infant": episode.infant if recording.infants > 1 else None,
-            "seconds": packed.put(episode.time_s[kept] - episode.time_s[0]),
+            "seconds": episode.time_s[kept] - episode.time_s[0],
             **film.describe(),
-            "curves": list(_curves(packed, episode, kept)),
-            "pictures": dict(_videos(packed, episode)),
+            "curves": list(_curves(episode, kept)),
+            "pictures": dict(_videos(episode)),
             "picture_s": episode.step_ms / 1000,
             "stride": film.stride,
         },
@@ -87,7 +87,6 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    packed: EncodedArrays
     stride: int
     """Of how many control steps each frame is the first."""
     surroundings: dict[str, Any] = field(default_factory=dict)
@@ -106,7 +105,7 @@ class _Film:
         """Keep a frame, if it is due."""
         if self._own is None:
             self._own = own_parts(env.model, env.manifest)
-            self.surroundings = describe_surroundings(self.packed, env.model, env.data, self._own)
+            self.surroundings = describe_surroundings(env.model, env.data, self._own)
         if self._row % self.stride == 0:
             self._keep(env, observation, self._own)
         self._row += 1
@@ -129,39 +128,39 @@ class _Film:
         expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
-            "qpos": self.packed.put(np.stack(self.qpos)),
-            "frame_ages_months": self.packed.put(np.array(self.ages_months)),
+            "qpos": np.stack(self.qpos),
+            "frame_ages_months": np.array(self.ages_months),
             "expressions": {
                 "names": expressions,
-                "shown": self.packed.put(np.array([expressions.index(name) for name in self.expressions if name])),
+                "shown": np.array([expressions.index(name) for name in self.expressions if name]),
             }
             if expressions
             else None,
-            "around": self.packed.put(around) if np.ptp(around, axis=0).any() else None,
+            "around": around if np.ptp(around, axis=0).any() else None,
             "felt": {
-                "ends": self.packed.put(ends.astype(np.uint32)),
-                "points": self.packed.put(np.concatenate([points for points, _ in self.felt]).astype(np.uint32)),
-                "forces_n": self.packed.put(np.concatenate([forces for _, forces in self.felt])),
+                "ends": ends.astype(np.uint32),
+                "points": np.concatenate([points for points, _ in self.felt]).astype(np.uint32),
+                "forces_n": np.concatenate([forces for _, forces in self.felt]),
             }
             if self.felt
             else None,
         }
 
 
-def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
+def _curves(episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
-    yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
-    yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
+    yield _curve("action", episode.layout("action"), episode.column("action")[rows])
+    yield _curve("reward", ("reward",), episode.column("reward")[rows, None])
     for reading in episode.described.readings:
         if reading.name == "touch":
             sums_n = [[float(np.abs(forces).sum())] for forces in episode.observation(reading.name)[rows]]
-            yield _curve(packed, "touch", ("sum of forces [N]",), np.array(sums_n))
+            yield _curve("touch", ("sum of forces [N]",), np.array(sums_n))
         elif reading.kind == "dense":
             values = episode.observation(reading.name)[rows]
-            yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
+            yield _curve(reading.name, reading.layout, values.reshape(len(rows), -1))
 
 
-def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
+def _curve(name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
     known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
     low, high = known.min(axis=0), known.max(axis=0)
@@ -169,13 +168,13 @@ def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Ar
     return {
         "name": name,
         "layout": list(layout) or [str(index) for index in range(values.shape[1])],
-        "low": packed.put(low),
-        "high": packed.put(high),
-        "levels": packed.put(levels.T.astype(np.int64)),
+        "low": low,
+        "high": high,
+        "levels": levels.T.astype(np.int64),
     }
 
 
-def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]]:
+def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
     """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
@@ -184,4 +183,4 @@ def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]
                 for picture in episode.observation(reading.name):
                     video.add(picture)
                 content = video.save().read_bytes()
-            yield reading.name, packed.put(np.frombuffer(content, np.uint8))
+            yield reading.name, content

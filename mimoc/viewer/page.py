@@ -36,23 +36,18 @@ SHOWN_ONLY = ("material", "texture", "skin")
 """Elements of MJCF that physics does not need."""
 
 
-def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
-    """Return the models of an infant at some ages as MJCF, and what of them is the infant's.
-
-    Args:
-        packed: Where the arrays go.
-        variants: The infant at each age.
-    """
+def describe_physics(variants: Sequence[Variant]) -> dict[str, Any]:
+    """Return the models of an infant at some ages as MJCF, and what of them is the infant's."""
     model, manifest = variants[0].model, variants[0].bundle.manifest
     parts = own_parts(model, manifest)
     return {
-        "models": [_model(packed, variant) for variant in variants],
-        "bodies": packed.put(parts.bodies),
-        "qpos": packed.put(parts.qpos),
+        "models": [_model(variant) for variant in variants],
+        "bodies": parts.bodies,
+        "qpos": parts.qpos,
         "around": [model.body(body).name for body in range(model.nbody)],
         "step_s": manifest.step_ms / 1000,
-        "commanded": packed.put(
-            np.array([model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int)
+        "commanded": np.array(
+            [model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int
         ),
     }
 
@@ -67,15 +62,15 @@ def engine() -> Mapping[str, str]:
     return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
 
 
-def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
+def _model(variant: Variant) -> dict[str, Any]:
     """Return a model and the files that it refers to, bare: MJCF and meshes."""
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
     needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
     return {
         "age_months": variant.bundle.manifest.child.age_months,
-        "scene": packed.put(np.frombuffer(_bare(scene), np.uint8)),
-        "files": {name: packed.put(np.frombuffer(content, np.uint8)) for name, content in needed.items()},
+        "scene": _bare(scene),
+        "files": needed,
     }
 
 
@@ -109,13 +104,10 @@ def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *
         MimocError: If it has other parts at other ages.
     """
     built(PROGRAM)
-    packed = EncodedArrays()
-    return fill(packed, describe(packed, infant, physics, progress))
+    return fill(describe(infant, physics, progress))
 
 
-def describe(
-    packed: EncodedArrays, infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None
-) -> dict[str, Any]:
+def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
     at, grown = _grown(spec, progress)
@@ -134,13 +126,13 @@ def describe(
         "groups": manifest.anatomy.groups,
         "trunk": manifest.anatomy.trunk,
         "faces": _faces(manifest, spec.body.expression, model),
-        **describe_growth(packed, grown, AGES_MONTHS),
-        "standards": describe_standards(packed, [variant.bundle.manifest.child for variant in grown]),
-        "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
-        "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
-        **describe_materials(packed, model),
-        "physics": describe_physics(packed, simulated) if physics else None,
-        "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
+        **describe_growth(grown, AGES_MONTHS),
+        "standards": describe_standards([variant.bundle.manifest.child for variant in grown]),
+        "touch": describe_touch(sparse, SKIN_AGES_MONTHS),
+        "skins": describe_skins(sparse, SKIN_AGES_MONTHS),
+        **describe_materials(model),
+        "physics": describe_physics(simulated) if physics else None,
+        "surroundings": describe_surroundings(model, data, own_parts(model, manifest)),
     }
 
 
@@ -169,13 +161,13 @@ def _faces(manifest: Manifest, expression: str, model: mujoco.MjModel) -> dict[s
     return {"geom": face.geom, "materials": materials, "shown": expression}
 
 
-def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
-    """Return the page that shows some data.
+def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
+    """Return the page that shows some data, of which *packed* has some arrays already.
 
     Raises:
         MimocError: If the program of the page has not been built.
     """
-    parts = packed.encode(data)
+    parts = (packed or EncodedArrays()).encode(data)
     licences = built(LICENCES).decode()
     if data["physics"]:
         parts |= engine()
