@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.compiler.validation.measuring import Figure
 from mimoc.compiler.validation.requests import own_solids, solid_extents
-from mimoc.render.plots.drawing import Path, Point, area
+from mimoc.render.plots.drawing import Point, Shape, area
 
 CORNERS = 24
 """Of the polygon that stands for the outline of a solid."""
@@ -41,7 +41,7 @@ class Silhouette:
         """
         return foot[0] + scale * float(point_m[1]), foot[1] - scale * (float(point_m[2]) - self.sole_m)
 
-    def paths(self, scale: float, foot: Point) -> list[Path]:
+    def shapes(self, scale: float, foot: Point) -> list[Shape]:
         """Return the drawing of the body; see `at`."""
         return [
             area([(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline], "skin")

@@ -153,5 +153,5 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
     texts = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
     labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(texts)]
-    paths = outline.paths(UNITS_PER_M, (half, ground))
-    return Drawing(", ".join(texts), (2 * half, ground + BELOW), paths, (), labels, kind="body")
+    shapes = (*outline.shapes(UNITS_PER_M, (half, ground)), *labels)
+    return Drawing(", ".join(texts), (2 * half, ground + BELOW), shapes, kind="body")

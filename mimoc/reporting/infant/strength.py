@@ -11,7 +11,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.quantities.child import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
 from mimoc.quantities.motion import BEYOND_LIMITS, ENERGY
-from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
+from mimoc.render.plots.drawing import Drawing, Point, Shape, dot, label, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Details, Drawings, Section, TextBlock, number, table
@@ -79,17 +79,15 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
     foot = (WIDTH / 2, FEET)
     joints = _spread(_joint_notes(bundle, model, outline, scale, foot))
     parts = _spread(_part_notes(bundle, model, outline, scale, foot))
-    paths: list[Path] = [*outline.paths(scale, foot)]
-    dots: list[Dot] = []
-    labels: list[Label] = []
+    lines, dots, labels = outline.shapes(scale, foot), list[Shape](), list[Shape]()
     for notes, edge, side in ((joints, LEFT_TEXT, "end"), (parts, RIGHT_TEXT, "start")):
         for note, y in notes:
             turn = edge + (6 if side == "end" else -6)
-            paths.append(line([(turn, y), note.at], "leader"))
+            lines.append(line([(turn, y), note.at], "leader"))
             dots.append(dot(note.at, "mark", 2.2))
             labels.append(label((edge, y - 1), note.name, f"strong {side}"))
             labels.append(label((edge, y + 13), note.text, f"small {side}"))
-    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
+    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), (*lines, *dots, *labels))
 
 
 def _joint_notes(

@@ -18,7 +18,7 @@ from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
 from mimoc.quantities.child import AVERAGE, DIFFERENCE, INDICATORS, MEASURED
-from mimoc.render.plots.drawing import Drawing, Path, box, draw_svg, line
+from mimoc.render.plots.drawing import Drawing, box, draw_svg, line
 from mimoc.render.plots.growth import who_chart
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.portrait import portrait
@@ -156,10 +156,10 @@ def _bar(name: str, deviation: float) -> Drawing:
     middle, scale = WIDTH / 2, WIDTH / 2 / MOST
     shown = scale * min(max(deviation, -MOST), MOST)
     kind = FAR if abs(deviation) > TOLERANCE else "bar"
-    paths: list[Path] = [
+    shapes = [
         box(middle - scale * TOLERANCE, 0, 2 * scale * TOLERANCE, HEIGHT, "tolerance"),
         box(min(middle, middle + shown), 4, abs(shown), HEIGHT - 8, kind),
         line([(middle, 0), (middle, HEIGHT)], "axis"),
     ]
     title = f"{name}: {words.signed(100 * deviation)} % from the average child"
-    return Drawing(title, (WIDTH, HEIGHT), paths, kind="small")
+    return Drawing(title, (WIDTH, HEIGHT), shapes, kind="small")
