@@ -2,16 +2,15 @@
 
 import base64
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 from xml.etree import ElementTree
 
-import mujoco
 import numpy as np
 
 from mimoc.base.errors import SpecError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
@@ -52,7 +51,7 @@ def describe_physics(variants: Sequence[Variant]) -> dict[str, Any]:
     }
 
 
-def engine() -> Mapping[str, str]:
+def engine() -> dict[str, str]:
     """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
 
     Raises:
@@ -111,12 +110,12 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
     at, grown = _grown(spec, progress)
-    sparse = [at(age) for age in SKIN_AGES_MONTHS]
+    sparse = [at(age, True) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
-    shown = at(manifest.child.age_months)
+    shown = at(manifest.child.age_months, True)
     simulated_months = sorted({*PHYSICS_AGES_MONTHS, manifest.child.age_months}) if physics else []
     simulated = [at(age, age in SKIN_AGES_MONTHS) for age in simulated_months]
-    model, data = shown.model, posed(shown)
+    model, data, face = shown.model, posed(shown), manifest.face
     return {
         "name": manifest.name,
         "version": __version__,
@@ -125,7 +124,12 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
         "pose": manifest.pose,
         "groups": manifest.anatomy.groups,
         "trunk": manifest.anatomy.trunk,
-        "faces": _faces(manifest, spec.body.expression, model),
+        "faces": face
+        and {
+            "geom": face.geom,
+            "materials": {name: model.material(material).id for name, material in face.materials.items()},
+            "shown": spec.body.expression,
+        },
         **describe_growth(grown, AGES_MONTHS),
         "standards": describe_standards([variant.bundle.manifest.child for variant in grown]),
         "touch": describe_touch(sparse, SKIN_AGES_MONTHS),
@@ -136,13 +140,13 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
     }
 
 
-def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]]:
+def _grown(spec: InfantSpec, progress: Progress) -> tuple[Callable[[float, bool], Variant], list[Variant]]:
     """Return an infant at all ages of a page; without its task and toys, if these do not suit it at some of them."""
-    at, grown = _Ages(spec), list[Variant]()
+    at, grown = _ages(spec), list[Variant]()
     try:
         for age in AGES_MONTHS:
             progress(len(grown), len(AGES_MONTHS))
-            grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
+            grown.append(at(age, age in SKIN_AGES_MONTHS))
     except SpecError:
         toys = {"count": [0, 0]} if spec.scene.kind == "room" else None
         alone = spec.with_(task=None, scene={"toys": toys})
@@ -150,15 +154,6 @@ def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]
             raise
         return _grown(alone, progress)
     return at, grown
-
-
-def _faces(manifest: Manifest, expression: str, model: mujoco.MjModel) -> dict[str, Any] | None:
-    """Return the materials of the face by expression, and the expression that it has; None if it has no face."""
-    face = manifest.face
-    if face is None:
-        return None
-    materials = {name: model.material(material).id for name, material in face.materials.items()}
-    return {"geom": face.geom, "materials": materials, "shown": expression}
 
 
 def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
@@ -182,24 +177,15 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
 
 
-class _Ages:
-    """The infant of a spec with a sense of touch, so that its skin points can be shown; each age is built once.
+def _ages(spec: InfantSpec) -> Callable[[float, bool], Variant]:
+    """Return what builds the infant of a spec at an age, once, with touch so that its skin points can be shown.
 
     Undressed, without the smooth skin of its spec, it takes half the time.
     """
-
-    def __init__(self, spec: InfantSpec):
-        spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
-        seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
-        bare = spec.with_(body={"skin": False}, **seen)
-        self._variants, self._seed = {True: SpecVariants(spec), False: SpecVariants(bare)}, spec.scene.seed
-        self._made: dict[tuple[float, bool], Variant] = {}
-
-    def __call__(self, age_months: float, dressed: bool = True) -> Variant:
-        key = age_months, dressed
-        if key not in self._made:
-            self._made[key] = self._variants[dressed](age_months, self._seed)
-        return self._made[key]
+    spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
+    seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
+    variants = {True: SpecVariants(spec), False: SpecVariants(spec.with_(body={"skin": False}, **seen))}
+    return cache(lambda age_months, dressed: variants[dressed](age_months, spec.scene.seed))
 
 
 def _escaped(text: str) -> str:
