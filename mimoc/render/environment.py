@@ -55,9 +55,10 @@ class EnvRenderer:
         Raises:
             RenderingError: If the mode needs a screen, and there is none.
         """
-        self._mode, self._model, self._data, self._root_body, self._size_px = mode, model, data, root_body, size_px
+        self._mode, self._root_body, self._size_px = mode, root_body, size_px
         self._camera: BodyCamera | None = None
-        self._window = self._open_window() if mode == "human" else None
+        self._window: Window | None = None
+        self._show_model(model, data)
 
     def set_model(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Show another model of the same parts from now on, such as that of the infant at another age.
@@ -65,18 +66,14 @@ class EnvRenderer:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        self._model, self._data = model, data
         if self._camera is not None:
             self._camera.use_model(model)
-        if self._window is not None:
-            self._window.close()
-            self._window = self._open_window()
+        self._show_model(model, data)
 
     def start_again(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Show another model from now on, that may have other parts, from where it is best seen."""
         self.close()
-        self._model, self._data = model, data
-        self._window = self._open_window() if self._mode == "human" else None
+        self._show_model(model, data)
 
     def show(self) -> None:
         """Show the state in the window, if there is one."""
@@ -91,8 +88,14 @@ class EnvRenderer:
         """
         if self._mode != "rgb_array":
             return None
-        camera = self._camera = self._camera or self._open_camera()
-        return camera.render(self._data)
+        if self._camera is None:
+            from mimoc.render.body_camera import BodyCamera
+            from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+
+            view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
+            self._camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
+            self._camera.turn(self._data)
+        return self._camera.render(self._data)
 
     def close(self) -> None:
         """Free the OpenGL context and close the window; closing twice is fine, and pictures can be drawn again."""
@@ -103,16 +106,12 @@ class EnvRenderer:
             self._window.close()
             self._window = None
 
-    def _open_camera(self) -> "BodyCamera":
-        from mimoc.render.body_camera import BodyCamera
-        from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+    def _show_model(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Show a model from now on; MuJoCo's viewer needs a new window for that."""
+        self._model, self._data = model, data
+        if self._window is not None:
+            self._window.close()
+        if self._mode == "human":
+            from mimoc.render.window import Window
 
-        view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
-        camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
-        camera.turn(self._data)
-        return camera
-
-    def _open_window(self) -> "Window":
-        from mimoc.render.window import Window
-
-        return Window(self._model, self._data, self._root_body)
+            self._window = Window(model, data, self._root_body)

@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
+from mimoc.render.renderer import Picture
 
 _JPEG = ("JPEG", {"quality": 95, "subsampling": 0})
 _TIFF = ("TIFF", {"compression": "tiff_deflate"})
@@ -61,9 +62,6 @@ def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
     return buffer.getvalue()
 
 
-Picture = npt.NDArray[np.uint8]
-"""Shape (height, width, 3)."""
-
 BACKGROUND, TEXT = (255, 255, 255), (40, 40, 40)
 GAP_PX = 6
 FONT_HEIGHT = 0.07
@@ -99,12 +97,7 @@ def tile_pictures(
 
 
 def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Picture:
-    """Return pictures in rows as one picture, wider than high, each below its caption.
-
-    Args:
-        pictures: All of one size.
-        captions: One for each.
-    """
+    """Return pictures of one size in rows as one picture, wider than high, each below its caption."""
     pairs = zip(pictures, captions, strict=True)
     return in_rows([tile_pictures([[picture]], columns=[caption]) for picture, caption in pairs])
 
@@ -138,9 +131,7 @@ LETTERS_PX = 9, 60
 
 def bar_length_cm(width_px: int, px_per_m: float) -> int:
     """Return how long the bar of a picture is."""
-    return max(
-        (length_cm for length_cm in LENGTHS_CM if length_cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0]
-    )
+    return max((cm for cm in LENGTHS_CM if cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0])
 
 
 def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:
