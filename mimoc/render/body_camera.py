@@ -140,12 +140,13 @@ class BodyCamera:
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
         self._compose(data, shot)
-        shadows = renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW]
+        flags, shadow = renderer.scene.flags, mujoco.mjtRndFlag.mjRND_SHADOW
+        shadows = flags[shadow]
         if markers is not None:
-            renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # Those of the markers would hide the skin.
+            flags[shadow] = False  # Those of the markers would hide the skin.
             add_markers(renderer.scene, markers)
         renderer.draw()
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        flags[shadow] = shadows
         return renderer.read()[::-1]
 
     def close(self) -> None:

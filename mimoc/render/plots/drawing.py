@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import ClassVar
 
 from mimoc.quantities.quantity import Quantity
@@ -133,12 +132,7 @@ def draw_svg(plot: Plot) -> Drawing:
 
 
 def around(values: Iterable[float], floor: float | None = None) -> Range:
-    """Return the range of an axis with some room around finite values.
-
-    Args:
-        values: The values; without any, the axis goes from 0 to 1.
-        floor: Where the axis begins, if no value is below that.
-    """
+    """Return the range of an axis with some room around finite values; it begins at the floor if none is below that."""
     finite = [value for value in values if math.isfinite(value)]
     low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
     if high - low <= 1e-9 * max(abs(low), abs(high), 1e-9):
@@ -151,8 +145,10 @@ def around(values: Iterable[float], floor: float | None = None) -> Range:
 
 
 def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
-    """Return round values within a range, with as few digits as tell them apart."""
-    step = _round_step((high - low) / most)
+    """Return multiples of 1, 2 or 5 times a power of ten in a range, with as few digits as tell them apart."""
+    least = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     return [
@@ -160,18 +156,9 @@ def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
     ]
 
 
-def _round_step(least: float) -> float:
-    """Return the smallest of 1, 2 and 5 times a power of ten that is not below a number."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
-
-
 def _range(quantity: Quantity, plot: Plot, axis: str) -> Range:
     """Return the limits of a quantity, or as far as it has none, the range of what is drawn of it."""
     low, high = quantity.limits
-    return (low, high) if low is not None and high is not None else around(_values(plot, axis), low)
-
-
-def _values(plot: Plot, axis: str) -> Iterable[float]:
-    """Return all values of the lines and dots along an axis."""
-    return chain.from_iterable(map(float, getattr(part, axis)) for part in (*plot.lines, *plot.dots))
+    if low is not None and high is not None:
+        return low, high
+    return around((float(value) for part in (*plot.lines, *plot.dots) for value in getattr(part, axis)), low)

@@ -16,13 +16,10 @@ Columns = Mapping[str, Sequence[float] | np.ndarray]
 def learning_sheet(
     curves: Mapping[str, Sequence[Columns]], levels: Mapping[str, float] | None = None, level: str = "random policy"
 ) -> Sheet:
-    """Return plots of learning curves, one for each quantity.
+    """Return plots of learning curves, one for each quantity, with *levels* to compare with, by column.
 
-    Args:
-        curves: Curves of one or more seeds by label in the legend; the line is their mean, the band their range. A
-            single one is drawn with what there is so far of episodes that have not ended.
-        levels: Values to compare with, by column.
-        level: Label of these values.
+    Of the seeds of a label, the line is their mean, the band their range. A single curve is drawn with what there is so
+    far of episodes that have not ended.
     """
     drawn = [columns for seeds in curves.values() for columns in seeds]
     last = max((max(columns["steps"], default=1) for columns in drawn), default=1)
@@ -33,8 +30,8 @@ def learning_sheet(
         lines += _unfinished(drawn[0], quantity) if len(drawn) == 1 else []
         bands = tuple(part for part in parts if isinstance(part, Band))
         plot = Plot(TRAINED, quantity, tuple(lines), bands, x_range=(0, 1.02 * last))
-        if quantity.curve in (levels or {}):
-            plot = replace(plot, level=(levels or {})[quantity.curve], level_label=level)
+        if levels and quantity.curve in levels:
+            plot = replace(plot, level=levels[quantity.curve], level_label=level)
         plots.append(plot)
     return Sheet(tuple(plots), columns=2, panel_px=(800, 520), shared_legend=True)
 

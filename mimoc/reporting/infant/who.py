@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import mujoco
-import numpy as np
 from PIL import Image
 
 from mimoc.base.errors import RenderingError
@@ -47,7 +46,7 @@ def introduce(bundle: Bundle) -> tuple[tuple[str, ...], tuple[Picture, ...]]:
 def _picture(bundle: Bundle) -> Picture:
     pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
     buffer = io.BytesIO()
-    Image.fromarray(np.asarray(pixels, np.uint8)).save(buffer, "WEBP", quality=QUALITY, method=6)
+    Image.fromarray(pixels).save(buffer, "WEBP", quality=QUALITY, method=6)
     data = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
     return Picture(data, f"{bundle.manifest.name}, {bundle.manifest.pose}", str(WIDTH_PX // 2), str(HEIGHT_PX // 2))
 
@@ -100,9 +99,8 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
         if indicator in percentiles:
             text = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
-        yield Tile(
-            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(text)}.", links
-        )
+        value = words.quantity(measures[indicator], quantity.unit)
+        yield Tile(quantity.label, value, f"{words.sentence(text)}.", links)
 
 
 def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Plot:
