@@ -91,8 +91,8 @@ def fit_shot(
 ) -> Shot:
     """Return a shot that some spheres fill, looking in a direction, for a picture of an aspect, width over height.
 
-    Where walls leave too little space for its vertical field of view, that gets wider; it is wider by a margin than what
-    it has to show.
+    Where walls leave too little space for that, its vertical field of view gets wider. The margin is how much wider it
+    is than what it has to show.
     """
 
     def shot(fovy_deg: float) -> Shot:

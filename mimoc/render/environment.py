@@ -43,14 +43,9 @@ class EnvRenderer:
     def __init__(
         self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, root_body: str, size_px: tuple[int, int]
     ):
-        """Open the window of the mode `human`; what pictures need is opened with the first one.
+        """Look at a body and all that is attached to it, in a window if the mode is `human`.
 
-        Args:
-            mode: The render mode, or None.
-            model: The model.
-            data: Its state, which changes later.
-            root_body: What is looked at, with all that is attached to it.
-            size_px: Width and height of pictures.
+        What pictures of this width and height need is opened with the first one.
 
         Raises:
             RenderingError: If the mode needs a screen, and there is none.

@@ -65,14 +65,9 @@ class Renderer:
         settings: Callable[[mujoco.MjModel], Iterable[Setting]] = lambda model: (),
         shown: Shown = "skin",
     ):
-        """Open an OpenGL context.
+        """Open an OpenGL context for a model, whose geoms and colours may change later, and a buffer of this size.
 
-        Args:
-            model: The model, whose geoms and colours may change later.
-            width_px: Of the buffer.
-            height_px: Of the buffer.
-            settings: Returns the visual settings that a model's meshes and buffers are made with.
-            shown: What is drawn of infants.
+        The settings are the visual ones that meshes and buffers of a model are made with.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none with room for such a large buffer.

@@ -32,12 +32,9 @@ class Silhouette:
     """Height of its soles in the model."""
 
     def at(self, point_m: Points, scale: float, foot: Point) -> Point:
-        """Return where a point of the model, shape (3,), is in a drawing, whose y axis points down.
+        """Return where a point of the world, shape (3,), is in a drawing with some units in a metre.
 
-        Args:
-            point_m: The point, in the frame of the world.
-            scale: Units of the drawing in a metre.
-            foot: Where the middle between the soles is in the drawing.
+        Its y axis points down, and the middle between the soles is at *foot*.
         """
         return foot[0] + scale * float(point_m[1]), foot[1] - scale * (float(point_m[2]) - self.sole_m)
 

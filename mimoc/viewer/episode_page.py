@@ -39,12 +39,8 @@ def page_of_recording(
 ) -> tuple[str, str | None]:
     """Return the page of an episode, which is simulated again for it, and the first number that did not come out again.
 
-    Args:
-        recording: The recording.
-        infant: Which of several infants; the first one if it is not said.
-        number: Which of its episodes; the first one if it is not said.
-        physics: Whether the page contains MuJoCo, so that the recorded actions can be tried again.
-        progress: Called with the number of control steps done and their total.
+    It is of the first infant and its first episode if these are not said. With *physics*, the page contains MuJoCo, so
+    that the recorded actions can be tried again.
 
     Raises:
         RecordingError: If there is no such episode, or it cannot be simulated again.
@@ -66,7 +62,7 @@ def describe_episode(
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
     )
-    kept = film.rows[: episode.steps + 1]
+    kept = list(range(0, episode.steps + 1, film.stride))
     data = {
         "surroundings": film.surroundings,
         "recording": {
@@ -90,12 +86,8 @@ class _Film:
     stride: int
     """Of how many control steps each frame is the first."""
     surroundings: dict[str, Any] = field(default_factory=dict)
-    rows: list[int] = field(default_factory=list)
-    """Rows of the episode that are frames."""
-    qpos: list[Array] = field(default_factory=list)
-    ages_months: list[float] = field(default_factory=list)
-    expressions: list[str | None] = field(default_factory=list)
-    around: list[Array] = field(default_factory=list)
+    frames: list[tuple[Array, float, str | None, Array]] = field(default_factory=list)
+    """Configuration, age in months, expression, and places of the bodies around, shape (bodies, 7)."""
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
@@ -106,17 +98,13 @@ class _Film:
         if self._own is None:
             self._own = own_parts(env.model, env.manifest)
             self.surroundings = describe_surroundings(env.model, env.data, self._own)
-        if self._row % self.stride == 0:
-            self._keep(env, observation, self._own)
         self._row += 1
-
-    def _keep(self, env: InfantEnv, observation: Observation, parts: Own) -> None:
-        self.rows.append(self._row)
-        self.qpos.append(env.data.qpos[parts.qpos])
-        self.ages_months.append(env.manifest.child.age_months)
-        self.expressions.append(expression_of(env.manifest, env.model))
-        bodies = bodies_around(env.model, parts)
-        self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
+        if (self._row - 1) % self.stride:
+            return
+        bodies = bodies_around(env.model, self._own)
+        around = np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1)
+        age_months, expression = env.manifest.child.age_months, expression_of(env.manifest, env.model)
+        self.frames.append((env.data.qpos[self._own.qpos], age_months, expression, around))
         if "touch" in observation:
             forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
             touched = np.flatnonzero(forces_n)
@@ -124,15 +112,16 @@ class _Film:
 
     def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
-        around = np.stack(self.around) if len({places.shape for places in self.around}) == 1 else np.zeros((1, 0, 7))
-        expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
+        qpos, ages_months, shown, places = zip(*self.frames, strict=True)
+        around = np.stack(places) if len({frame.shape for frame in places}) == 1 else np.zeros((1, 0, 7))
+        expressions = [name for name in dict.fromkeys(shown) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
-            "qpos": np.stack(self.qpos),
-            "frame_ages_months": np.array(self.ages_months),
+            "qpos": np.stack(qpos),
+            "frame_ages_months": np.array(ages_months),
             "expressions": {
                 "names": expressions,
-                "shown": np.array([expressions.index(name) for name in self.expressions if name]),
+                "shown": np.array([expressions.index(name) for name in shown if name]),
             }
             if expressions
             else None,

@@ -137,11 +137,7 @@ class LiveView(AbstractContextManager["LiveView"]):
     """
 
     def __init__(self, env: InfantEnv, port: int = PORT):
-        """Serve an environment, which has been reset.
-
-        Args:
-            env: The environment.
-            port: Port of this machine; the next free one if it is taken.
+        """Serve an environment, which has been reset, at a port of this machine, or the next free one if it is taken.
 
         Raises:
             MissingExtraError: If viser is not installed.

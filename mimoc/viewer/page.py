@@ -92,10 +92,7 @@ PLACE = re.compile(r"\{\{([a-z]+)\}\}")
 def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> str:
     """Return the page of an infant: HTML that any browser opens from disk.
 
-    Args:
-        infant: The infant.
-        physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act.
-        progress: Called with the number of ages that are built and their total.
+    With *physics* it contains MuJoCo, so that the infant can fall, be pulled and act.
 
     Raises:
         BundleError: If the bundle does not contain its spec.

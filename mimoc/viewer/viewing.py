@@ -41,12 +41,7 @@ class View:
     """
 
     def __init__(self, html: str, difference: str | None = None):
-        """Keep a page.
-
-        Args:
-            html: The page.
-            difference: What is said of a recording that did not come out again.
-        """
+        """Keep a page, and what is said of a recording that did not come out again."""
         self.html = html
         """The page itself."""
         self.difference = difference

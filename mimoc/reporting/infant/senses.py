@@ -67,8 +67,9 @@ def _about_proprioception(entry: Any, model: mujoco.MjModel) -> str:
 
 
 def _about_balance(entry: Any, model: mujoco.MjModel) -> str:
-    felt = [about for name, about in MOVED.items() if getattr(entry, name)]
-    return f"Feels how its head moves: {words.listed(felt)}."
+    return (
+        f"Feels how its head moves: {words.listed([about for name, about in MOVED.items() if getattr(entry, name)])}."
+    )
 
 
 def _about_touch(entry: Any, model: mujoco.MjModel) -> str:
@@ -88,10 +89,8 @@ def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
     seen = f"{entry.width_px} {words.TIMES} {entry.height_px} pixels over {fovy_deg:g}° from top to bottom"
     sharp = "as sharp as its pixels are"
     if entry.acuity_cpd:
-        sharp = (
-            f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree "
-            f"(about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20)"
-        )
+        snellen = f"about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20"
+        sharp = f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree ({snellen})"
     fovea = ", sharpest in the middle" if entry.foveation else ""
     return f"Sees with {words.count(len(entry.cameras), 'eye')}: {seen}, {sharp}{fovea}."
 
