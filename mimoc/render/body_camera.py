@@ -177,15 +177,11 @@ def _with_opacity(drawn: Picture, is_drawn: npt.NDArray[np.bool_], times: int) -
     return np.rint(np.concatenate([colour, 255 * share], axis=2)).astype(np.uint8)
 
 
-def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> tuple[Setting, ...]:
-    multisampling = (model.vis.quality, "offsamples", samples)
-    if fade_m is None:
-        return (multisampling,)
-    fog, unit_m = model.vis.map, model.stat.extent
-    return (
-        multisampling,
-        *([(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []),
-        (model.vis.rgba, "fog", BACKDROP),
-        (fog, "fogstart", fade_m / unit_m),
-        (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m),
-    )
+def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> list[Setting]:
+    settings: list[Setting] = [(model.vis.quality, "offsamples", samples)]
+    if fade_m is not None:
+        fog, unit_m = model.vis.map, model.stat.extent
+        settings += [(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []
+        settings += [(fog, "fogstart", fade_m / unit_m), (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m)]
+        settings.append((model.vis.rgba, "fog", BACKDROP))
+    return settings

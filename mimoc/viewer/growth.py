@@ -81,14 +81,13 @@ def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -
 
     return {
         "ages_months": list(ages_months),
-        **_skeleton(*at_ages[0], by_age),
-        **_flesh(*at_ages[0], by_age),
+        **_anatomy(*at_ages[0], by_age),
         "poses": dict(_poses(variants, parts)),
     }
 
 
-def _skeleton(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return bodies and joints; numbers of bodies are those within the infant."""
+def _anatomy(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
+    """Return bodies, joints, geoms and eyes; numbers of bodies are those within the infant."""
     number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
@@ -105,12 +104,6 @@ def _skeleton(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, An
             "pos": by_age("jnt_pos", "joints"),
             "range": by_age("jnt_range", "joints"),
         },
-    }
-
-
-def _flesh(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return geoms and eyes, with the numbers of their bodies within the infant."""
-    return {
         "geoms": {
             "names": [model.geom(geom).name for geom in infant.geoms],
             "body": np.searchsorted(infant.bodies, model.geom_bodyid[infant.geoms]),

@@ -51,16 +51,6 @@ def describe_physics(variants: Sequence[Variant]) -> dict[str, Any]:
     }
 
 
-def engine() -> dict[str, str]:
-    """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
-
-    Raises:
-        MimocError: If it has not been built.
-    """
-    # MuJoCo's program makes functions of text when it starts; without physics, a page forbids itself that.
-    return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
-
-
 def _model(variant: Variant) -> dict[str, Any]:
     """Return a model and the files that it refers to, bare: MJCF and meshes."""
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
@@ -157,12 +147,14 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
     """Return the page that shows some data, of which *packed* has some arrays already.
 
     Raises:
-        MimocError: If the program of the page has not been built.
+        MimocError: If the program of the page, or MuJoCo's, has not been built.
     """
     parts = (packed or EncodedArrays()).encode(data)
     licences = built(LICENCES).decode()
     if data["physics"]:
-        parts |= engine()
+        # MuJoCo's program makes functions of text when it starts; without physics, a page forbids itself that.
+        wasm = base64.b64encode(built(WASM)).decode()
+        parts |= {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": wasm}
         licences += "\n\n" + source("mujoco_licences.txt")
     parts |= {
         "title": _escaped(str(data["name"])),
