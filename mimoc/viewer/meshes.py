@@ -28,11 +28,8 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
     """
     kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
     if kind == GEOM.mjGEOM_MESH:
-        mesh = model.geom_dataid[geom]
-        return (
-            model.mesh_vert[rows_of(model, "mesh_vert", mesh)].astype(float),
-            model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.int64),
-        )
+        verts, faces = (rows_of(model, part, model.geom_dataid[geom]) for part in ("mesh_vert", "mesh_face"))
+        return model.mesh_vert[verts].astype(float), model.mesh_face[faces].astype(np.int64)
     shape: Any
     if kind == GEOM.mjGEOM_BOX:
         shape = creation.box(2 * size)

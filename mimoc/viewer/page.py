@@ -68,8 +68,7 @@ def _bare(mjcf: str) -> bytes:
     root = ElementTree.fromstring(mjcf)
     for parent in list(root.iter()):
         parent.attrib.pop("material", None)
-        for child in [element for element in parent if element.tag in SHOWN_ONLY]:
-            parent.remove(child)
+        parent[:] = [child for child in parent if child.tag not in SHOWN_ONLY]
     return ElementTree.tostring(root)
 
 

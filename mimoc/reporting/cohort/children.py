@@ -68,11 +68,11 @@ def _scatters(known: Mapping[int, Mapping[str, Any]]) -> Iterator[Block]:
         yield Drawings(tuple(plots), caption, "pair")
 
 
-def _scatter(children: Sequence[Mapping[str, Any]], x: str, y: str) -> Drawing:
+def _scatter(known: Sequence[Mapping[str, Any]], x: str, y: str) -> Drawing:
     length, other = LENGTHS[x], AGAINST_LENGTH[y]
     across, up = length.label.lower(), other.label.lower()
     dots: list[Dots] = []
-    for child in children:
+    for child in known:
         text = f"child {child['child']}: {across} {words.figure(child[x])}, {up} {words.figure(child[y])}"
         kind = SEXES.get(child.get("sex", ""), "mean")
         dots.append(Dots((child[x],), (child[y],), "", kind, (text,), 4.0))

@@ -71,11 +71,7 @@ def _task(bundle: Bundle) -> str:
     return f"Its task, {words.name(kind)}: {about[0][:1].lower() + about[0][1:]}" if about else f"Its task: {kind}."
 
 
-AMONG = {
-    "male": "boys",
-    "female": "girls",
-    None: "the mean of boys and girls, since this infant is the mean of both",
-}
+AMONG = {**words.CHILDREN, None: "the mean of boys and girls, since this infant is the mean of both"}
 
 
 def growth(child: ChildEntry, sources: Sources) -> Section:
