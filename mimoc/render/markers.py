@@ -37,12 +37,9 @@ class Markers:
 
 
 def force_markers(positions_m: FloatArray, forces_n: FloatArray, spacings_m: FloatArray) -> Markers:
-    """Return a marker for each of n points of a skin, in the colour of the force on it.
+    """Return a marker for each of n points of a skin in the world, shape (n, 3), in the colour of the force on it.
 
-    Args:
-        positions_m: Shape (n, 3), in the world.
-        forces_n: Their magnitudes, shape (n,).
-        spacings_m: Distance of each point from its neighbours, shape (n,).
+    Magnitudes of forces, and distances of points from their neighbours, have the shape (n,).
     """
     radii_m = np.minimum(RADIUS_IN_SPACINGS * spacings_m, MAX_RADIUS_M)
     share = (forces_n / max(forces_n.max(), 1e-12))[:, None]  # The scale of colours ends with the largest force.

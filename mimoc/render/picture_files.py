@@ -135,11 +135,9 @@ def bar_length_cm(width_px: int, px_per_m: float) -> int:
 
 
 def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:
-    """Return a picture with a bar and its length in its lower left corner.
+    """Return a picture, maybe with opacity, with a bar and its length in its lower left corner.
 
-    Args:
-        picture: Shape (height, width, 3), or (height, width, 4) with opacity.
-        px_per_m: Pixels of a metre at the distance of what it shows.
+    At the distance of what it shows, a metre takes *px_per_m* pixels.
     """
     height, width, _ = picture.shape
     length_cm = bar_length_cm(width, px_per_m)

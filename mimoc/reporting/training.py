@@ -27,7 +27,7 @@ from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Cell, Code, Details, Drawings, Page, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
-from mimoc.training.settings import HYPERPARAMETERS, TrainingSettings
+from mimoc.training.settings import HYPERPARAMETERS
 from mimoc.version import __version__
 
 NAMES = {
@@ -140,24 +140,22 @@ def _settings(run: TrainingRun) -> Section:
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
     rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in run.origin.items()]
+    defaults = {name: _text(item.default) for name, item in HYPERPARAMETERS.get(settings.algo, {}).items()}
+    hyper = [
+        (Cell(name, "code"), number(_text(value)), number(defaults.get(name, "")))
+        for name, value in sorted(settings.hyper.items())
+    ]
     sessions = [f"session {index}" for index in range(1, len(run.sessions) + 1)]
     names = sorted({name for session in run.sessions for name in session})
     versions = [[Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)] for name in names]
     blocks = (
         table(("setting", "value"), rows),
-        Details("Hyperparameters", (table(("hyperparameter", "value", "default"), _hyper_rows(settings)),)),
+        Details("Hyperparameters", (table(("hyperparameter", "value", "default"), hyper),)),
         Details("Versions of the software", (table(("", *sessions), versions),)),
         TextBlock("To train an infant of this bundle in the same way:"),
         Code(run.command),
     )
     return Section("settings", "TrainingSettings and versions", blocks)
-
-
-def _hyper_rows(settings: TrainingSettings) -> Iterator[tuple[Cell, ...]]:
-    defaults = HYPERPARAMETERS.get(settings.algo, {})
-    for name, value in sorted(settings.hyper.items()):
-        default = _text(defaults[name].default) if name in defaults else ""
-        yield Cell(name, "code"), number(_text(value)), number(default)
 
 
 def _text(value: Any) -> str:
