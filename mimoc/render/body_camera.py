@@ -140,12 +140,13 @@ class BodyCamera:
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
         self._compose(data, shot)
-        shadows = renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW]
+        flags, shadow = renderer.scene.flags, mujoco.mjtRndFlag.mjRND_SHADOW
+        shadows = flags[shadow]
         if markers is not None:
-            renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # Those of the markers would hide the skin.
+            flags[shadow] = False  # Those of the markers would hide the skin.
             add_markers(renderer.scene, markers)
         renderer.draw()
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        flags[shadow] = shadows
         return renderer.read()[::-1]
 
     def close(self) -> None:
@@ -176,15 +177,11 @@ def _with_opacity(drawn: Picture, is_drawn: npt.NDArray[np.bool_], times: int) -
     return np.rint(np.concatenate([colour, 255 * share], axis=2)).astype(np.uint8)
 
 
-def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> tuple[Setting, ...]:
-    multisampling = (model.vis.quality, "offsamples", samples)
-    if fade_m is None:
-        return (multisampling,)
-    fog, unit_m = model.vis.map, model.stat.extent
-    return (
-        multisampling,
-        *([(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []),
-        (model.vis.rgba, "fog", BACKDROP),
-        (fog, "fogstart", fade_m / unit_m),
-        (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m),
-    )
+def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> list[Setting]:
+    settings: list[Setting] = [(model.vis.quality, "offsamples", samples)]
+    if fade_m is not None:
+        fog, unit_m = model.vis.map, model.stat.extent
+        settings += [(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []
+        settings += [(fog, "fogstart", fade_m / unit_m), (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m)]
+        settings.append((model.vis.rgba, "fog", BACKDROP))
+    return settings

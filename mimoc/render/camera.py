@@ -89,15 +89,10 @@ class Shot:
 def fit_shot(
     spheres: Spheres, walls: Planes, view: View, aspect: float, fovy_deg: float = FOVY_DEG, margin: float = MARGIN
 ) -> Shot:
-    """Return a shot that some spheres fill; where walls leave too little space, the field of view gets wider.
+    """Return a shot that some spheres fill, looking in a direction, for a picture of an aspect, width over height.
 
-    Args:
-        spheres: What is to be seen.
-        walls: What the camera must not get behind.
-        view: The direction to look in.
-        aspect: Width of the picture over its height.
-        fovy_deg: Vertical field of view, if there is space for it.
-        margin: How much wider the field of view is than what it has to show.
+    Where walls leave too little space for that, its vertical field of view gets wider. The margin is how much wider it
+    is than what it has to show.
     """
 
     def shot(fovy_deg: float) -> Shot:

@@ -43,21 +43,17 @@ class EnvRenderer:
     def __init__(
         self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, root_body: str, size_px: tuple[int, int]
     ):
-        """Open the window of the mode `human`; what pictures need is opened with the first one.
+        """Look at a body and all that is attached to it, in a window if the mode is `human`.
 
-        Args:
-            mode: The render mode, or None.
-            model: The model.
-            data: Its state, which changes later.
-            root_body: What is looked at, with all that is attached to it.
-            size_px: Width and height of pictures.
+        What pictures of this width and height need is opened with the first one.
 
         Raises:
             RenderingError: If the mode needs a screen, and there is none.
         """
-        self._mode, self._model, self._data, self._root_body, self._size_px = mode, model, data, root_body, size_px
+        self._mode, self._root_body, self._size_px = mode, root_body, size_px
         self._camera: BodyCamera | None = None
-        self._window = self._open_window() if mode == "human" else None
+        self._window: Window | None = None
+        self._show_model(model, data)
 
     def set_model(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Show another model of the same parts from now on, such as that of the infant at another age.
@@ -65,18 +61,14 @@ class EnvRenderer:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        self._model, self._data = model, data
         if self._camera is not None:
             self._camera.use_model(model)
-        if self._window is not None:
-            self._window.close()
-            self._window = self._open_window()
+        self._show_model(model, data)
 
     def start_again(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Show another model from now on, that may have other parts, from where it is best seen."""
         self.close()
-        self._model, self._data = model, data
-        self._window = self._open_window() if self._mode == "human" else None
+        self._show_model(model, data)
 
     def show(self) -> None:
         """Show the state in the window, if there is one."""
@@ -91,8 +83,14 @@ class EnvRenderer:
         """
         if self._mode != "rgb_array":
             return None
-        camera = self._camera = self._camera or self._open_camera()
-        return camera.render(self._data)
+        if self._camera is None:
+            from mimoc.render.body_camera import BodyCamera
+            from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+
+            view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
+            self._camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
+            self._camera.turn(self._data)
+        return self._camera.render(self._data)
 
     def close(self) -> None:
         """Free the OpenGL context and close the window; closing twice is fine, and pictures can be drawn again."""
@@ -103,16 +101,12 @@ class EnvRenderer:
             self._window.close()
             self._window = None
 
-    def _open_camera(self) -> "BodyCamera":
-        from mimoc.render.body_camera import BodyCamera
-        from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+    def _show_model(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Show a model from now on; MuJoCo's viewer needs a new window for that."""
+        self._model, self._data = model, data
+        if self._window is not None:
+            self._window.close()
+        if self._mode == "human":
+            from mimoc.render.window import Window
 
-        view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
-        camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
-        camera.turn(self._data)
-        return camera
-
-    def _open_window(self) -> "Window":
-        from mimoc.render.window import Window
-
-        return Window(self._model, self._data, self._root_body)
+            self._window = Window(model, data, self._root_body)

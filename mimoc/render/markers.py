@@ -37,15 +37,14 @@ class Markers:
 
 
 def force_markers(positions_m: FloatArray, forces_n: FloatArray, spacings_m: FloatArray) -> Markers:
-    """Return a marker for each of n points of a skin, in the colour of the force on it.
+    """Return a marker for each of n points of a skin in the world, shape (n, 3), in the colour of the force on it.
 
-    Args:
-        positions_m: Shape (n, 3), in the world.
-        forces_n: Their magnitudes, shape (n,).
-        spacings_m: Distance of each point from its neighbours, shape (n,).
+    Magnitudes of forces, and distances of points from their neighbours, have the shape (n,).
     """
     radii_m = np.minimum(RADIUS_IN_SPACINGS * spacings_m, MAX_RADIUS_M)
-    return Markers(positions_m, np.where(forces_n > 0, ENLARGEMENT, 1) * radii_m, _colours(forces_n))
+    share = (forces_n / max(forces_n.max(), 1e-12))[:, None]  # The scale of colours ends with the largest force.
+    colours = np.where(share > 0, np.array(LEAST) + share * np.subtract(MOST, LEAST), UNLOADED).astype(np.float32)
+    return Markers(positions_m, np.where(forces_n > 0, ENLARGEMENT, 1) * radii_m, colours)
 
 
 def join_markers(parts: Iterable[Markers]) -> Markers:
@@ -61,10 +60,3 @@ def add_markers(scene: mujoco.MjvScene, markers: Markers) -> None:
         geom = scene.geoms[scene.ngeom]
         mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, radius_m), position, upright, colour)
         scene.ngeom += 1
-
-
-def _colours(forces_n: FloatArray) -> npt.NDArray[np.float32]:
-    """Return colours by force, on a scale that ends with the largest one."""
-    share = (forces_n / max(forces_n.max(), 1e-12))[:, None]
-    loaded = np.array(LEAST) + share * np.subtract(MOST, LEAST)
-    return np.where(share > 0, loaded, UNLOADED).astype(np.float32)

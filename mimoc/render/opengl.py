@@ -43,11 +43,18 @@ def open_context(width: int, height: int) -> Any:
     isolate_triton()
     failures = []
     for name in _backends():
+        platform, modules = os.environ.get(_PLATFORM), set(sys.modules)
         try:
-            with _undone_on_failure():
-                return _open(name, width, height)
+            return _open(name, width, height)
         except Exception as error:  # Each OpenGL library fails with errors of its own.
             failures.append(f"{name}: {type(error).__name__}")
+            # The PyOpenGL that was imported for this library is of no use to the next one.
+            for module in set(sys.modules) - modules:
+                if module.split(".")[0] == "OpenGL":
+                    del sys.modules[module]
+            os.environ.pop(_PLATFORM, None)
+            if platform is not None:
+                os.environ[_PLATFORM] = platform
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
 
 
@@ -132,22 +139,6 @@ def _open(backend: str, width: int, height: int) -> Any:
         if backend == "glfw" and not importlib.import_module("glfw").get_current_context():
             raise ConnectionError
     return context
-
-
-@contextmanager
-def _undone_on_failure() -> Iterator[None]:
-    """Forget the PyOpenGL that was imported for a library that failed, since it is of no use to the next one."""
-    platform, modules = os.environ.get(_PLATFORM), set(sys.modules)
-    try:
-        yield
-    except Exception:
-        for name in set(sys.modules) - modules:
-            if name.split(".")[0] == "OpenGL":
-                del sys.modules[name]
-        os.environ.pop(_PLATFORM, None)
-        if platform is not None:
-            os.environ[_PLATFORM] = platform
-        raise
 
 
 def _backends() -> Iterator[str]:

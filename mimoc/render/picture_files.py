@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
+from mimoc.render.renderer import Picture
 
 _JPEG = ("JPEG", {"quality": 95, "subsampling": 0})
 _TIFF = ("TIFF", {"compression": "tiff_deflate"})
@@ -60,9 +61,6 @@ def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
     Image.fromarray(np.rint(picture).astype(np.uint8)).save(buffer, name, **settings)
     return buffer.getvalue()
 
-
-Picture = npt.NDArray[np.uint8]
-"""Shape (height, width, 3)."""
 
 BACKGROUND, TEXT = (255, 255, 255), (40, 40, 40)
 GAP_PX = 6
@@ -133,17 +131,13 @@ LETTERS_PX = 9, 60
 
 def bar_length_cm(width_px: int, px_per_m: float) -> int:
     """Return how long the bar of a picture is."""
-    return max(
-        (length_cm for length_cm in LENGTHS_CM if length_cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0]
-    )
+    return max((cm for cm in LENGTHS_CM if cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0])
 
 
 def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:
-    """Return a picture with a bar and its length in its lower left corner.
+    """Return a picture, maybe with opacity, with a bar and its length in its lower left corner.
 
-    Args:
-        picture: Shape (height, width, 3), or (height, width, 4) with opacity.
-        px_per_m: Pixels of a metre at the distance of what it shows.
+    At the distance of what it shows, a metre takes *px_per_m* pixels.
     """
     height, width, _ = picture.shape
     length_cm = bar_length_cm(width, px_per_m)

@@ -60,14 +60,9 @@ class Move:
     shift_m: FloatArray
     """Shape (3,)."""
 
-    @property
-    def row_from_scene(self) -> FloatArray:
-        """The rotation, shape (3, 3)."""
-        return matrix_from_axis(UP, self.turn_rad)
-
     def points_m(self, scene_m: FloatArray) -> FloatArray:
         """Return points, shape (..., 3), where they are afterwards."""
-        return scene_m @ self.row_from_scene.T + self.shift_m
+        return scene_m @ matrix_from_axis(UP, self.turn_rad).T + self.shift_m
 
     def quaternion(self, scene_quat: FloatArray) -> FloatArray:
         """Return an orientation, shape (4,), as it is afterwards."""
@@ -79,10 +74,6 @@ class Move:
 
 def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
     """Return infants side by side along y, all of which face +x, on a floor.
-
-    Args:
-        bundles: The infants, from the left.
-        pose: A keyframe of all; else of each bundle its own.
 
     Returns:
         A model of all and its state; the names of their root bodies, from the left; and what takes each infant, and
@@ -110,8 +101,8 @@ def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: flo
     """Return what takes an infant from where its scene has it to where its least y is *left_m*, and its width."""
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
     turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
-    geoms = np.flatnonzero(in_subtrees(model, [model.body(root).id])[model.geom_bodyid])
-    across = turn.row_from_scene[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
+    geoms = in_subtrees(model, [model.body(root).id])[model.geom_bodyid]
+    across = matrix_from_axis(UP, turn.turn_rad)[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
     middles_m, halves_m = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
     y_m = turn.points_m(data.geom_xpos[geoms])[:, 1] + (across * middles_m).sum(axis=1)
     reach_m = (np.abs(across) * halves_m).sum(axis=1)

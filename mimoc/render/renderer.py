@@ -65,14 +65,9 @@ class Renderer:
         settings: Callable[[mujoco.MjModel], Iterable[Setting]] = lambda model: (),
         shown: Shown = "skin",
     ):
-        """Open an OpenGL context.
+        """Open an OpenGL context for a model, whose geoms and colours may change later, and a buffer of this size.
 
-        Args:
-            model: The model, whose geoms and colours may change later.
-            width_px: Of the buffer.
-            height_px: Of the buffer.
-            settings: Returns the visual settings that a model's meshes and buffers are made with.
-            shown: What is drawn of infants.
+        The settings are the visual ones that meshes and buffers of a model are made with.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none with room for such a large buffer.
@@ -130,11 +125,7 @@ class Renderer:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Keep other threads from drawing and closing meanwhile.
-
-        Raises:
-            RenderingError: If another one is doing so.
-        """
+        """Keep other threads from drawing and closing meanwhile, or refuse if another one is doing so."""
         if not self._busy.acquire(blocking=False):
             raise RenderingError(
                 "nothing can be drawn or closed in this thread while another one is drawing the same;"
@@ -171,28 +162,22 @@ class Renderer:
             self._finalizer()
 
     def _load(self, model: mujoco.MjModel) -> None:
-        """Make all that drawing a model takes, in the OpenGL context that is current."""
-        self._model = model
-        self.context = self._make_context(model)
-        self._finalizer = Finalizer(self, _free, self.context, self._gl)
-        self.scene = mujoco.MjvScene(model, model.ngeom + model.nsite + SPARE_GEOMS)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.context)
-
-    def _make_context(self, model: mujoco.MjModel) -> mujoco.MjrContext:
-        """Return a model's meshes and textures in OpenGL, and a buffer of just the wanted size.
+        """Make all that drawing a model takes, in the current OpenGL context: meshes, textures, and a buffer.
 
         Raises:
             RenderingError: If OpenGL has no room for that; its context is freed then.
         """
-        size = model.vis.global_
-        buffer = ((size, "offwidth", self.buffer.width), (size, "offheight", self.buffer.height))
+        self._model, size, width, height = model, model.vis.global_, self.buffer.width, self.buffer.height
         try:
-            with visual_settings((*buffer, *self._settings(model))):
-                return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+            with visual_settings(((size, "offwidth", width), (size, "offheight", height), *self._settings(model))):
+                self.context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
         except mujoco.FatalError as error:
             self._gl.free()
-            pixels = f"{self.buffer.width} x {self.buffer.height} pixels"
+            pixels = f"{width} x {height} pixels"
             raise RenderingError(f"OpenGL cannot draw {pixels} here ({error}); choose smaller pictures") from None
+        self._finalizer = Finalizer(self, _free, self.context, self._gl)
+        self.scene = mujoco.MjvScene(model, model.ngeom + model.nsite + SPARE_GEOMS)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.context)
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:
@@ -202,12 +187,7 @@ def _free(context: mujoco.MjrContext, gl: Any) -> None:
 
 
 def average_down(pictures: Any, times: int) -> Any:
-    """Return pictures that are smaller so many times, in both directions.
-
-    Args:
-        pictures: Shape (..., height, width, colours), of any array library, in 32 bits.
-        times: How many times.
-    """
+    """Return pictures, of any array library, shape (..., height, width, colours), smaller so many times either way."""
     rows = reduce(add, (pictures[..., start::times, :, :] for start in range(times)))  # 8 times faster than a mean.
     return reduce(add, (rows[..., start::times, :] for start in range(times))) / float(times**2)
 

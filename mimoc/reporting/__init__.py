@@ -59,15 +59,14 @@ def report(
 
 def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:
     folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
-    if cohort is not None and not (folder and (folder / COHORT).is_file()):
-        raise MimocError(
-            f"{folder or repr(source)}: not the folder of a cohort; name the one given to 'mimoc cohort run'"
-        )
-    if folder is not None and (folder / COHORT).is_file():
+    if folder and (folder / COHORT).is_file():
         from mimoc.reporting.cohort import cohort_page
 
         return cohort_page(folder, cohort, progress)
-    if folder is not None and (folder / RUN).is_file():
+    if cohort is not None:
+        name = folder or repr(source)
+        raise MimocError(f"{name}: not the folder of a cohort; name the one given to 'mimoc cohort run'")
+    if folder and (folder / RUN).is_file():
         from mimoc.reporting.training import training_page
 
         return training_page(folder)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.compiler.validation.measuring import Figure, own_solids, solid_extents
-from mimoc.render.plots.drawing import Path, Point, area
+from mimoc.render.plots.drawing import Point, Shape, area
 
 CORNERS = 24
 """Of the polygon that stands for the outline of a solid."""
@@ -31,16 +31,13 @@ class Silhouette:
     """Height of its soles in the model."""
 
     def at(self, point_m: Points, scale: float, foot: Point) -> Point:
-        """Return where a point of the model, shape (3,), is in a drawing, whose y axis points down.
+        """Return where a point of the world, shape (3,), is in a drawing with some units in a metre.
 
-        Args:
-            point_m: The point, in the frame of the world.
-            scale: Units of the drawing in a metre.
-            foot: Where the middle between the soles is in the drawing.
+        Its y axis points down, and the middle between the soles is at *foot*.
         """
         return foot[0] + scale * float(point_m[1]), foot[1] - scale * (float(point_m[2]) - self.sole_m)
 
-    def paths(self, scale: float, foot: Point) -> list[Path]:
+    def shapes(self, scale: float, foot: Point) -> list[Shape]:
         """Return the drawing of the body; see `at`."""
         return [
             area([(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline], "skin")

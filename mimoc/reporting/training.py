@@ -1,6 +1,6 @@
 """The page of a training run."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -13,23 +13,10 @@ from mimoc.reporting import words
 from mimoc.reporting.infant import infant_sections
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.who import introduce
-from mimoc.reporting.page import (
-    Block,
-    Cell,
-    Code,
-    Details,
-    Drawings,
-    Page,
-    Section,
-    TextBlock,
-    Tile,
-    Tiles,
-    number,
-    table,
-)
+from mimoc.reporting.page import Cell, Code, Details, Drawings, Page, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
-from mimoc.training.settings import HYPERPARAMETERS, TrainingSettings
+from mimoc.training.settings import HYPERPARAMETERS
 from mimoc.version import __version__
 
 NAMES = {
@@ -63,32 +50,30 @@ def training_page(folder: Path) -> Page:
     sources = Sources(bundle)
     size, body, senses = infant_sections(bundle, load_model(bundle), sources)
     lead, pictures = introduce(bundle)
+    done, wanted = curve.steps, run.settings.steps
+    state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
     return Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
-        lead=(_summary(run, curve), *lead),
+        lead=(f"Trained for {done:,} control steps. {state}.", *lead),
         sections=(_curves(curve), _settings(run), size, body, senses, sources.section()),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )
 
 
-def _summary(run: RunFile, curve: Curve) -> str:
-    done, wanted = curve.steps, run.settings.steps
-    state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
-    return f"Trained for {done:,} control steps. {state}."
-
-
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (TextBlock(NO_CURVE, "note"),))
-    drawn = [draw_svg(_plot(curve, quantity)) for quantity in outcome.LEARNING if _known(curve, quantity)]
+    known = [item for item in outcome.LEARNING if _points(curve, item) or _points(curve, outcome.SO_FAR.get(item))]
+    drawn = tuple(draw_svg(_plot(curve, quantity)) for quantity in known)
     caption = CAPTION + (UNFINISHED_NOTE if _points(curve, outcome.UNFINISHED_RETURN) else "")
-    rows = [
-        (Cell(quantity.title), *(number(_figure(getattr(row, quantity.curve))) for row in curve.ends))
-        for quantity in outcome.CURVE
-    ]
-    blocks = Tiles(tuple(_tiles(curve))), Drawings(tuple(drawn), caption, "pair"), table(("", "start", "end"), rows)
+    rows = []
+    for quantity in outcome.CURVE:
+        ends = [getattr(row, quantity.curve) for row in curve.ends]
+        figures = [f"{value:,}" if isinstance(value, int) else words.figure(value) for value in ends]
+        rows.append((Cell(quantity.title), *map(number, figures)))
+    blocks = Tiles(tuple(_tiles(curve))), Drawings(drawn, caption, "pair"), table(("", "start", "end"), rows)
     return Section("curves", "Learning", blocks)
 
 
@@ -109,35 +94,26 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
 def _plot(curve: Curve, quantity: Quantity) -> Plot:
     known, so_far = _points(curve, quantity), _points(curve, outcome.SO_FAR.get(quantity))
     last = float(max(curve.steps, 1))
-    series = (so_far, "leader", "survey", " so far"), (known, "line", "mean", "")
     about = f"{quantity.title} by control steps of training"
     if known:
         about += f", from {words.figure(known[0][1])} to {words.figure(known[-1][1])}"
+    lines, dots = [], []
+    for points, of_line, of_dots, ending in ((so_far, "leader", "survey", " so far"), (known, "line", "mean", "")):
+        steps, values = [x for x, _ in points], [y for _, y in points]
+        if len(points) > 1:
+            lines.append(Line(steps, values, "", of_line))
+        if len(points) <= SHOWN_DOTS:
+            titles = tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points)
+            dots.append(Dots(steps, values, "", of_dots, titles))
     return Plot(
         x=outcome.TRAINED,
         y=quantity,
-        lines=tuple(Line(*_columns(points), "", look) for points, look, _, _ in series if len(points) > 1),
-        dots=tuple(
-            Dots(*_columns(points), "", look, tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points))
-            for points, _, look, ending in series
-            if len(points) <= SHOWN_DOTS
-        ),
+        lines=tuple(lines),
+        dots=tuple(dots),
         about=about,
         x_range=(0.0, last),
         x_ticks=[(share * last, f"{share * last:,.0f}") for share in (0.0, 0.5, 1.0)],
     )
-
-
-def _columns(points: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
-    return [x for x, _ in points], [y for _, y in points]
-
-
-def _figure(value: float) -> str:
-    return f"{value:,}" if isinstance(value, int) else words.figure(value)
-
-
-def _known(curve: Curve, quantity: Quantity) -> bool:
-    return bool(_points(curve, quantity) or _points(curve, outcome.SO_FAR.get(quantity)))
 
 
 def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]]:
@@ -152,28 +128,23 @@ def _settings(run: RunFile) -> Section:
     rows = [(Cell(words.sentence(about)), Cell(_text(known[name]))) for name, about in NAMES.items() if name in known]
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
-    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in (run.origin or {}).items()]
-    blocks: list[Block] = [
+    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in run.origin.items()]
+    defaults = {name: _text(item.default) for name, item in HYPERPARAMETERS.get(settings.algo, {}).items()}
+    hyper = [
+        (Cell(name, "code"), number(_text(value)), number(defaults.get(name, "")))
+        for name, value in sorted(settings.hyper.items())
+    ]
+    sessions = [f"session {index}" for index in range(1, len(run.sessions) + 1)]
+    names = sorted({name for session in run.sessions for name in session})
+    versions = [[Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)] for name in names]
+    blocks = (
         table(("setting", "value"), rows),
-        Details("Hyperparameters", (table(("hyperparameter", "value", "default"), _hyper_rows(settings)),)),
-        Details("Versions of the software", (_versions(run),)),
+        Details("Hyperparameters", (table(("hyperparameter", "value", "default"), hyper),)),
+        Details("Versions of the software", (table(("", *sessions), versions),)),
         TextBlock("To train an infant of this bundle in the same way:"),
         Code(run.command),
-    ]
-    return Section("settings", "TrainingSettings and versions", tuple(blocks))
-
-
-def _hyper_rows(settings: TrainingSettings) -> Iterator[tuple[Cell, ...]]:
-    defaults = HYPERPARAMETERS.get(settings.algo, {})
-    for name, value in sorted(settings.hyper.items()):
-        default = _text(defaults[name].default) if name in defaults else ""
-        yield Cell(name, "code"), number(_text(value)), number(default)
-
-
-def _versions(run: RunFile) -> Block:
-    names = sorted({name for session in run.sessions for name in session})
-    headings = ("", *(f"session {index}" for index in range(1, len(run.sessions) + 1)))
-    return table(headings, ((Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)) for name in names))
+    )
+    return Section("settings", "TrainingSettings and versions", blocks)
 
 
 def _text(value: Any) -> str:

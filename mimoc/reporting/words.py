@@ -55,18 +55,13 @@ def of_age(age_months: float) -> str:
 def rank(indicator: str, percentile: float, sex: str | None, age_months: float) -> str:
     """Return where a child stands among others, in words: how many of a hundred have less."""
     less, little, much = COMPARED[indicator]
-    if percentile < FEW:
-        verdict = f"unusually {little}"
-    elif percentile < LOW:
-        verdict = f"rather {little}"
-    elif percentile <= HIGH:
-        verdict = "usual"
-    elif percentile <= MANY:
-        verdict = f"rather {much}"
-    else:
-        verdict = f"unusually {much}"
-    among = f"100 {CHILDREN[sex]} {of_age(age_months)}"
-    return f"{verdict}: {_share(percentile)} of {among} {'is' if _is_one(percentile) else 'are'} {less}"
+    verdict = "usual"
+    if not LOW <= percentile <= HIGH:
+        how = "rather" if FEW <= percentile <= MANY else "unusually"
+        verdict = f"{how} {little if percentile < LOW else much}"
+    share = "fewer than 1" if percentile < 1 else "more than 99" if percentile > 99 else f"about {percentile:.0f}"
+    verb = "is" if share.endswith(" 1") else "are"
+    return f"{verdict}: {share} of 100 {CHILDREN[sex]} {of_age(age_months)} {verb} {less}"
 
 
 def name(identifier: str) -> str:
@@ -87,13 +82,3 @@ def listed(items: list[str]) -> str:
 def count(number: int, one: str, many: str = "") -> str:
     """Return how many of something there are: `1 job`, `3 jobs`."""
     return f"{number:,} {one if number == 1 else many or one + 's'}"
-
-
-def _is_one(percentile: float) -> bool:
-    return round(percentile) == 1 or percentile < 1
-
-
-def _share(percentile: float) -> str:
-    if percentile < 1:
-        return "fewer than 1"
-    return "more than 99" if percentile > 99 else f"about {percentile:.0f}"

@@ -11,7 +11,7 @@ from PIL import Image
 
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.bundle.variants import Variant
-from mimoc.viewer.encoding import EncodedArrays
+from mimoc.viewer.encoding import Places
 from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
 
@@ -19,7 +19,7 @@ BONES = 4
 """Bodies that move a vertex, at most."""
 
 
-def describe_materials(packed: EncodedArrays, model: mujoco.MjModel) -> dict[str, Any]:
+def describe_materials(model: mujoco.MjModel) -> dict[str, Any]:
     """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
     textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
     used = sorted({int(texture) for texture in textures if texture >= 0})
@@ -36,7 +36,7 @@ def describe_materials(packed: EncodedArrays, model: mujoco.MjModel) -> dict[str
         "textures": [
             {
                 "cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE),
-                "png": packed.put(np.frombuffer(_png(model, index), np.uint8)),
+                "png": _png(model, index),
             }
             for index in used
         ],
@@ -49,9 +49,7 @@ def _png(model: mujoco.MjModel, index: int) -> bytes:
     return file.getvalue()
 
 
-def describe_skins(
-    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
-) -> dict[str, Any] | None:
+def describe_skins(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
     """Return the skins of an infant at some ages, which have the same vertices at each; None if it has none."""
     models = [variant.model for variant in variants]
     if not models[0].nskin:
@@ -59,11 +57,11 @@ def describe_skins(
     bodies = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "layers": [_layer(packed, models, index, bodies) for index in range(models[0].nskin)],
+        "layers": [_layer(models, index, bodies) for index in range(models[0].nskin)],
     }
 
 
-def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
+def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
@@ -73,14 +71,14 @@ def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, 
     return {
         "name": model.skin(index).name,
         "material": int(model.skin_matid[index]),
-        "faces": packed.put(model.skin_face[faces].astype(np.uint32)),
-        "texcoords": None if texcoords is None else packed.put(texcoords),
-        "bones": packed.put(np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]])),
-        "moved_by": packed.put(moved_by.astype(np.uint8)),
-        "weights": packed.put(weights),
-        "verts": packed.put_places(np.stack([variant.skin_vert[verts] for variant in models])),
-        "bind_pos": packed.put(np.stack([variant.skin_bonebindpos[bones] for variant in models])),
-        "bind_quat": packed.put(np.stack([variant.skin_bonebindquat[bones] for variant in models])),
+        "faces": model.skin_face[faces].astype(np.uint32),
+        "texcoords": texcoords,
+        "bones": np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]]),
+        "moved_by": moved_by.astype(np.uint8),
+        "weights": weights,
+        "verts": Places(np.stack([variant.skin_vert[verts] for variant in models])),
+        "bind_pos": np.stack([variant.skin_bonebindpos[bones] for variant in models]),
+        "bind_quat": np.stack([variant.skin_bonebindquat[bones] for variant in models]),
     }
 
 
@@ -98,35 +96,32 @@ def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray
     return order, shares.astype(np.uint8)
 
 
-def describe_surroundings(
-    packed: EncodedArrays, model: mujoco.MjModel, data: mujoco.MjData, parts: Own
-) -> dict[str, Any]:
-    """Return the geoms that are not the infant's, with their bodies where they are in a state."""
+def describe_surroundings(model: mujoco.MjModel, data: mujoco.MjData, parts: Own) -> dict[str, Any]:
+    """Return the geoms that are not the infant's *parts*, with their bodies where they are now."""
     shown, bodies = _geoms(model, parts), bodies_around(model, parts)
     mesh_of_geom = model.geom_dataid[shown]
     meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
-    rgba = np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown])
     return {
         "bodies": {
             "names": [model.body(body).name for body in bodies],
-            "pos": packed.put(data.xpos[bodies]),
-            "quat": packed.put(data.xquat[bodies]),
+            "pos": data.xpos[bodies],
+            "quat": data.xquat[bodies],
         },
         "geoms": {
             "names": [model.geom(geom).name for geom in shown],
-            "body": packed.put(np.searchsorted(bodies, model.geom_bodyid[shown])),
-            "type": packed.put(model.geom_type[shown]),
-            "material": packed.put(model.geom_matid[shown]),
-            "mesh": packed.put(np.where(np.isin(mesh_of_geom, meshes), np.searchsorted(meshes, mesh_of_geom), -1)),
-            "rgba": packed.put(rgba),
-            "pos": packed.put(model.geom_pos[shown]),
-            "quat": packed.put(model.geom_quat[shown]),
-            "size": packed.put(model.geom_size[shown]),
+            "body": np.searchsorted(bodies, model.geom_bodyid[shown]),
+            "type": model.geom_type[shown],
+            "material": model.geom_matid[shown],
+            "mesh": np.where(np.isin(mesh_of_geom, meshes), np.searchsorted(meshes, mesh_of_geom), -1),
+            "rgba": np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown]),
+            "pos": model.geom_pos[shown],
+            "quat": model.geom_quat[shown],
+            "size": model.geom_size[shown],
         },
         "meshes": [
             {
-                "verts": packed.put(model.mesh_vert[rows_of(model, "mesh_vert", mesh)]),
-                "faces": packed.put(model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.uint32)),
+                "verts": model.mesh_vert[rows_of(model, "mesh_vert", mesh)],
+                "faces": model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.uint32),
             }
             for mesh in meshes.tolist()
         ],

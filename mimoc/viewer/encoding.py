@@ -3,7 +3,6 @@
 import base64
 import gzip
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any
@@ -23,33 +22,48 @@ ALIGNMENT = 4
 """Of each array in the block, in bytes."""
 
 
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Thousands of places, which are kept as multiples of `FINE_M`."""
+
+    places_m: Array
+
+
 @dataclass(slots=True)
 class EncodedArrays:
-    """What a page knows: plain data, in which arrays are named by `{"array": number}`."""
+    """The arrays of a page."""
 
     arrays: list[Array] = field(default_factory=list)
     """The arrays, in the order of their numbers."""
 
-    def put(self, array: npt.ArrayLike) -> dict[str, Any]:
-        """Keep an array: floats in single precision, bytes as they are, other integers in 16 bits or, unsigned, in 32.
+    def put(self, value: Any) -> Any:
+        """Keep the arrays in some data, and return it with `{"array": number}` in their places.
+
+        Floats are kept in single precision, bytes as they are, other integers in 16 bits or, unsigned, in 32.
 
         Raises:
             OverflowError: If an integer does not fit.
         """
-        given = np.asarray(array)
-        kind = "b" if given.dtype in (np.uint8, np.bool_) else given.dtype.kind
-        kept = given.astype(KINDS[kind])
-        if kind in "iu" and not np.array_equal(kept, given):
-            raise OverflowError(f"integers up to {given.max()} do not fit into {kept.dtype}")
+        if isinstance(value, dict):
+            return {name: self.put(item) for name, item in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [self.put(item) for item in value]
+        if isinstance(value, Places):
+            return {**self.put(np.rint(value.places_m / FINE_M).astype(np.int64)), "unit": FINE_M}
+        if isinstance(value, bytes):
+            value = np.frombuffer(value, np.uint8)
+        if not isinstance(value, np.ndarray):
+            return value
+        kind = "b" if value.dtype in (np.uint8, np.bool_) else value.dtype.kind
+        kept = value.astype(KINDS[kind])
+        if kind in "iu" and not np.array_equal(kept, value):
+            raise OverflowError(f"integers up to {value.max()} do not fit into {kept.dtype}")
         self.arrays.append(kept)
         return {"array": len(self.arrays) - 1}
 
-    def put_places(self, places_m: Array) -> dict[str, Any]:
-        """Keep places in [m] as multiples of `FINE_M`."""
-        return {**self.put(np.rint(places_m / FINE_M).astype(np.int64)), "unit": FINE_M}
-
-    def encode(self, data: Mapping[str, Any]) -> dict[str, str]:
-        """Return data, as JSON, and the arrays that it names, as a compressed block in base64."""
+    def encode(self, data: dict[str, Any]) -> dict[str, str]:
+        """Return data, as JSON, and its arrays, as a compressed block in base64."""
+        data = self.put(data)
         block, places = bytearray(), []
         for array in self.arrays:
             block += bytes(-len(block) % ALIGNMENT)

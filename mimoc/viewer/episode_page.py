@@ -39,12 +39,8 @@ def page_of_recording(
 ) -> tuple[str, str | None]:
     """Return the page of an episode, which is simulated again for it, and the first number that did not come out again.
 
-    Args:
-        recording: The recording.
-        infant: Which of several infants; the first one if it is not said.
-        number: Which of its episodes; the first one if it is not said.
-        physics: Whether the page contains MuJoCo, so that the recorded actions can be tried again.
-        progress: Called with the number of control steps done and their total.
+    It is of the first infant and its first episode if these are not said. With *physics*, the page contains MuJoCo, so
+    that the recorded actions can be tried again.
 
     Raises:
         RecordingError: If there is no such episode, or it cannot be simulated again.
@@ -53,29 +49,29 @@ def page_of_recording(
     """
     episode = chosen_episodes(recording, infant, number)[0]
     packed = EncodedArrays()
-    data = describe(packed, recording.bundle(episode.infant), physics)
-    replayed, difference = describe_episode(packed, recording, episode, progress)
-    return fill(packed, {**data, **replayed}), difference
+    data = packed.put(describe(recording.bundle(episode.infant), physics))
+    replayed, difference = describe_episode(recording, episode, progress)
+    return fill({**data, **replayed}, packed), difference
 
 
 def describe_episode(
-    packed: EncodedArrays, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+    recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
 ) -> tuple[dict[str, Any], str | None]:
     """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
-    film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
+    film = _Film(stride=-(-(episode.steps + 1) // FRAMES))
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
     )
-    kept = film.rows[: episode.steps + 1]
+    kept = list(range(0, episode.steps + 1, film.stride))
     data = {
         "surroundings": film.surroundings,
         "recording": {
             "episode": episode.number,
             "infant": episode.infant if recording.infants > 1 else None,
-            "seconds": packed.put(episode.time_s[kept] - episode.time_s[0]),
+            "seconds": episode.time_s[kept] - episode.time_s[0],
             **film.describe(),
-            "curves": list(_curves(packed, episode, kept)),
-            "pictures": dict(_videos(packed, episode)),
+            "curves": list(_curves(episode, kept)),
+            "pictures": dict(_videos(episode)),
             "picture_s": episode.step_ms / 1000,
             "stride": film.stride,
         },
@@ -87,16 +83,11 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    packed: EncodedArrays
     stride: int
     """Of how many control steps each frame is the first."""
     surroundings: dict[str, Any] = field(default_factory=dict)
-    rows: list[int] = field(default_factory=list)
-    """Rows of the episode that are frames."""
-    qpos: list[Array] = field(default_factory=list)
-    ages_months: list[float] = field(default_factory=list)
-    expressions: list[str | None] = field(default_factory=list)
-    around: list[Array] = field(default_factory=list)
+    frames: list[tuple[Array, float, str | None, Array]] = field(default_factory=list)
+    """Configuration, age in months, expression, and places of the bodies around, shape (bodies, 7)."""
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
@@ -106,18 +97,14 @@ class _Film:
         """Keep a frame, if it is due."""
         if self._own is None:
             self._own = own_parts(env.model, env.manifest)
-            self.surroundings = describe_surroundings(self.packed, env.model, env.data, self._own)
-        if self._row % self.stride == 0:
-            self._keep(env, observation, self._own)
+            self.surroundings = describe_surroundings(env.model, env.data, self._own)
         self._row += 1
-
-    def _keep(self, env: InfantEnv, observation: Observation, parts: Own) -> None:
-        self.rows.append(self._row)
-        self.qpos.append(env.data.qpos[parts.qpos])
-        self.ages_months.append(env.manifest.child.age_months)
-        self.expressions.append(expression_of(env.manifest, env.model))
-        bodies = bodies_around(env.model, parts)
-        self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
+        if (self._row - 1) % self.stride:
+            return
+        bodies = bodies_around(env.model, self._own)
+        around = np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1)
+        age_months, expression = env.manifest.child.age_months, expression_of(env.manifest, env.model)
+        self.frames.append((env.data.qpos[self._own.qpos], age_months, expression, around))
         if "touch" in observation:
             forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
             touched = np.flatnonzero(forces_n)
@@ -125,43 +112,44 @@ class _Film:
 
     def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
-        around = np.stack(self.around) if len({places.shape for places in self.around}) == 1 else np.zeros((1, 0, 7))
-        expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
+        qpos, ages_months, shown, places = zip(*self.frames, strict=True)
+        around = np.stack(places) if len({frame.shape for frame in places}) == 1 else np.zeros((1, 0, 7))
+        expressions = [name for name in dict.fromkeys(shown) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
-            "qpos": self.packed.put(np.stack(self.qpos)),
-            "frame_ages_months": self.packed.put(np.array(self.ages_months)),
+            "qpos": np.stack(qpos),
+            "frame_ages_months": np.array(ages_months),
             "expressions": {
                 "names": expressions,
-                "shown": self.packed.put(np.array([expressions.index(name) for name in self.expressions if name])),
+                "shown": np.array([expressions.index(name) for name in shown if name]),
             }
             if expressions
             else None,
-            "around": self.packed.put(around) if np.ptp(around, axis=0).any() else None,
+            "around": around if np.ptp(around, axis=0).any() else None,
             "felt": {
-                "ends": self.packed.put(ends.astype(np.uint32)),
-                "points": self.packed.put(np.concatenate([points for points, _ in self.felt]).astype(np.uint32)),
-                "forces_n": self.packed.put(np.concatenate([forces for _, forces in self.felt])),
+                "ends": ends.astype(np.uint32),
+                "points": np.concatenate([points for points, _ in self.felt]).astype(np.uint32),
+                "forces_n": np.concatenate([forces for _, forces in self.felt]),
             }
             if self.felt
             else None,
         }
 
 
-def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
+def _curves(episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
-    yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
-    yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
+    yield _curve("action", episode.layout("action"), episode.column("action")[rows])
+    yield _curve("reward", ("reward",), episode.column("reward")[rows, None])
     for reading in episode.described.readings:
         if reading.name == "touch":
             sums_n = [[float(np.abs(forces).sum())] for forces in episode.observation(reading.name)[rows]]
-            yield _curve(packed, "touch", ("sum of forces [N]",), np.array(sums_n))
+            yield _curve("touch", ("sum of forces [N]",), np.array(sums_n))
         elif reading.kind == "dense":
             values = episode.observation(reading.name)[rows]
-            yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
+            yield _curve(reading.name, reading.layout, values.reshape(len(rows), -1))
 
 
-def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
+def _curve(name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
     known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
     low, high = known.min(axis=0), known.max(axis=0)
@@ -169,13 +157,13 @@ def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Ar
     return {
         "name": name,
         "layout": list(layout) or [str(index) for index in range(values.shape[1])],
-        "low": packed.put(low),
-        "high": packed.put(high),
-        "levels": packed.put(levels.T.astype(np.int64)),
+        "low": low,
+        "high": high,
+        "levels": levels.T.astype(np.int64),
     }
 
 
-def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]]:
+def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
     """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
@@ -184,4 +172,4 @@ def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]
                 for picture in episode.observation(reading.name):
                     video.add(picture)
                 content = video.save().read_bytes()
-            yield reading.name, packed.put(np.frombuffer(content, np.uint8))
+            yield reading.name, content

@@ -17,10 +17,10 @@ from mimoc.fits.who import percentile
 from mimoc.render.plots.growth import PERCENTILES, who_chart
 from mimoc.render.plots.plot import Line
 from mimoc.senses.binding import bind_sense
-from mimoc.viewer.encoding import EncodedArrays
+from mimoc.viewer.encoding import Places
 
 IntArray = npt.NDArray[np.intp]
-ByAge = Callable[[str, str], dict[str, Any]]
+ByAge = Callable[[str, str], npt.NDArray[Any]]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
 """Ages of which a page has the numbers, close together where children grow fastest. Between them it interpolates
@@ -63,7 +63,7 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
     )
 
 
-def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
+def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
     """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
 
     Raises:
@@ -75,66 +75,57 @@ def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_mon
         raise MimocError(f"'{variants[0].bundle.manifest.name}' has other parts at other ages; a page cannot show that")
     at_ages = list(zip([variant.model for variant in variants], parts, strict=True))
 
-    def by_age(name: str, kind: str) -> dict[str, Any]:
+    def by_age(name: str, kind: str) -> npt.NDArray[Any]:
         """Return an array of a model at each age, of what is the infant's."""
-        return packed.put(np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages]))
+        return np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages])
 
     return {
         "ages_months": list(ages_months),
-        **_skeleton(packed, *at_ages[0], by_age),
-        **_flesh(packed, *at_ages[0], by_age),
-        "poses": dict(_poses(packed, variants, parts)),
+        **_anatomy(*at_ages[0], by_age),
+        "poses": dict(_poses(variants, parts)),
     }
 
 
-def _skeleton(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return bodies and joints; numbers of bodies are those within the infant."""
+def _anatomy(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
+    """Return bodies, joints, geoms and eyes; numbers of bodies are those within the infant."""
     number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
             "names": [model.body(body).name for body in infant.bodies],
-            "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in infant.bodies])),
-            "quat": packed.put(model.body_quat[infant.bodies]),
+            "parent": np.array([number.get(model.body_parentid[body], -1) for body in infant.bodies]),
+            "quat": model.body_quat[infant.bodies],
             "pos": by_age("body_pos", "bodies"),
         },
         "joints": {
             "names": [model.joint(joint).name for joint in infant.joints],
-            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[infant.joints]], int)),
-            "axis": packed.put(model.jnt_axis[infant.joints]),
-            "reference": packed.put(model.qpos0[infant.qpos[7:]]),
+            "body": np.array([number[body] for body in model.jnt_bodyid[infant.joints]], int),
+            "axis": model.jnt_axis[infant.joints],
+            "reference": model.qpos0[infant.qpos[7:]],
             "pos": by_age("jnt_pos", "joints"),
             "range": by_age("jnt_range", "joints"),
         },
-    }
-
-
-def _flesh(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return geoms and eyes, with the numbers of their bodies within the infant."""
-    return {
         "geoms": {
             "names": [model.geom(geom).name for geom in infant.geoms],
-            "body": packed.put(np.searchsorted(infant.bodies, model.geom_bodyid[infant.geoms])),
-            "type": packed.put(model.geom_type[infant.geoms]),
-            "material": packed.put(model.geom_matid[infant.geoms]),
-            "group": packed.put(model.geom_group[infant.geoms]),
-            "solid": packed.put((model.geom_contype | model.geom_conaffinity)[infant.geoms] != 0),
-            "quat": packed.put(model.geom_quat[infant.geoms]),
+            "body": np.searchsorted(infant.bodies, model.geom_bodyid[infant.geoms]),
+            "type": model.geom_type[infant.geoms],
+            "material": model.geom_matid[infant.geoms],
+            "group": model.geom_group[infant.geoms],
+            "solid": (model.geom_contype | model.geom_conaffinity)[infant.geoms] != 0,
+            "quat": model.geom_quat[infant.geoms],
             "pos": by_age("geom_pos", "geoms"),
             "size": by_age("geom_size", "geoms"),
         },
         "eyes": {
             "names": [model.camera(camera).name for camera in infant.cameras],
-            "body": packed.put(np.searchsorted(infant.bodies, model.cam_bodyid[infant.cameras])),
-            "quat": packed.put(model.cam_quat[infant.cameras]),
-            "fovy_deg": packed.put(model.cam_fovy[infant.cameras]),
+            "body": np.searchsorted(infant.bodies, model.cam_bodyid[infant.cameras]),
+            "quat": model.cam_quat[infant.cameras],
+            "fovy_deg": model.cam_fovy[infant.cameras],
             "pos": by_age("cam_pos", "cameras"),
         },
     }
 
 
-def describe_touch(
-    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
-) -> dict[str, Any] | None:
+def describe_touch(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
     """Return the skin points of an infant at some ages, in the frames of their bodies; None if it feels nothing."""
     if variants[0].bundle.manifest.senses.touch is None:
         return None
@@ -142,19 +133,17 @@ def describe_touch(
     bodies = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "body": packed.put(np.array([bodies.index(body) for body in senses[0].receptors.bodies])),
-        "points": packed.put_places(np.stack([sense.receptors.points_m for sense in senses])),
+        "body": np.array([bodies.index(body) for body in senses[0].receptors.bodies]),
+        "points": Places(np.stack([sense.receptors.points_m for sense in senses])),
     }
 
 
-def _poses(
-    packed: EncodedArrays, variants: Sequence[Variant], parts: Sequence[Own]
-) -> Iterator[tuple[str, dict[str, Any]]]:
+def _poses(variants: Sequence[Variant], parts: Sequence[Own]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
     """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
             keys = [variant.model.key(pose).qpos[infant.qpos] for variant, infant in zip(variants, parts, strict=True)]
-            yield pose, packed.put(np.stack(keys))
+            yield pose, np.stack(keys)
 
 
 def posed(variant: Variant) -> mujoco.MjData:
@@ -168,8 +157,8 @@ def posed(variant: Variant) -> mujoco.MjData:
 SHOWN = ("length_cm", "weight_kg", "head_circumference_cm")
 
 
-def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) -> dict[str, Any]:
-    """Return WHO's percentiles by age for children of this sex, and the child's own measures at its ages."""
+def describe_standards(children: Sequence[ChildEntry]) -> dict[str, Any]:
+    """Return WHO's percentiles by age for children of a sex, and the measures of a child, given at each age."""
     reference = children[0].sex or "mean"
     ages_months = [child.age_months for child in children]
     charts = {}
@@ -178,7 +167,7 @@ def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) ->
         scores = [standard.z_score(value, age, reference) for value, age in zip(values, ages_months, strict=True)]
         chart = who_chart(name, reference)
         charts[name] = {
-            "plot": replace(chart, lines=(*chart.lines, Line(ages_months, values, "", "own"))).to_data(packed.put),
-            "percentile": packed.put([percentile(score) for score in scores]),
+            "plot": replace(chart, lines=(*chart.lines, Line(ages_months, values, "", "own"))).to_data(),
+            "percentile": np.array([percentile(score) for score in scores]),
         }
     return {"reference": reference, "percentiles": PERCENTILES, "charts": charts}

@@ -8,8 +8,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, redirect_stdout
 from http import HTTPStatus
 from importlib import import_module
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 from urllib.parse import parse_qs
 
 import mujoco
@@ -18,7 +17,7 @@ import numpy as np
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
-from mimoc.viewer.meshes import coloured_faces, mesh_of, skin_of, texture_of
+from mimoc.viewer.meshes import Colour, colour_of, coloured_faces, mesh_of, skin_of, texture_of
 
 HOST = "localhost"
 """Where pages are served: others on the network see nothing."""
@@ -127,7 +126,7 @@ COLOURS = 6
 """Of the pictures on a skin: faces of each are a mesh of their own."""
 
 
-class LiveView:
+class LiveView(AbstractContextManager["LiveView"]):
     """Serves what an environment does, in real time, to the browser that opens its address first.
 
     with LiveView(env) as live:
@@ -138,11 +137,7 @@ class LiveView:
     """
 
     def __init__(self, env: InfantEnv, port: int = PORT):
-        """Serve an environment, which has been reset.
-
-        Args:
-            env: The environment.
-            port: Port of this machine; the next free one if it is taken.
+        """Serve an environment, which has been reset, at a port of this machine, or the next free one if it is taken.
 
         Raises:
             MissingExtraError: If viser is not installed.
@@ -195,10 +190,8 @@ class LiveView:
         with _without_messages():
             self._server.stop()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
+        """Stop serving."""
         self.close()
 
     def _add_bodies(self, model: mujoco.MjModel) -> dict[int, Any]:
@@ -270,13 +263,9 @@ def _without_messages() -> AbstractContextManager[Any]:
     return redirect_stdout(io.StringIO())
 
 
-def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int]:
-    """Return the colour of a geom, 0 to 255; of a textured one, the mean of its texture."""
+def _colour(model: mujoco.MjModel, geom: int) -> Colour:
+    """Return the colour of a geom; of a textured one, the mean of its texture."""
     material = model.geom_matid[geom]
-    if material < 0:
-        rgb = 255 * model.geom_rgba[geom, :3]
-    else:
-        pixels = texture_of(model, material)
-        rgb = model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1)))
-    red, green, blue = np.rint(rgb).astype(int).tolist()
-    return red, green, blue
+    pixels = texture_of(model, material)
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return colour_of(rgba[:3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))

@@ -28,11 +28,8 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
     """
     kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
     if kind == GEOM.mjGEOM_MESH:
-        mesh = model.geom_dataid[geom]
-        return (
-            model.mesh_vert[rows_of(model, "mesh_vert", mesh)].astype(float),
-            model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.int64),
-        )
+        verts, faces = (rows_of(model, part, model.geom_dataid[geom]) for part in ("mesh_vert", "mesh_face"))
+        return model.mesh_vert[verts].astype(float), model.mesh_face[faces].astype(np.int64)
     shape: Any
     if kind == GEOM.mjGEOM_BOX:
         shape = creation.box(2 * size)
@@ -40,19 +37,18 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
         shape = creation.cylinder(size[0], 2 * size[1])
     elif kind in (GEOM.mjGEOM_SPHERE, GEOM.mjGEOM_CAPSULE, GEOM.mjGEOM_ELLIPSOID):
         shape = creation.icosphere(FINENESS)
+        shape.vertices *= size if kind == GEOM.mjGEOM_ELLIPSOID else size[0]
     else:
         raise MimocError(f"the geom '{model.geom(geom).name}' has no mesh")
     vertices = np.array(shape.vertices)
-    if kind == GEOM.mjGEOM_ELLIPSOID:
-        vertices = vertices * size
-    elif kind == GEOM.mjGEOM_SPHERE:
-        vertices = vertices * size[0]
-    elif kind == GEOM.mjGEOM_CAPSULE:  # A ball that is cut in the middle and pulled apart.
-        vertices = vertices * size[0] + np.sign(vertices) * (0, 0, size[1])
+    if kind == GEOM.mjGEOM_CAPSULE:  # A ball that is cut in the middle and pulled apart.
+        vertices += np.sign(vertices) * (0, 0, size[1])
     return vertices, np.array(shape.faces, np.int64)
 
 
 Array = npt.NDArray[Any]
+Colour = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,14 +89,13 @@ def rows_of(model: mujoco.MjModel, kind: str, index: int) -> slice:
     return slice(first, first + getattr(model, f"{kind}num")[index])
 
 
-def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[tuple[tuple[int, int, int], Array]]:
-    """Yield the colours of a skin, 0 to 255, at most so many, each with its faces, shape (m, 3)."""
+def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[tuple[Colour, Array]]:
+    """Yield the colours of a skin, at most so many, each with its faces, shape (m, 3)."""
     faces, material = model.skin_face[rows_of(model, "skin_face", index)], model.skin_matid[index]
     rgba = model.mat_rgba[material] if material >= 0 else model.skin_rgba[index]
     pixels, first = texture_of(model, material), model.skin_texcoordadr[index]
     if pixels is None or first < 0:
-        red, green, blue = np.rint(255 * rgba[:3]).astype(int).tolist()
-        yield (red, green, blue), faces
+        yield colour_of(255 * rgba[:3]), faces
         return
     across, down = (model.skin_texcoord[first + faces].mean(axis=1) * model.mat_texrepeat[material] % 1.0).T
     height, width = pixels.shape[:2]
@@ -108,8 +103,13 @@ def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[
     few = Image.fromarray(seen[None].astype(np.uint8), "RGB").quantize(colours, Image.Quantize.MEDIANCUT)
     palette, chosen = np.array(few.getpalette()).reshape(-1, 3), np.asarray(few)[0]
     for number in np.unique(chosen).tolist():
-        red, green, blue = palette[number].tolist()
-        yield (red, green, blue), faces[chosen == number]
+        yield colour_of(palette[number]), faces[chosen == number]
+
+
+def colour_of(rgb: Array) -> Colour:
+    """Return a colour of rounded numbers."""
+    red, green, blue = np.rint(rgb).astype(int).tolist()
+    return red, green, blue
 
 
 def texture_of(model: mujoco.MjModel, material: int) -> Array | None:

@@ -2,16 +2,15 @@
 
 import base64
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 from xml.etree import ElementTree
 
-import mujoco
 import numpy as np
 
 from mimoc.base.errors import SpecError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
@@ -36,41 +35,31 @@ SHOWN_ONLY = ("material", "texture", "skin")
 """Elements of MJCF that physics does not need."""
 
 
-def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
+def describe_physics(variants: Sequence[Variant]) -> dict[str, Any]:
     """Return the models of an infant at some ages as MJCF, and what of them is the infant's."""
     model, manifest = variants[0].model, variants[0].bundle.manifest
     parts = own_parts(model, manifest)
     return {
-        "models": [_model(packed, variant) for variant in variants],
-        "bodies": packed.put(parts.bodies),
-        "qpos": packed.put(parts.qpos),
+        "models": [_model(variant) for variant in variants],
+        "bodies": parts.bodies,
+        "qpos": parts.qpos,
         "around": [model.body(body).name for body in range(model.nbody)],
         "step_s": manifest.step_ms / 1000,
-        "commanded": packed.put(
-            np.array([model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int)
+        "commanded": np.array(
+            [model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int
         ),
     }
 
 
-def engine() -> Mapping[str, str]:
-    """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
-
-    Raises:
-        MimocError: If it has not been built.
-    """
-    # MuJoCo's program makes functions of text when it starts; without physics, a page forbids itself that.
-    return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
-
-
-def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
+def _model(variant: Variant) -> dict[str, Any]:
     """Return a model and the files that it refers to, bare: MJCF and meshes."""
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
     needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
     return {
         "age_months": variant.bundle.manifest.child.age_months,
-        "scene": packed.put(np.frombuffer(_bare(scene), np.uint8)),
-        "files": {name: packed.put(np.frombuffer(content, np.uint8)) for name, content in needed.items()},
+        "scene": _bare(scene),
+        "files": needed,
     }
 
 
@@ -79,8 +68,7 @@ def _bare(mjcf: str) -> bytes:
     root = ElementTree.fromstring(mjcf)
     for parent in list(root.iter()):
         parent.attrib.pop("material", None)
-        for child in [element for element in parent if element.tag in SHOWN_ONLY]:
-            parent.remove(child)
+        parent[:] = [child for child in parent if child.tag not in SHOWN_ONLY]
     return ElementTree.tostring(root)
 
 
@@ -93,10 +81,7 @@ PLACE = re.compile(r"\{\{([a-z]+)\}\}")
 def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> str:
     """Return the page of an infant: HTML that any browser opens from disk.
 
-    Args:
-        infant: The infant.
-        physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act.
-        progress: Called with the number of ages that are built and their total.
+    With *physics* it contains MuJoCo, so that the infant can fall, be pulled and act.
 
     Raises:
         BundleError: If the bundle does not contain its spec.
@@ -104,22 +89,19 @@ def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *
         MimocError: If it has other parts at other ages.
     """
     built(PROGRAM)
-    packed = EncodedArrays()
-    return fill(packed, describe(packed, infant, physics, progress))
+    return fill(describe(infant, physics, progress))
 
 
-def describe(
-    packed: EncodedArrays, infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None
-) -> dict[str, Any]:
+def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
     at, grown = _grown(spec, progress)
-    sparse = [at(age) for age in SKIN_AGES_MONTHS]
+    sparse = [at(age, True) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
-    shown = at(manifest.child.age_months)
+    shown = at(manifest.child.age_months, True)
     simulated_months = sorted({*PHYSICS_AGES_MONTHS, manifest.child.age_months}) if physics else []
     simulated = [at(age, age in SKIN_AGES_MONTHS) for age in simulated_months]
-    model, data = shown.model, posed(shown)
+    model, data, face = shown.model, posed(shown), manifest.face
     return {
         "name": manifest.name,
         "version": __version__,
@@ -128,24 +110,29 @@ def describe(
         "pose": manifest.pose,
         "groups": manifest.anatomy.groups,
         "trunk": manifest.anatomy.trunk,
-        "faces": _faces(manifest, spec.body.expression, model),
-        **describe_growth(packed, grown, AGES_MONTHS),
-        "standards": describe_standards(packed, [variant.bundle.manifest.child for variant in grown]),
-        "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
-        "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
-        **describe_materials(packed, model),
-        "physics": describe_physics(packed, simulated) if physics else None,
-        "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
+        "faces": face
+        and {
+            "geom": face.geom,
+            "materials": {name: model.material(material).id for name, material in face.materials.items()},
+            "shown": spec.body.expression,
+        },
+        **describe_growth(grown, AGES_MONTHS),
+        "standards": describe_standards([variant.bundle.manifest.child for variant in grown]),
+        "touch": describe_touch(sparse, SKIN_AGES_MONTHS),
+        "skins": describe_skins(sparse, SKIN_AGES_MONTHS),
+        **describe_materials(model),
+        "physics": describe_physics(simulated) if physics else None,
+        "surroundings": describe_surroundings(model, data, own_parts(model, manifest)),
     }
 
 
-def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]]:
+def _grown(spec: InfantSpec, progress: Progress) -> tuple[Callable[[float, bool], Variant], list[Variant]]:
     """Return an infant at all ages of a page; without its task and toys, if these do not suit it at some of them."""
-    at, grown = _Ages(spec), list[Variant]()
+    at, grown = _ages(spec), list[Variant]()
     try:
         for age in AGES_MONTHS:
             progress(len(grown), len(AGES_MONTHS))
-            grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
+            grown.append(at(age, age in SKIN_AGES_MONTHS))
     except SpecError:
         toys = {"count": [0, 0]} if spec.scene.kind == "room" else None
         alone = spec.with_(task=None, scene={"toys": toys})
@@ -155,25 +142,18 @@ def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]
     return at, grown
 
 
-def _faces(manifest: Manifest, expression: str, model: mujoco.MjModel) -> dict[str, Any] | None:
-    """Return the materials of the face by expression, and the expression that it has; None if it has no face."""
-    face = manifest.face
-    if face is None:
-        return None
-    materials = {name: model.material(material).id for name, material in face.materials.items()}
-    return {"geom": face.geom, "materials": materials, "shown": expression}
-
-
-def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
-    """Return the page that shows some data.
+def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
+    """Return the page that shows some data, of which *packed* has some arrays already.
 
     Raises:
-        MimocError: If the program of the page has not been built.
+        MimocError: If the program of the page, or MuJoCo's, has not been built.
     """
-    parts = packed.encode(data)
+    parts = (packed or EncodedArrays()).encode(data)
     licences = built(LICENCES).decode()
     if data["physics"]:
-        parts |= engine()
+        # MuJoCo's program makes functions of text when it starts; without physics, a page forbids itself that.
+        wasm = base64.b64encode(built(WASM)).decode()
+        parts |= {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": wasm}
         licences += "\n\n" + source("mujoco_licences.txt")
     parts |= {
         "title": _escaped(str(data["name"])),
@@ -185,24 +165,15 @@ def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
 
 
-class _Ages:
-    """The infant of a spec with a sense of touch, so that its skin points can be shown; each age is built once.
+def _ages(spec: InfantSpec) -> Callable[[float, bool], Variant]:
+    """Return what builds the infant of a spec at an age, once, with touch so that its skin points can be shown.
 
     Undressed, without the smooth skin of its spec, it takes half the time.
     """
-
-    def __init__(self, spec: InfantSpec):
-        spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
-        seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
-        bare = spec.with_(body={"skin": False}, **seen)
-        self._variants, self._seed = {True: SpecVariants(spec), False: SpecVariants(bare)}, spec.scene.seed
-        self._made: dict[tuple[float, bool], Variant] = {}
-
-    def __call__(self, age_months: float, dressed: bool = True) -> Variant:
-        key = age_months, dressed
-        if key not in self._made:
-            self._made[key] = self._variants[dressed](age_months, self._seed)
-        return self._made[key]
+    spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
+    seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
+    variants = {True: SpecVariants(spec), False: SpecVariants(spec.with_(body={"skin": False}, **seen))}
+    return cache(lambda age_months, dressed: variants[dressed](age_months, spec.scene.seed))
 
 
 def _escaped(text: str) -> str:

@@ -41,12 +41,7 @@ class View:
     """
 
     def __init__(self, html: str, difference: str | None = None):
-        """Keep a page.
-
-        Args:
-            html: The page.
-            difference: What is said of a recording that did not come out again.
-        """
+        """Keep a page, and what is said of a recording that did not come out again."""
         self.html = html
         """The page itself."""
         self.difference = difference
@@ -153,11 +148,11 @@ def _recording_of(shown: object) -> "ReadRecording | None":
 def _page_of_env(env: InfantEnv, physics: bool) -> str:
     """Return the page of an infant that is as it is now; at other ages the same, as high as it is long."""
     packed = EncodedArrays()
-    data: dict[str, Any] = describe(packed, env.bundle, physics)
+    data: dict[str, Any] = packed.put(describe(env.bundle, physics))
     infant = own_parts(env.model, env.manifest)
     lengths_cm = packed.arrays[data["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
     posture = np.tile(env.data.qpos[infant.qpos], (len(lengths_cm), 1))
     posture[:, 2] *= lengths_cm / env.manifest.child.length_cm
     data["poses"][NOW] = packed.put(posture)
-    around = describe_surroundings(packed, env.model, env.data, infant)
-    return fill(packed, {**data, "pose": NOW, "surroundings": around})
+    around = describe_surroundings(env.model, env.data, infant)
+    return fill({**data, "pose": NOW, "surroundings": around}, packed)

@@ -16,7 +16,6 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants
 from mimoc.fits.who import percentile
 from mimoc.viewer import encoding as packing
-from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.page import describe, fill, page_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -34,14 +33,13 @@ def variants() -> SpecVariants:
 
 
 @pytest.fixture(scope="module")
-def described(variants) -> tuple[EncodedArrays, dict]:
-    packed = EncodedArrays()
-    return packed, describe(packed, variants.original)
+def described(variants) -> dict:
+    return describe(variants.original)
 
 
 @pytest.fixture(scope="module")
 def page(described) -> str:
-    return fill(*described)
+    return fill(described)
 
 
 @pytest.fixture(scope="module")
@@ -115,9 +113,8 @@ def test_the_program_of_pages_was_built_from_its_present_source():
 
 
 def test_a_name_cannot_break_out_of_its_page(described):
-    packed, data = described
     wicked = "</script><b>{{block}}"
-    page = fill(packed, {**data, "name": wicked})
+    page = fill({**described, "name": wicked})
     assert wicked not in page
     assert read_page(page)["name"] == wicked
 

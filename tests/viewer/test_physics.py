@@ -12,7 +12,6 @@ from support.pages import read_page
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.page import describe, fill
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -26,9 +25,8 @@ def bundle() -> mimoc.Bundle:
 @pytest.fixture(scope="module")
 def pages(bundle) -> tuple[str, str]:
     """Return the page with physics, and the same without."""
-    packed = EncodedArrays()
-    data = describe(packed, bundle, physics=True)
-    return fill(packed, data), fill(packed, {**data, "physics": None})
+    data = describe(bundle, physics=True)
+    return fill(data), fill({**data, "physics": None})
 
 
 @pytest.fixture(scope="module")

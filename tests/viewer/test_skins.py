@@ -33,7 +33,7 @@ def test_vertices_go_where_mujoco_moves_them(bundle_at):
     variant = with_skin(bundle_at(9))
     model, data = variant.model, mujoco.MjData(variant.model)
     packed = EncodedArrays()
-    described = describe_skins(packed, [variant, variant], [0, 24])
+    described = packed.put(describe_skins([variant, variant], [0, 24]))
     layer = described["layers"][-1]
 
     def array(name):
@@ -70,7 +70,7 @@ def moved(model, data, body, bind_pos, bind_quat, vertex_m) -> np.ndarray:
 def test_an_infant_without_skins_has_none(bundle_at):
     bundle = bundle_at(9)
     model = load_model(bundle)
-    assert model.nskin or describe_skins(EncodedArrays(), [Variant(bundle, model)], [9]) is None
+    assert model.nskin or describe_skins([Variant(bundle, model)], [9]) is None
 
 
 def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_its_picture():

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import ClassVar
 
 from mimoc.quantities.quantity import Quantity
@@ -17,49 +16,31 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
-    """A line or an area."""
+class Shape:
+    """A line, an area, a dot or a text."""
 
-    d: str
+    tag: str
+    """Element of SVG."""
     kind: str
-    """Class of the style sheet, such as `line` or `band`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Dot:
-    """A filled circle."""
-
-    x: str
-    y: str
-    radius: str
-    kind: str
+    """Classes of the style sheet; of a text, `start`, `middle` or `end` says which end of it is at the point."""
+    places: dict[str, str]
+    """Attributes of the element."""
+    text: str = ""
     titles: tuple[str, ...] = ()
     """What is said while a pointer rests on it, if anything."""
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
-    """A line of text."""
-
-    x: str
-    y: str
-    text: str
-    kind: str
-    """Classes of the style sheet; `start`, `middle` or `end` says which end of the text is at the point."""
-
-
-@dataclass(frozen=True, slots=True)
 class Drawing:
-    """An SVG: paths first, then dots, then labels."""
+    """An SVG."""
 
     template: ClassVar[str] = "report/drawing.svg.j2"
     title: str
     """What it shows, for those who cannot see it."""
     size: Point
     """Width and height."""
-    paths: Sequence[Path] = ()
-    dots: Sequence[Dot] = ()
-    labels: Sequence[Label] = ()
+    shapes: Sequence[Shape]
+    """Those behind first."""
     kind: str = "plot"
 
     @property
@@ -78,33 +59,30 @@ def px(value: float) -> str:
     return f"{round(float(value), DECIMALS) + 0.0:g}"
 
 
-def line(points: Sequence[Point], kind: str) -> Path:
+def line(points: Sequence[Point], kind: str, end: str = "") -> Shape:
     """Return a line through some points."""
-    return Path(_through(points), kind)
+    return Shape("path", kind, {"d": "M" + "L".join(f"{px(x)} {px(y)}" for x, y in points) + end})
 
 
-def area(points: Sequence[Point], kind: str) -> Path:
+def area(points: Sequence[Point], kind: str) -> Shape:
     """Return the area within some points."""
-    return Path(f"{_through(points)}Z", kind)
+    return line(points, kind, "Z")
 
 
-def box(x: float, y: float, width: float, height: float, kind: str) -> Path:
+def box(x: float, y: float, width: float, height: float, kind: str) -> Shape:
     """Return an upright rectangle, from its corner at the top left."""
-    return Path(f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z", kind)
+    return Shape("path", kind, {"d": f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z"})
 
 
-def dot(at: Point, kind: str, radius: float = 3.0, title: str = "") -> Dot:
-    """Return a dot."""
-    return Dot(px(at[0]), px(at[1]), px(radius), kind, (title,) if title else ())
+def dot(at: Point, kind: str, radius: float = 3.0, title: str = "") -> Shape:
+    """Return a filled circle."""
+    places = {"cx": px(at[0]), "cy": px(at[1]), "r": px(radius)}
+    return Shape("circle", kind, places, titles=(title,) if title else ())
 
 
-def label(at: Point, text: str, kind: str) -> Label:
+def label(at: Point, text: str, kind: str) -> Shape:
     """Return a line of text."""
-    return Label(px(at[0]), px(at[1]), text, kind)
-
-
-def _through(points: Sequence[Point]) -> str:
-    return "M" + "L".join(f"{px(x)} {px(y)}" for x, y in points)
+    return Shape("text", kind, {"x": px(at[0]), "y": px(at[1])}, text)
 
 
 WIDTH, HEIGHT = 340.0, 220.0
@@ -131,9 +109,6 @@ def draw_svg(plot: Plot) -> Drawing:
     def points(xs: Numbers, ys: Numbers) -> list[Point]:
         return [at(across, up) for across, up in zip(map(float, xs), map(float, ys), strict=True)]
 
-    def path(xs: Numbers, ys: Numbers, kind: str) -> Path:
-        return line(points(xs, ys), kind)
-
     x_ticks = plot.x_ticks if plot.x_ticks is not None else ticks(*x)
     y_ticks = plot.y_ticks if plot.y_ticks is not None else ticks(*y)
     bands = [area([*points(band.x, band.low), *reversed(points(band.x, band.high))], band.look) for band in plot.bands]
@@ -149,20 +124,15 @@ def draw_svg(plot: Plot) -> Drawing:
         *(label((at(value, 0)[0], HEIGHT - BOTTOM + 15), text, "small middle") for value, text in x_ticks),
         *(label((at(*note[:2])[0] + 5, at(*note[:2])[1] + 4), note[2], "small start") for note in plot.notes),
     ]
-    grid = [path(x, (value, value), "grid") for value, _ in y_ticks]
-    lines = [path(item.x, item.y, item.look) for item in plot.lines]
-    axis = path(x, (y[0], y[0]), "axis")
+    grid = [line([at(x[0], value), at(x[1], value)], "grid") for value, _ in y_ticks]
+    lines = [line(points(item.x, item.y), item.look) for item in plot.lines]
+    axis = line([at(x[0], y[0]), at(x[1], y[0])], "axis")
     about = plot.about or plot.title or plot.y.title
-    return Drawing(about, (WIDTH, HEIGHT), (*grid, *bands, *lines, axis), dots, texts)
+    return Drawing(about, (WIDTH, HEIGHT), (*grid, *bands, *lines, axis, *dots, *texts))
 
 
 def around(values: Iterable[float], floor: float | None = None) -> Range:
-    """Return the range of an axis with some room around finite values.
-
-    Args:
-        values: The values; without any, the axis goes from 0 to 1.
-        floor: Where the axis begins, if no value is below that.
-    """
+    """Return the range of an axis with some room around finite values; it begins at the floor if none is below that."""
     finite = [value for value in values if math.isfinite(value)]
     low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
     if high - low <= 1e-9 * max(abs(low), abs(high), 1e-9):
@@ -175,8 +145,10 @@ def around(values: Iterable[float], floor: float | None = None) -> Range:
 
 
 def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
-    """Return round values within a range, with as few digits as tell them apart."""
-    step = _round_step((high - low) / most)
+    """Return multiples of 1, 2 or 5 times a power of ten in a range, with as few digits as tell them apart."""
+    least = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     return [
@@ -184,18 +156,9 @@ def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
     ]
 
 
-def _round_step(least: float) -> float:
-    """Return the smallest of 1, 2 and 5 times a power of ten that is not below a number."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
-
-
 def _range(quantity: Quantity, plot: Plot, axis: str) -> Range:
     """Return the limits of a quantity, or as far as it has none, the range of what is drawn of it."""
     low, high = quantity.limits
-    return (low, high) if low is not None and high is not None else around(_values(plot, axis), low)
-
-
-def _values(plot: Plot, axis: str) -> Iterable[float]:
-    """Return all values of the lines and dots along an axis."""
-    return chain.from_iterable(map(float, getattr(part, axis)) for part in (*plot.lines, *plot.dots))
+    if low is not None and high is not None:
+        return low, high
+    return around((float(value) for part in (*plot.lines, *plot.dots) for value in getattr(part, axis)), low)

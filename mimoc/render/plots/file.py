@@ -194,10 +194,9 @@ def _style_axes(axes: "Axes", plot: Plot, *, is_small: bool) -> None:
         axes.set_ylim(low - room, None if high is None else high + room)
     if plot.x_range is not None:
         axes.set_xlim(plot.x_range)
-    if plot.x_ticks is not None:
-        axes.set_xticks([value for value, _ in plot.x_ticks], [text for _, text in plot.x_ticks])
-    if plot.y_ticks is not None:
-        axes.set_yticks([value for value, _ in plot.y_ticks], [text for _, text in plot.y_ticks])
+    for axis, ticks in ((axes.xaxis, plot.x_ticks), (axes.yaxis, plot.y_ticks)):
+        if ticks is not None:
+            axis.set_ticks([value for value, _ in ticks], [text for _, text in ticks])
     if not any(np.isfinite(np.asarray(part.y, float)).any() for part in (*plot.lines, *plot.dots)):
         axes.text(0.5, 0.5, "no value so far", transform=axes.transAxes, ha="center", color="0.45")
     axes.grid(color="0.92", linewidth=0.8)

@@ -43,12 +43,7 @@ Points = Sequence[tuple[float, float]]
 
 
 def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") -> Sheet:
-    """Return plots of an infant's growth with WHO's median and 5th to 95th percentiles.
-
-    Args:
-        series: Ages and values by indicator; the plots of others show WHO only.
-        reference: Which children's standards.
-    """
+    """Return plots of an infant's values by indicator, over WHO's median and 5th to 95th percentiles."""
     plots = tuple(
         _growth_plot(indicator, quantity, series.get(indicator, ()), reference, letter)
         for letter, (indicator, quantity) in zip("abcd", INDICATORS.items(), strict=True)
@@ -58,13 +53,7 @@ def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") ->
 
 
 def who_chart(indicator: str, reference: Reference, values: Sequence[float] = ()) -> Plot:
-    """Return WHO's growth chart of an indicator: the median, and bands between the `PERCENTILES`.
-
-    Args:
-        indicator: One of `INDICATORS`.
-        reference: Which children's standards.
-        values: Further values that the chart has room for.
-    """
+    """Return WHO's growth chart of one of `INDICATORS`, the median and bands of `PERCENTILES`, with room for values."""
     ages_months, curves = _standard_curves(indicator, PERCENTILES, 0.5, reference)
     low, inner_low, middle, inner_high, high = curves
     shown = (*low, *high, *values)
@@ -91,23 +80,18 @@ def _standard_curves(
 
 
 def measurements_sheet(series: Mapping[str, Points], tolerance: float) -> Sheet:
-    """Return plots of an infant's measurements over the survey's.
-
-    Args:
-        series: Ages and values in cm by AnthroKids name.
-        tolerance: Half width of the band around the means, relative to them.
-    """
+    """Return plots of measurements in cm, by AnthroKids name, over the survey's with a relative tolerance."""
     plots = tuple(_measurement_plot(name, points, tolerance) for name, points in sorted(series.items()))
     return Sheet(plots, columns=6, panel_px=(330, 270), caption=MEASUREMENTS_CAPTION, shared_legend=True)
 
 
 def _growth_plot(indicator: str, quantity: Quantity, infant: Points, reference: Reference, letter: str) -> Plot:
     ages_months, (low, middle, high) = _standard_curves(indicator, (5, 50, 95), 0.05, reference)
-    lines = [Line(ages_months, middle, "WHO, mean" if reference == "mean" else "WHO, median", "median")]
+    line = Line(ages_months, middle, "WHO, mean" if reference == "mean" else "WHO, median", "median")
     return Plot(
         x=AGE,
         y=quantity,
-        lines=(*lines, *_infant_lines(infant)),
+        lines=(line, *_infant_lines(infant)),
         bands=(Band(ages_months, low, high, "WHO, 5th to 95th percentile", "band"),),
         dots=tuple(_surveyed(indicator)),
         title=letter,
@@ -123,20 +107,24 @@ def _infant_lines(points: Points) -> Iterator[Line]:
 
 def _surveyed(indicator: str) -> Iterator[Dots]:
     if indicator in SURVEYED:
-        points = [point for point in measure(0).table[SURVEYED[indicator]].points if point.age_months <= LAST_MONTH]
-        yield _dots([point for point in points if not _is_inferred(point)], "AnthroKids", "survey")
-        yield _dots([point for point in points if _is_inferred(point)], "AnthroKids, inferred", "inferred")
+        points = _survey_points(SURVEYED[indicator])
+        yield _dots([point for point in points if not point.origin.startswith(BIRTH)], "AnthroKids", "survey")
+        inferred = [point for point in points if point.origin.startswith(BIRTH)]
+        yield _dots(inferred, "AnthroKids, inferred", "inferred")
+
+
+def _survey_points(name: str) -> list[DataPoint]:
+    return [point for point in measure(0).table[name].points if point.age_months <= LAST_MONTH]
 
 
 def _measurement_plot(name: str, points: Points, tolerance: float) -> Plot:
     means = load_tables().anthrokids.get(name, ())
-    surveyed = [point for point in measure(0).table[name].points if point.age_months <= LAST_MONTH][-len(means) :]
+    surveyed = _survey_points(name)[-len(means) :] if means else []
     ages_months = [quarter / 4 for quarter in range(4 * LAST_MONTH + 1)]
     law = Line(ages_months, [100 * measure(age)[name] for age in ages_months], "curve", "law")
     whiskers = [
         Line((point.age_months,) * 2, [(1 + side * tolerance) * point.value_cm for side in (-1, 1)], "", "whisker")
         for point in surveyed
-        if means
     ]
     return Plot(
         x=AGE,
@@ -154,10 +142,6 @@ def _dots(points: Sequence[DataPoint], label: str, look: str) -> Dots:
 
 def _months(every: int) -> Ticks:
     return [(float(month), f"{month}") for month in range(0, LAST_MONTH + 1, every)]
-
-
-def _is_inferred(point: DataPoint) -> bool:
-    return point.origin.startswith(BIRTH)
 
 
 WIDTH_PX, ROW_PX, FRAME_PX = 1400, 100, 180
@@ -182,13 +166,9 @@ class AgeRow:
 def rows_sheet(
     rows: Sequence[AgeRow], usual: str, looks: tuple[str, str] = ("usual", "row"), ages_months: Range = AGE_RANGE
 ) -> Sheet:
-    """Return a plot with a row of marks for each thing, the first at the top.
+    """Return a plot with a row of marks for each thing, the first at the top, over *ages_months*.
 
-    Args:
-        rows: The rows.
-        usual: Label of the bars of usual ages, in which a line is the median.
-        looks: Looks of bars and marks.
-        ages_months: Ends of the axis.
+    Bars of *usual* ages, in which a line is the median, and marks have the two looks.
     """
     lines: list[Line] = []
     bands: list[Band] = []

@@ -1,6 +1,6 @@
 """Plots as values: what is drawn over what, which `svg` prints for pages and `file` for pictures."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,11 +89,11 @@ class Plot:
         parts: Iterable[Any] = (*self.lines, *self.dots, *self.bands)
         return [*dict.fromkeys(label for label in (*(part.label for part in parts), self.level_label) if label)]
 
-    def to_data(self, put: Callable[[Numbers], Any]) -> dict[str, Any]:
-        """Return its axes, lines and bands as plain data, for a program that draws them; *put* keeps arrays."""
+    def to_data(self) -> dict[str, Any]:
+        """Return its axes, lines and bands as plain data and arrays, for a program that draws them."""
 
         def arrays(part: Line | Band, *names: str) -> dict[str, Any]:
-            return {"look": part.look, **{name: put(getattr(part, name)) for name in names}}
+            return {"look": part.look, **{name: np.asarray(getattr(part, name)) for name in names}}
 
         return {
             **{axis: {"label": item.label, "unit": item.unit} for axis, item in (("x", self.x), ("y", self.y))},

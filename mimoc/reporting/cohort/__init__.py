@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mimoc.cohorts import Cohort, Job
-from mimoc.cohorts.cohort import Progress, Status, status_of
+from mimoc.cohorts import Cohort
+from mimoc.cohorts.cohort import Failure, Progress, Status, status_of
 from mimoc.cohorts.store import Store, finished_jobs
 from mimoc.cohorts.table import Rows, rows_of
 from mimoc.quantities import quantity_of
@@ -20,7 +20,6 @@ MOST_FACTORS = 6
 MOST_PLOTS = 80
 MOST_ERRORS = 20
 """Different errors that are listed."""
-STATES = ("ok", "failed", "missing")
 VERSION = "version."
 UNKNOWN = (
     "Jobs that have not been done cannot be told from the folder alone. Name the cohort's file as well, with --cohort, "
@@ -33,12 +32,7 @@ CAPTION = (
 
 
 def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page:
-    """Return the page of a cohort.
-
-    Args:
-        folder: The folder of the cohort.
-        cohort: The cohort itself; without it, jobs that are not done yet are not known.
-        progress: Called with the number of results read and their total.
+    """Return the page of a cohort; without the *cohort* itself, jobs that are not done yet are not known.
 
     Raises:
         MimocError: If the folder is not that of a cohort.
@@ -51,12 +45,11 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
         (jobs, damaged), shown = finished_jobs(store), ()
     status, rows = status_of(jobs, store), rows_of(jobs, store, shown, progress)
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
-    sections += [_results(jobs, rows), _versions(rows)]
+    sections += [_results(rows), _versions(rows)]
     infants = len({str(sorted(job.factors.items(), key=str)) for job in jobs})
     summary = f"{words.count(infants, 'infant')}, {words.count(status.jobs, 'job')}: "
-    states = {"ok": "done", "failed": "failed", "missing": "not done yet"}
-    numbers = {name: status.number(state) for state, name in states.items()}
-    summary += words.listed([f"{count:,} {name}" for name, count in numbers.items() if count])
+    states = (("ok", "done"), ("failed", "failed"), ("missing", "not done yet"))
+    summary += words.listed([f"{count:,} {name}" for state, name in states if (count := status.number(state))])
     return Page(
         kind="A cohort of mimoc",
         title=words.sentence(words.name(jobs[0].cohort if jobs else folder.name)),
@@ -67,7 +60,7 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
 
 
 def _jobs(status: Status, damaged: Sequence[str], *, is_whole: bool) -> Section:
-    states = STATES if is_whole else STATES[:2]
+    states = ("ok", "failed", "missing")[: 3 if is_whole else 2]
     rows = [
         (Cell(step), *(number(f"{counts.get(state, 0):,}") for state in states))
         for step, counts in status.counts.items()
@@ -84,17 +77,17 @@ def _jobs(status: Status, damaged: Sequence[str], *, is_whole: bool) -> Section:
 
 def _failures(status: Status) -> Iterator[Block]:
     """Yield a table of the errors, the most frequent first, each with an infant and a log to look at."""
-    errors: dict[tuple[str, str], list[int]] = {}
-    for number_, failure in enumerate(status.failures):
-        errors.setdefault((failure.job.step, failure.error), []).append(number_)
+    errors: dict[tuple[str, str], list[Failure]] = {}
+    for failure in status.failures:
+        errors.setdefault((failure.job.step, failure.error), []).append(failure)
     if not errors:
         return
     rows = []
-    for (step, error), numbers in sorted(errors.items(), key=lambda item: (-len(item[1]), item[0]))[:MOST_ERRORS]:
-        first = status.failures[numbers[0]]
+    for (step, error), alike in sorted(errors.items(), key=lambda item: (-len(item[1]), item[0]))[:MOST_ERRORS]:
+        first = alike[0]
         who = ", ".join(f"{name} {value}" for name, value in first.job.factors.items())
         log = "/".join(first.log.parts[-3:])
-        rows.append((Cell(step), number(f"{len(numbers):,}"), Cell(error, "bad"), Cell(who), Cell(log, "code")))
+        rows.append((Cell(step), number(f"{len(alike):,}"), Cell(error, "bad"), Cell(who), Cell(log, "code")))
     yield TextBlock(f"{words.count(len(status.failures), 'job')} failed:")
     yield table(("step", "jobs", "error", "the first of these infants", "its log"), rows)
     if len(errors) > MOST_ERRORS:
@@ -103,55 +96,31 @@ def _failures(status: Status) -> Iterator[Block]:
         )
 
 
-def _results(jobs: Sequence[Job], rows: Rows) -> Section:
+def _results(rows: Rows) -> Section:
     """Return the section with the plots of each measure by each factor."""
-    done = [row for row in rows if row["status"] == "ok"]
-    names = [*rows[0]] if rows else []
-    factors = _by_interest([name for name in names[1:] if _is_factor(name, names)], jobs)
+    names = [*rows[0]] if rows else ["seed", "status"]
+    factors = [name for name in names[1 : names.index("seed")] if name != "step"]
+    factors.sort(key=lambda name: (name == "sex" or name.endswith(OF_CHILDREN), name != "sex"))  # What is varied first.
+    after = names[names.index("status") + 1 :]
+    columns = [name for name in after if not name.startswith(VERSION) and name not in ("error", "log")]
     drawn, constant, left_out = [], [], dict[str, None]()
-    for measure in measures_of(done, _measure_names(names)):
+    for measure in measures_of([row for row in rows if row["status"] == "ok"], columns):
         if measure.is_constant:
-            constant.append(measure)
+            constant.append(f"{measure.title}: {words.figure(measure.values[0])}")
             continue
         varied = measure.factors(factors)
         left_out |= dict.fromkeys(varied[MOST_FACTORS:])
-        for factor in varied[:MOST_FACTORS]:
-            drawn += [draw_svg(made)] if (made := measure.plot(factor)) else []
-    blocks: list[Block] = []
-    if drawn:
-        blocks.append(Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION))
-    else:
-        blocks.append(
-            TextBlock("No measure differs between the jobs, or nothing varies that it could be drawn by.", "note")
-        )
+        drawn += [draw_svg(plot) for factor in varied[:MOST_FACTORS] if (plot := measure.plot(factor))]
+    notes = [] if drawn else ["No measure differs between the jobs, or nothing varies that it could be drawn by."]
     if len(drawn) > MOST_PLOTS:
-        blocks.append(TextBlock(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
+        notes.append(f"{len(drawn) - MOST_PLOTS} more plots are left out.")
     if left_out:
-        names = words.listed([quantity_of(name).heading for name in left_out])
-        blocks.append(
-            TextBlock(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
-        )
+        headings = words.listed([quantity_of(name).heading for name in left_out])
+        notes.append(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {headings}.")
     if constant:
-        same = [f"{measure.title}: {words.figure(measure.values[0])}" for measure in constant]
-        blocks.append(TextBlock(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
-    return Section("results", "Results", tuple(blocks))
-
-
-def _is_factor(name: str, names: Sequence[str]) -> bool:
-    """Return whether a column tells infants or jobs apart: it stands before `seed`, and is not the step."""
-    return names.index(name) < names.index("seed") and name != "step"
-
-
-def _measure_names(names: Sequence[str]) -> list[str]:
-    """Return the columns that hold measures: those after `status`, up to the versions."""
-    after = names[names.index("status") + 1 :] if "status" in names else []
-    return [name for name in after if not name.startswith(VERSION) and name not in ("error", "log")]
-
-
-def _by_interest(names: Sequence[str], jobs: Sequence[Job]) -> list[str]:
-    """Return factors in the order in which they are drawn: what is varied, then sex, then what children measure."""
-    of_child = [name for name in names if name == "sex" or name.endswith(OF_CHILDREN)]
-    return [*(name for name in names if name not in of_child), *sorted(of_child, key=lambda name: name != "sex")]
+        notes.append(f"The same for all jobs that have it: {'; '.join(constant)}.")
+    plots = (Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION),) if drawn else ()
+    return Section("results", "Results", (*plots, *(TextBlock(note, "note") for note in notes)))
 
 
 def _versions(rows: Rows) -> Section:

@@ -27,30 +27,21 @@ BELOW, ABOVE = 36.0, 12.0
 """Room below the drawn infants and above."""
 LEAST_HALF = 34.0
 """Half of the least width, so that there is room for the words below."""
-KINDS = {"female": "girl", "male": "boy"}
-LENGTHS = {
-    "length_percentile": Quantity("length_percentile", "Length", "percentile", limits=(0.0, 100.0)),
-    "length_cm": LENGTH,
-}
-AGAINST_LENGTH = {
-    "weight_percentile": Quantity("weight_percentile", "Weight", "percentile", limits=(0.0, 100.0)),
-    "weight_kg": WEIGHT,
-    "head_percentile": Quantity("head_percentile", "Head", "percentile", limits=(0.0, 100.0)),
-    "head_circumference_cm": HEAD,
-}
+SEXES = {"female": "girl", "male": "boy"}
+LENGTH_RANK, WEIGHT_RANK, HEAD_RANK = (
+    Quantity(f"{label.lower()}_percentile", label, "percentile", limits=(0.0, 100.0))
+    for label in ("Length", "Weight", "Head")
+)
+LENGTHS = {quantity.key: quantity for quantity in (LENGTH_RANK, LENGTH)}
+AGAINST_LENGTH = {quantity.key: quantity for quantity in (WEIGHT_RANK, WEIGHT, HEAD_RANK, HEAD)}
 """Quantities by the keys of an individual; each of these is drawn against each of LENGTHS."""
 
 
 def children(jobs: Sequence[Job], store: Store) -> Section | None:
     """Return the section on the children of a cohort, None if it has only one infant of which nothing is known."""
     known = _individuals(jobs)
-    blocks: list[Block] = []
-    if known:
-        blocks += _scatters(known)
-    blocks += _outlines(jobs, store)
-    if known:
-        blocks.append(_list(known))
-    return Section("children", "The children", tuple(blocks)) if blocks else None
+    blocks = (*_scatters(known), *_outlines(jobs, store), *_list(known))
+    return Section("children", "The children", blocks) if blocks else None
 
 
 def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
@@ -65,38 +56,36 @@ def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
     return dict(sorted(known.items()))
 
 
-def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
-    """Return plots of measures against each other, where the children that have both differ."""
+def _scatters(known: Mapping[int, Mapping[str, Any]]) -> Iterator[Block]:
+    """Yield plots of measures against each other, where the children that have both differ."""
     plots = []
-    for across, up in product(LENGTHS, AGAINST_LENGTH):
-        pairs = [(child, child[across], child[up]) for child in known.values() if {across, up} <= child.keys()]
-        if len({pair[1:] for pair in pairs}) > 1:
-            plots.append(_scatter(pairs, across, up))
-    caption = f"{words.count(len(known), 'child', 'children')} of the cohort; girls orange, boys blue."
-    return [Drawings(tuple(plots), caption, "pair")] if plots else []
+    for x, y in product(LENGTHS, AGAINST_LENGTH):
+        both = [child for child in known.values() if {x, y} <= child.keys()]
+        if len({(child[x], child[y]) for child in both}) > 1:
+            plots.append(_scatter(both, x, y))
+    if plots:
+        caption = f"{words.count(len(known), 'child', 'children')} of the cohort; girls orange, boys blue."
+        yield Drawings(tuple(plots), caption, "pair")
 
 
-def _scatter(pairs: Sequence[tuple[Mapping[str, Any], float, float]], across: str, up: str) -> Drawing:
-    length, other = LENGTHS[across], AGAINST_LENGTH[up]
+def _scatter(known: Sequence[Mapping[str, Any]], x: str, y: str) -> Drawing:
+    length, other = LENGTHS[x], AGAINST_LENGTH[y]
+    across, up = length.label.lower(), other.label.lower()
     dots: list[Dots] = []
-    for child, x, y in pairs:
-        text = f"child {child['child']}: {_phrase(length)} {words.figure(x)}, {_phrase(other)} {words.figure(y)}"
-        dots.append(Dots((x,), (y,), "", KINDS.get(child.get("sex", ""), "mean"), (text,), 4.0))
-    title = f"{other.label} by {_phrase(length)}{other.title.removeprefix(other.label)}"
-    about = f"{title} of {len(pairs)} children"
-    return draw_svg(Plot(length, other, dots=tuple(dots), title=title, about=about))
+    for child in known:
+        text = f"child {child['child']}: {across} {words.figure(child[x])}, {up} {words.figure(child[y])}"
+        kind = SEXES.get(child.get("sex", ""), "mean")
+        dots.append(Dots((child[x],), (child[y],), "", kind, (text,), 4.0))
+    title = f"{other.label} by {across}{other.title.removeprefix(other.label)}"
+    return draw_svg(Plot(length, other, dots=tuple(dots), title=title, about=f"{title} of {len(dots)} children"))
 
 
-def _phrase(quantity: Quantity) -> str:
-    return quantity.label.lower()
-
-
-def _list(known: Mapping[int, Mapping[str, Any]]) -> Block:
-    names = [*dict.fromkeys(name for child in known.values() for name in child)]
-    shown = list(known.values())[:MOST_LISTED]
-    rows = [tuple(_cell(child.get(name)) for name in names) for child in shown]
-    more = f", the first {MOST_LISTED} of them" if len(known) > MOST_LISTED else ""
-    return Details(f"All {len(known)} children{more}", (table([words.name(name) for name in names], rows),))
+def _list(known: Mapping[int, Mapping[str, Any]]) -> Iterator[Block]:
+    if known:
+        names = [*dict.fromkeys(name for child in known.values() for name in child)]
+        rows = [[_cell(child.get(name)) for name in names] for child in list(known.values())[:MOST_LISTED]]
+        more = f", the first {MOST_LISTED} of them" if len(known) > MOST_LISTED else ""
+        yield Details(f"All {len(known)} children{more}", (table([words.name(name) for name in names], rows),))
 
 
 def _cell(value: Any) -> Cell:
@@ -111,8 +100,10 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     if not built:
         yield TextBlock("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
         return
-    first = {_body(job): job for job in reversed(built)}
-    bodies = sorted((job for job in built if first[_body(job)] is job), key=_months)
+    first: dict[str, Job] = {}
+    for job in built:
+        first.setdefault(_body(job), job)
+    bodies = sorted(first.values(), key=_months)
     number_drawn = min(len(bodies), MOST_DRAWN)
     chosen = [bodies[index * len(bodies) // number_drawn] for index in range(number_drawn)]
     drawn = [(bundle, silhouette(load_model(bundle))) for job in chosen for bundle in _bundle(job, store)]
@@ -150,8 +141,8 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     half = max(UNITS_PER_M * outline.half_width_m, LEAST_HALF)
     ground = ABOVE + UNITS_PER_M * tallest_m
     child = bundle.manifest.child
-    sex = f"{KINDS[child.sex]}, " if child.sex else ""
+    sex = f"{SEXES[child.sex]}, " if child.sex else ""
     texts = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
     labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(texts)]
-    paths = outline.paths(UNITS_PER_M, (half, ground))
-    return Drawing(", ".join(texts), (2 * half, ground + BELOW), paths, (), labels, kind="body")
+    shapes = (*outline.shapes(UNITS_PER_M, (half, ground)), *labels)
+    return Drawing(", ".join(texts), (2 * half, ground + BELOW), shapes, kind="body")

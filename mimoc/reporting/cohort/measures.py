@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from math import isfinite
 
 import numpy as np
@@ -15,7 +15,6 @@ from mimoc.reporting import words
 
 OF_CHILDREN = ("_percentile", "_cm", "_kg")
 """How the names of factors end that children are given by."""
-NOT_FACTORS = ("child",)
 LEAST = 2
 """Different values that a factor must have to be one."""
 MOST_LEVELS = 12
@@ -57,8 +56,7 @@ class Measure:
 
     def factors(self, names: Sequence[str]) -> list[str]:
         """Return the factors that differ between its rows."""
-        named = [name for name in names if name not in NOT_FACTORS]
-        return [name for name in named if len({row[name] for row in self.rows} - {None}) >= LEAST]
+        return [name for name in names if name != "child" and len({row[name] for row in self.rows} - {None}) >= LEAST]
 
     def plot(self, factor: str) -> Plot | None:
         """Return its plot by a factor; None if too many of the factor's values are not numbers."""
@@ -76,7 +74,9 @@ class Measure:
         if len(groups) > MOST_LEVELS:
             return None
         ordered = sorted(groups, key=str)
-        names = [(float(place), _short(LEVELS.get(level, str(level)))) for place, level in enumerate(ordered)]
+        texts = [LEVELS.get(level, str(level)) for level in ordered]
+        short = [text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 1]}…" for text in texts]
+        names = [(float(place), text) for place, text in enumerate(short)]
         return self._summaries({float(place): groups[level] for place, level in enumerate(ordered)}, names, factor)
 
     def _summaries(self, groups: Mapping[float, Sequence[float]], names: Ticks | None, factor: str) -> Plot:
@@ -93,8 +93,8 @@ class Measure:
                 middle = float(values.mean())
                 title = f"{100 * middle:.0f} % of {len(values)}"
             else:
-                lines += [Line((place, place), (low, high), "", "whisker")] if high > low else []
-                lines += [Line((place, place), (first, third), "", "quartiles")] if third > first else []
+                ends = (low, high, "whisker"), (first, third, "quartiles")
+                lines += [Line((place, place), (start, end), "", look) for start, end, look in ends if end > start]
             middles.append(middle)
             titles.append(title)
         if names is None and len(places) > 1:
@@ -143,8 +143,8 @@ def _once_an_infant(rows: Rows) -> Rows:
     """Return the first row of each infant, which its factors tell from the others."""
     seen: dict[tuple[Cell, ...], Mapping[str, Cell]] = {}
     for row in rows:
-        before = [*row][: [*row].index("step")]
-        seen.setdefault(tuple(row[name] for name in before if name != "job"), row)
+        factors = takewhile(lambda name: name != "step", row)
+        seen.setdefault(tuple(row[name] for name in factors if name != "job"), row)
     return list(seen.values())
 
 
@@ -158,7 +158,3 @@ def _at(places: Sequence[float]) -> Ticks:
     if len(places) <= 8 and all(after - before > near for before, after in pairwise(places)):
         return [(place, f"{place:.4g}") for place in places]
     return ticks(places[0], places[-1])
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 1]}…"

@@ -9,7 +9,7 @@ from mimoc.bundle.model import load_model
 from mimoc.reporting import words
 from mimoc.reporting.infant.senses import senses
 from mimoc.reporting.infant.sources import Sources, origin
-from mimoc.reporting.infant.strength import stability, strength, unchecked
+from mimoc.reporting.infant.strength import UNCHECKED, stability, strength
 from mimoc.reporting.infant.who import growth, introduce, proportions
 from mimoc.reporting.page import Page, Section
 from mimoc.version import __version__
@@ -18,14 +18,18 @@ __all__ = ["infant_page", "infant_sections"]
 
 
 def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: bool) -> Page:
-    """Return the page of an infant; raise a ModelError if MuJoCo rejects its model."""
+    """Return the page of an infant, with a *check* that its simulation is stable or without.
+
+    Raises:
+        ModelError: If MuJoCo rejects its model.
+    """
     steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)
     size, body, sensed = infant_sections(bundle, model, sources)
     measured = proportions(model, bundle.manifest.child.age_months, sources)
     progress(1, steps)
-    checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else unchecked()
+    checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else UNCHECKED
     lead, pictures = introduce(bundle)
     progress(steps, steps)
     return Page(
@@ -40,8 +44,5 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
 
 def infant_sections(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> tuple[Section, Section, Section]:
     """Return the sections on size, on masses and strength, and on the senses of an infant."""
-    return (
-        growth(bundle.manifest.child, sources),
-        strength(bundle, model, sources),
-        senses(bundle, model, sources),
-    )
+    size = growth(bundle.manifest.child, sources)
+    return size, strength(bundle, model, sources), senses(bundle, model, sources)

@@ -42,8 +42,12 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
         ]
         for name, entry in entries.items()
     ]
-    action = Cell(f"action: {_action_size(bundle)} numbers", "code")
-    late, noisy = _delay(MOTOR, bundle, sources), _motor_noise(bundle, sources)
+    size = sum(actuator.commanded for actuator in manifest.actuation.actuators)
+    share = manifest.noise.motor
+    noisy = (
+        Cell(f"SD {100 * share:.3g} % of the command", links=sources.links("noise.motor")) if share else Cell("none")
+    )
+    action, late = Cell(f"action: {size} numbers", "code"), _delay(MOTOR, bundle, sources)
     rows.append([Cell("Commands"), Cell(_commands(bundle)), action, late, noisy])
     about = TextBlock(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
     blocks: tuple[Block, ...] = (about, table(("", "what it gives", "observation", "delay", "noise"), rows))
@@ -63,8 +67,9 @@ def _about_proprioception(entry: Any, model: mujoco.MjModel) -> str:
 
 
 def _about_balance(entry: Any, model: mujoco.MjModel) -> str:
-    felt = [about for name, about in MOVED.items() if getattr(entry, name)]
-    return f"Feels how its head moves: {words.listed(felt)}."
+    return (
+        f"Feels how its head moves: {words.listed([about for name, about in MOVED.items() if getattr(entry, name)])}."
+    )
 
 
 def _about_touch(entry: Any, model: mujoco.MjModel) -> str:
@@ -84,10 +89,8 @@ def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
     seen = f"{entry.width_px} {words.TIMES} {entry.height_px} pixels over {fovy_deg:g}° from top to bottom"
     sharp = "as sharp as its pixels are"
     if entry.acuity_cpd:
-        sharp = (
-            f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree "
-            f"(about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20)"
-        )
+        snellen = f"about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20"
+        sharp = f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree ({snellen})"
     fovea = ", sharpest in the middle" if entry.foveation else ""
     return f"Sees with {words.count(len(entry.cameras), 'eye')}: {seen}, {sharp}{fovea}."
 
@@ -103,27 +106,22 @@ ABOUT_SENSES: Mapping[str, Callable[[Any, mujoco.MjModel], str]] = {
 
 def _observation(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
     """Return name and shape of the observations of a sense."""
+    times = f" {words.TIMES} "
     if name == "vision":  # To be known without OpenGL as well.
-        shape = entry.height_px, entry.width_px, 3
-        return ", ".join(f"{camera}: {_product(shape)}" for camera in entry.cameras)
+        shape = f"{entry.height_px}{times}{entry.width_px}{times}3"
+        return ", ".join(f"{camera}: {shape}" for camera in entry.cameras)
     try:
         sense = bind_sense(name, bundle, model)
     except RenderingError:
         return ""
-    shapes = {key: space.shape or () for key, space in sense.spaces.items()}
     sense.close()
-    return ", ".join(f"{key}: {_product(shape)} numbers" for key, shape in shapes.items())
-
-
-def _product(shape: tuple[int, ...]) -> str:
-    return f" {words.TIMES} ".join(map(str, shape))
+    return ", ".join(f"{key}: {times.join(map(str, space.shape or ()))} numbers" for key, space in sense.spaces.items())
 
 
 def _delay(signal: str, bundle: Bundle, sources: Sources) -> Cell:
     delay = getattr(bundle.manifest.delays, signal)
-    legs = f", {delay.legs_ms:g} ms to the legs" if delay.legs_ms is not None else ""
-    if signal != MOTOR:
-        legs = legs.replace("to the", "from the")
+    way = "to" if signal == MOTOR else "from"
+    legs = f", {delay.legs_ms:g} ms {way} the legs" if delay.legs_ms is not None else ""
     jitter_ms = bundle.manifest.noise.delay_jitter_ms
     jitter = f", ± {jitter_ms:g} ms" if jitter_ms and (delay.ms or delay.legs_ms) else ""
     text = f"{delay.ms:g} ms{legs}{jitter}" if delay.ms or delay.legs_ms else "none"
@@ -140,11 +138,6 @@ def _noise(name: str, bundle: Bundle, sources: Sources) -> Cell:
     return Cell(f"SD {amount:g}{unit}", links=sources.links(f"noise.{key}"))
 
 
-def _motor_noise(bundle: Bundle, sources: Sources) -> Cell:
-    share = bundle.manifest.noise.motor
-    return Cell(f"SD {100 * share:.3g} % of the command", links=sources.links("noise.motor")) if share else Cell("none")
-
-
 def _commands(bundle: Bundle) -> str:
     actuation = bundle.manifest.actuation
     joints = len({actuator.joint for actuator in actuation.actuators})
@@ -154,7 +147,3 @@ def _commands(bundle: Bundle) -> str:
         "position": f"The angle that each of {joints} joints is to take.",
     }
     return how.get(actuation.model, f"Commands to the actuators of {joints} joints ({actuation.model}).")
-
-
-def _action_size(bundle: Bundle) -> int:
-    return sum(actuator.commanded for actuator in bundle.manifest.actuation.actuators)

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from mimoc.base.errors import MimocError
@@ -58,9 +58,12 @@ class Sources:
         groups: dict[str, list[str]] = {}
         for key in sorted(self._followed()):
             groups.setdefault(key.split(".")[0], []).append(key)
-        order = [name for name in GROUPS if name in groups] + [name for name in groups if name not in GROUPS]
-        blocks = [self._group(GROUPS.get(name, words.sentence(name)), groups[name]) for name in order]
-        return Section("sources", TITLE, (TextBlock(ABOUT), *blocks))
+        blocks: list[Block] = [TextBlock(ABOUT)]
+        for name in dict.fromkeys((*(name for name in GROUPS if name in groups), *groups)):
+            rows = [self._row(twins) for twins in self._twins(groups[name])]
+            title = f"{GROUPS.get(name, words.sentence(name))} ({len(rows)})"
+            blocks.append(Details(title, (table(("number", "value", "where it comes from"), rows),)))
+        return Section("sources", TITLE, tuple(blocks))
 
     def _followed(self) -> set[str]:
         """Return the numbers that were referred to, and all that they depend on."""
@@ -72,26 +75,20 @@ class Sources:
                 waiting += self._entries[key].get("from", ())
         return reached
 
-    def _group(self, title: str, keys: list[str]) -> Block:
-        rows = [self._row(twins) for twins in self._twins(keys)]
-        headings = ("number", "value", "where it comes from")
-        return Details(f"{title} ({len(rows)})", (table(headings, rows),))
-
-    def _twins(self, keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
-        """Yield numbers, those of left and right together where they are the same."""
+    def _twins(self, keys: Iterable[str]) -> Iterable[list[str]]:
+        """Return numbers, those of left and right together where they are the same."""
         twins: dict[str, list[str]] = {}
         for key in keys:
-            same = json.dumps([SIDE.sub("{side}_", key), self._entries[key]], sort_keys=True)
+            same = json.dumps([key, self._entries[key]], sort_keys=True)
             twins.setdefault(SIDE.sub("{side}_", same), []).append(key)
-        yield from map(tuple, twins.values())
+        return twins.values()
 
-    def _row(self, twins: tuple[str, ...]) -> tuple[Cell, ...]:
+    def _row(self, twins: Sequence[str]) -> tuple[Cell, ...]:
         key, entry = twins[-1], self._entries[twins[-1]]
         name = key if len(twins) == 1 else f"{key} (and left)"
-        sources = [source for source in entry.get("from", ()) if source in self._entries]
         fit = ", ".join(f"{letter} = {value:.4g}" for letter, value in entry.get("fit", {}).items())
         rule = entry["rule"] + (f"; a log(age + b) + c + d age with {fit}" if fit else "")
-        links = tuple(Link(_fragment(source), source) for source in sources)
+        links = tuple(Link(_fragment(source), source) for source in entry.get("from", ()) if source in self._entries)
         anchors = tuple(map(_fragment, twins))
         return Cell(name, "code", anchors=anchors), number(value_text(entry)), Cell(rule, links=links)
 
@@ -107,10 +104,8 @@ def origin(bundle: Bundle) -> Section:
     digest = digests({LOCK: bundle.files[LOCK]})[LOCK]
     rows = [(Cell("Built with"), Cell(versions)), (Cell("Digest of its lock"), Cell(digest, "code"))]
     rows += [(Cell("Note"), Cell(note)) for note in bundle.manifest.notes]
-    spec = (
-        Code(bundle.files[SPEC_FILE].decode(errors="replace"))
-        if SPEC_FILE in bundle.files
-        else TextBlock("It has no spec.", "note")
-    )
+    spec: Block = TextBlock("It has no spec.", "note")
+    if SPEC_FILE in bundle.files:
+        spec = Code(bundle.files[SPEC_FILE].decode(errors="replace"))
     blocks = (table(("", ""), rows), Details("The spec, as it was written", (spec,)))
     return Section("spec", "What it was made from", blocks)

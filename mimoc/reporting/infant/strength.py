@@ -1,8 +1,8 @@
 """What the parts of an infant weigh, how strong its joints are, and whether its simulation stays stable."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,11 +12,11 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.quantities.child import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
 from mimoc.quantities.motion import BEYOND_LIMITS, ENERGY
-from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
+from mimoc.render.plots.drawing import Drawing, Point, Shape, dot, label, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Details, Drawings, Section, TextBlock, number, table
-from mimoc.reporting.silhouette import Silhouette, silhouette
+from mimoc.reporting.silhouette import Points, Silhouette, silhouette
 from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 from mimoc.runtime.limits import torque_limits
 
@@ -55,8 +55,11 @@ CAPTION = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Note:
+Place = Callable[[Points], Point]
+"""From a point of the model to where it is drawn."""
+
+
+class Note(NamedTuple):
     """A text beside the body, and the point that it is about."""
 
     at: Point
@@ -78,48 +81,42 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
 def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawing:
     scale = (FEET - TOP) / outline.height_m
     foot = (WIDTH / 2, FEET)
-    at = partial(outline.at, scale=scale, foot=foot)
-    joints = _spread(_joint_notes(bundle, outline.figure.data, at))
-    parts = _spread(_part_notes(bundle, model, outline.figure.data, at))
-    paths: list[Path] = [*outline.paths(scale, foot)]
-    dots: list[Dot] = []
-    labels: list[Label] = []
+    place = partial(outline.at, scale=scale, foot=foot)
+    joints, parts = _spread(_joint_notes(bundle, outline, place)), _spread(_part_notes(bundle, model, outline, place))
+    lines, dots, labels = outline.shapes(scale, foot), list[Shape](), list[Shape]()
     for notes, edge, side in ((joints, LEFT_TEXT, "end"), (parts, RIGHT_TEXT, "start")):
         for note, y in notes:
             turn = edge + (6 if side == "end" else -6)
-            paths.append(line([(turn, y), note.at], "leader"))
+            lines.append(line([(turn, y), note.at], "leader"))
             dots.append(dot(note.at, "mark", 2.2))
             labels.append(label((edge, y - 1), note.name, f"strong {side}"))
             labels.append(label((edge, y + 13), note.text, f"small {side}"))
-    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
+    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), (*lines, *dots, *labels))
 
 
-def _joint_notes(bundle: Bundle, data: mujoco.MjData, at: Callable[..., Point]) -> Iterator[Note]:
+def _joint_notes(bundle: Bundle, outline: Silhouette, place: Place) -> Iterator[Note]:
     """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other."""
     limits = torque_limits(bundle)
     for name, pattern in JOINTS.items():
         for side in ("right", "left"):
             joint = f"robot:{pattern.format(side=side)}"
             if joint in limits:
-                yield Note(at(data.joint(joint).xanchor), words.sentence(name), _torques(limits[joint]))
+                at = place(outline.figure.data.joint(joint).xanchor)
+                yield Note(at, words.sentence(name), _torques(limits[joint]))
                 break
 
 
-def _part_notes(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData, at: Callable[..., Point]) -> Iterator[Note]:
+def _part_notes(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, place: Place) -> Iterator[Note]:
     """Yield what is said of parts: of the infant's left side, which is on the right, unless it has only the other."""
     total_kg = float(model.body(bundle.manifest.root_body).subtreemass[0])
     known = {model.body(number).name for number in range(model.nbody)}
     for name, sides in _masses(model).items():
-        side = next(iter(sides))
-        masses_kg = list(sides.values())
-        body = next(name_of_body for pattern in PARTS[name] if (name_of_body := pattern.format(side=side)) in known)
-        ending = " each" if len(sides) == 2 else ""
-        share = 100 * masses_kg[0] / total_kg
-        yield Note(
-            at(data.body(body).xipos),
-            words.sentence(name),
-            f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{ending}",
-        )
+        side, mass_kg = next(iter(sides.items()))
+        body = next(body for pattern in PARTS[name] if (body := pattern.format(side=side)) in known)
+        at = place(outline.figure.data.body(body).xipos)
+        weight = words.quantity(mass_kg, "kg") if mass_kg >= 1 else f"{1000 * mass_kg:.0f}{words.THIN_SPACE}g"
+        share = f"{100 * mass_kg / total_kg:.1f}{words.THIN_SPACE}%{' each' if len(sides) == 2 else ''}"
+        yield Note(at, words.sentence(name), f"{weight}, {share}")
 
 
 def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
@@ -187,16 +184,12 @@ def _torques(limits_nm: tuple[float, float]) -> str:
     return f"{text}{words.THIN_SPACE}N{words.THIN_SPACE}m"
 
 
-def _grams(mass_kg: float) -> str:
-    return words.quantity(mass_kg, "kg") if mass_kg >= 1 else f"{1000 * mass_kg:.0f}{words.THIN_SPACE}g"
-
-
 ABOUT = (
     "From each pose, {seconds:g} s of random commands and {seconds:g} s of commands that drive all joints to and fro "
     "at full strength. A simulation is stable if MuJoCo gives no warning, the kinetic energy stays below {energy:g} J "
     "per kg, and joints go no more than {beyond:g}° beyond their soft limits."
 )
-SKIPPED = "Not checked for this page. mimoc check does it."
+UNCHECKED = Section("stability", "Stability", (TextBlock("Not checked for this page. mimoc check does it.", "note"),))
 
 
 def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
@@ -208,11 +201,6 @@ def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
     about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
     headings = ("pose", "result", "warnings", ENERGY.heading, BEYOND_LIMITS.heading, "")
     return Section("stability", "Stability", (TextBlock(about), table(headings, map(_row, checks))))
-
-
-def unchecked() -> Section:
-    """Return the section on the stability of an infant that was not checked."""
-    return Section("stability", "Stability", (TextBlock(SKIPPED, "note"),))
 
 
 def _row(check: PoseCheck) -> tuple[Cell, ...]:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import mujoco
-import numpy as np
 from PIL import Image
 
 from mimoc.base.errors import RenderingError
@@ -18,7 +17,7 @@ from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
 from mimoc.quantities.child import AVERAGE, DIFFERENCE, INDICATORS, MEASURED
-from mimoc.render.plots.drawing import Drawing, Path, box, draw_svg, line
+from mimoc.render.plots.drawing import Drawing, box, draw_svg, line
 from mimoc.render.plots.growth import who_chart
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.portrait import portrait
@@ -47,7 +46,7 @@ def introduce(bundle: Bundle) -> tuple[tuple[str, ...], tuple[Picture, ...]]:
 def _picture(bundle: Bundle) -> Picture:
     pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
     buffer = io.BytesIO()
-    Image.fromarray(np.asarray(pixels, np.uint8)).save(buffer, "WEBP", quality=QUALITY, method=6)
+    Image.fromarray(pixels).save(buffer, "WEBP", quality=QUALITY, method=6)
     data = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
     return Picture(data, f"{bundle.manifest.name}, {bundle.manifest.pose}", str(WIDTH_PX // 2), str(HEIGHT_PX // 2))
 
@@ -72,11 +71,7 @@ def _task(bundle: Bundle) -> str:
     return f"Its task, {words.name(kind)}: {about[0][:1].lower() + about[0][1:]}" if about else f"Its task: {kind}."
 
 
-AMONG = {
-    "male": "boys",
-    "female": "girls",
-    None: "the mean of boys and girls, since this infant is the mean of both",
-}
+AMONG = {**words.CHILDREN, None: "the mean of boys and girls, since this infant is the mean of both"}
 
 
 def growth(child: ChildEntry, sources: Sources) -> Section:
@@ -100,9 +95,8 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
         if indicator in percentiles:
             text = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
-        yield Tile(
-            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(text)}.", links
-        )
+        value = words.quantity(measures[indicator], quantity.unit)
+        yield Tile(quantity.label, value, f"{words.sentence(text)}.", links)
 
 
 def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Plot:
@@ -156,10 +150,10 @@ def _bar(name: str, deviation: float) -> Drawing:
     middle, scale = WIDTH / 2, WIDTH / 2 / MOST
     shown = scale * min(max(deviation, -MOST), MOST)
     kind = FAR if abs(deviation) > TOLERANCE else "bar"
-    paths: list[Path] = [
+    shapes = [
         box(middle - scale * TOLERANCE, 0, 2 * scale * TOLERANCE, HEIGHT, "tolerance"),
         box(min(middle, middle + shown), 4, abs(shown), HEIGHT - 8, kind),
         line([(middle, 0), (middle, HEIGHT)], "axis"),
     ]
     title = f"{name}: {words.signed(100 * deviation)} % from the average child"
-    return Drawing(title, (WIDTH, HEIGHT), paths, kind="small")
+    return Drawing(title, (WIDTH, HEIGHT), shapes, kind="small")
