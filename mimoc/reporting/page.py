@@ -55,7 +55,7 @@ class TextBlock:
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """TextBlock as it is in a file."""
+    """Text as it is in a file."""
 
     template: ClassVar[str] = "report/code.html.j2"
     text: str

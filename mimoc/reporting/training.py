@@ -128,7 +128,7 @@ def _settings(run: RunFile) -> Section:
     rows = [(Cell(words.sentence(about)), Cell(_text(known[name]))) for name, about in NAMES.items() if name in known]
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
-    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in run.origin.items()]
+    rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in (run.origin or {}).items()]
     defaults = {name: _text(item.default) for name, item in HYPERPARAMETERS.get(settings.algo, {}).items()}
     hyper = [
         (Cell(name, "code"), number(_text(value)), number(defaults.get(name, "")))
@@ -144,7 +144,7 @@ def _settings(run: RunFile) -> Section:
         TextBlock("To train an infant of this bundle in the same way:"),
         Code(run.command),
     )
-    return Section("settings", "TrainingSettings and versions", blocks)
+    return Section("settings", "Settings and versions", blocks)
 
 
 def _text(value: Any) -> str:
