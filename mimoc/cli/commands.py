@@ -5,20 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli import (
-    bundles,
-    cohort,
-    conversions,
-    doctor,
-    new,
-    pages,
-    pictures,
-    recordings,
-    run,
-    train,
-    validate,
-    view,
-)
+from mimoc.cli import bundles, cohort, conversions, doctor, new, pages, pictures, recordings, run, train, validate, view
 from mimoc.version import __version__
 
 app = typer.Typer(

@@ -51,8 +51,7 @@ Pose = Annotated[
     str | None, typer.Option("--pose", help="supine, prone, sitting or standing.", autocompletion=_of("pose"))
 ]
 Task = Annotated[
-    str | None,
-    typer.Option("--task", help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task")),
+    str | None, typer.Option("--task", help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task"))
 ]
 
 

@@ -112,8 +112,7 @@ def see(
         str, typer.Option("--ages", metavar="MONTHS,...", help="Ages in months, 0 to 36, whose acuity is shown.")
     ] = "1,2,4,6,12",
     profile: Annotated[
-        str | None,
-        typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; default: the spec's."),
+        str | None, typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; default: the spec's.")
     ] = None,
     foveation: Annotated[
         float | None,

@@ -84,8 +84,7 @@ def validate(
     spec: Annotated[
         Path | None,
         typer.Argument(
-            metavar="SPEC",
-            help="Spec of the infant, or `-` for standard input; default: the average child.",
+            metavar="SPEC", help="Spec of the infant, or `-` for standard input; default: the average child."
         ),
     ] = None,
     against: Annotated[str, typer.Option("--against", help=f"What to compare with: {', '.join(VALIDATIONS)}.")] = "who",

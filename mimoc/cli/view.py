@@ -25,8 +25,7 @@ Shown = Annotated[
 ]
 Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")]
 Number = Annotated[
-    int | None,
-    typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first."),
+    int | None, typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first.")
 ]
 
 
