@@ -36,9 +36,7 @@ class Body(StrEnum):
     SOLIDS = "solids"
 
 
-ShownBody = Annotated[
-    Body, typer.Option("--body", help="Draw the skin of infants that have one, or the solids under it.")
-]
+ShownBody = Annotated[Body, typer.Option(help="Draw the skin of infants that have one, or the solids under it.")]
 PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]

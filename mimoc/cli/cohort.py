@@ -21,29 +21,18 @@ app = typer.Typer(
 
 CohortPath = Annotated[Path, typer.Argument(metavar="COHORT", help="YAML file that describes the cohort.")]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder of the cohort.")]
-On = Annotated[
-    str, typer.Option("--on", help="Where the jobs are done: local (processes on this machine), slurm or ray.")
-]
-Processes = Annotated[
-    int | None, typer.Option("--processes", min=1, help="local: processes; default: as many as cores may be used.")
-]
-Partition = Annotated[str | None, typer.Option("--partition", help="slurm: partition; default: SLURM's own.")]
-Time = Annotated[
-    int | None, typer.Option("--time", min=1, metavar="MINUTES", help="slurm: time for a task [default: 60].")
-]
-Memory = Annotated[float | None, typer.Option("--memory", metavar="GB", help="slurm: memory of a task.")]
-ArrayLimit = Annotated[
-    int | None, typer.Option("--array-limit", min=1, help="slurm: tasks of an array that run at once.")
-]
-Address = Annotated[
-    str | None, typer.Option("--address", help="ray: address of the cluster; default: a fresh one on this machine.")
-]
+On = Annotated[str, typer.Option(help="Where the jobs are done: local (processes on this machine), slurm or ray.")]
+Processes = Annotated[int | None, typer.Option(min=1, help="local: processes; default: as many as cores may be used.")]
+Partition = Annotated[str | None, typer.Option(help="slurm: partition; default: SLURM's own.")]
+Time = Annotated[int | None, typer.Option(min=1, metavar="MINUTES", help="slurm: time for a task [default: 60].")]
+Memory = Annotated[float | None, typer.Option(metavar="GB", help="slurm: memory of a task.")]
+ArrayLimit = Annotated[int | None, typer.Option(min=1, help="slurm: tasks of an array that run at once.")]
+Address = Annotated[str | None, typer.Option(help="ray: address of the cluster; default: a fresh one on this machine.")]
 JobsPerTask = Annotated[
-    int | None,
-    typer.Option("--jobs-per-task", min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1]."),
+    int | None, typer.Option(min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1].")
 ]
-Index = Annotated[int, typer.Option("--index", min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
-Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of shares.")]
+Index = Annotated[int, typer.Option(min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
+Of = Annotated[int, typer.Option(min=1, metavar="N", help="Number of shares.")]
 CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
 
 

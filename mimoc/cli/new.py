@@ -40,28 +40,24 @@ def _of(field: str) -> Callable[[], Sequence[str]]:
 
 
 Like = Annotated[
-    str | None, typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom.")
+    str | None, typer.Option(metavar="NAME", help="Begin with an example, such as nine_months or playroom.")
 ]
-Hands = Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.", autocompletion=_of("hands"))]
-Actuation = Annotated[
-    str | None, typer.Option("--actuation", help="torque, muscle or position.", autocompletion=_of("actuation"))
-]
-Scene = Annotated[str | None, typer.Option("--scene", help="empty, flat, crib or room.", autocompletion=_of("scene"))]
-Pose = Annotated[
-    str | None, typer.Option("--pose", help="supine, prone, sitting or standing.", autocompletion=_of("pose"))
-]
+Hands = Annotated[str | None, typer.Option(help="mitten or five_finger.", autocompletion=_of("hands"))]
+Actuation = Annotated[str | None, typer.Option(help="torque, muscle or position.", autocompletion=_of("actuation"))]
+Scene = Annotated[str | None, typer.Option(help="empty, flat, crib or room.", autocompletion=_of("scene"))]
+Pose = Annotated[str | None, typer.Option(help="supine, prone, sitting or standing.", autocompletion=_of("pose"))]
 Task = Annotated[
-    str | None, typer.Option("--task", help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task"))
+    str | None, typer.Option(help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task"))
 ]
 
 
 def new(
     spec: Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file to write, or `-` for standard output.")],
     like: Like = None,
-    age: Annotated[float | None, typer.Option("--age", metavar="MONTHS", help="Age, 0 to 24.")] = None,
+    age: Annotated[float | None, typer.Option(metavar="MONTHS", help="Age, 0 to 24.")] = None,
     hands: Hands = None,
     actuation: Actuation = None,
-    senses: Annotated[str | None, typer.Option("--senses", help="Names with commas between; `none` for none.")] = None,
+    senses: Annotated[str | None, typer.Option(help="Names with commas between; `none` for none.")] = None,
     scene: Scene = None,
     pose: Pose = None,
     task: Task = None,

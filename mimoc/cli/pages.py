@@ -23,8 +23,7 @@ def report(
         bool, typer.Option("--no-check", help="Leave out whether an infant's simulation is stable, as `check` finds.")
     ] = False,
     cohort: Annotated[
-        Path | None,
-        typer.Option("--cohort", metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too."),
+        Path | None, typer.Option(metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too.")
     ] = None,
 ) -> None:
     """Write one HTML page on an infant, a training run or a cohort, which opens anywhere and needs no network."""

@@ -14,14 +14,13 @@ from mimoc.cli.terminal import FAILED_CHECK, printable
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
 
-Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
-Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
+Infant = Annotated[int | None, typer.Option(min=0, help="Replay only this one of several infants.")]
+Number = Annotated[int | None, typer.Option(min=0, help="Replay only the episode of this number.")]
 OwnTask = Annotated[
-    str | None,
-    typer.Option("--task", metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from."),
+    str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
 ]
 
-Video = Annotated[Path | None, typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
+Video = Annotated[Path | None, typer.Option(metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
 
 
 def replay(
@@ -31,7 +30,7 @@ def replay(
     task: OwnTask = None,
     video: Video = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
-    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
@@ -93,7 +92,7 @@ FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to conv
 
 def export(
     recording: RecordingPath,
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help=FORMATS)],
+    to: Annotated[str, typer.Option(metavar="FORMAT", help=FORMATS)],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
 ) -> None:
     """Write a recording in the format of others, and say what that cannot hold."""

@@ -28,37 +28,33 @@ def _policies() -> str:
     return ", ".join((*ours, *announced("mimoc.policies")))
 
 
-PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
-Seed = Annotated[
-    int, typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run.")
-]
+PolicyName = Annotated[str, typer.Option(help=f"{_policies()}; or a trained policy.zip.")]
+Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
-    Path | None, typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
+    Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
 ]
 RecordFolder = Annotated[
-    Path | None,
-    typer.Option("--record", metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`)."),
+    Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
 ]
 
 
 OwnTask = Annotated[
-    str | None,
-    typer.Option("--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training."),
+    str | None, typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training.")
 ]
 
 
 def run(
     infant: InfantPath,
     policy: PolicyName = "random",
-    steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
+    steps: Annotated[int, typer.Option(min=1, help="Number of control steps to run.")] = 1000,
     seed: Seed = 0,
     task: OwnTask = None,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
-    fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
-    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
+    size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""

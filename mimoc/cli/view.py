@@ -23,9 +23,9 @@ Shown = Annotated[
         metavar="INFANT|RECORDING", help="Bundle, spec (.yaml, or `-` for standard input) or recording to show."
     ),
 ]
-Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")]
+Infant = Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")]
 Number = Annotated[
-    int | None, typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first.")
+    int | None, typer.Option(min=0, help="Show the recorded episode of this number; default: the first.")
 ]
 
 
@@ -44,8 +44,8 @@ def view(
     live: Annotated[
         bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
     ] = False,
-    policy: Annotated[str, typer.Option("--policy", help="What it does with --live; see `mimoc run`.")] = "random",
-    port: Annotated[int, typer.Option("--port", min=1, max=65535, help="Port of this machine for --live.")] = 8080,
+    policy: Annotated[str, typer.Option(help="What it does with --live; see `mimoc run`.")] = "random",
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of this machine for --live.")] = 8080,
 ) -> None:
     """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
 
