@@ -31,8 +31,6 @@ Address = Annotated[str | None, typer.Option(help="ray: address of the cluster; 
 JobsPerTask = Annotated[
     int | None, typer.Option(min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1].")
 ]
-Index = Annotated[int, typer.Option(min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
-Of = Annotated[int, typer.Option(min=1, metavar="N", help="Number of shares.")]
 CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
 
 
@@ -52,8 +50,8 @@ def run(
     cohort: CohortPath,
     out: Out,
     on: On = "local",
-    index: Index = 0,
-    of: Of = 1,
+    index: Annotated[int, typer.Option(min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")] = 0,
+    of: Annotated[int, typer.Option(min=1, metavar="N", help="Number of shares.")] = 1,
     processes: Processes = None,
     partition: Partition = None,
     time: Time = None,

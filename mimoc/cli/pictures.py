@@ -90,7 +90,6 @@ def render(
     print(printable(write_picture(file, picture)))
 
 
-Pose = Annotated[str | None, typer.Option(help="supine, prone, sitting or standing; default: the spec's.")]
 FieldOfView = Annotated[
     float, typer.Option(min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow.")
 ]
@@ -112,7 +111,7 @@ def see(
     foveation: Annotated[
         float | None, typer.Option(min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0.")
     ] = None,
-    pose: Pose = None,
+    pose: Annotated[str | None, typer.Option(help="supine, prone, sitting or standing; default: the spec's.")] = None,
     eye: Annotated[str, typer.Option(help="left or right.")] = "left",
     down: Annotated[
         float | None, typer.Option(min=-90, max=90, help="Downward gaze in degrees; default: towards a toy or a hand.")

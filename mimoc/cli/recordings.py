@@ -14,21 +14,17 @@ from mimoc.cli.terminal import FAILED_CHECK, printable
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
 
-Infant = Annotated[int | None, typer.Option(min=0, help="Replay only this one of several infants.")]
-Number = Annotated[int | None, typer.Option(min=0, help="Replay only the episode of this number.")]
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
 ]
 
-Video = Annotated[Path | None, typer.Option(metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
-
 
 def replay(
     recording: RecordingPath,
-    infant: Infant = None,
-    episode: Number = None,
+    infant: Annotated[int | None, typer.Option(min=0, help="Replay only this one of several infants.")] = None,
+    episode: Annotated[int | None, typer.Option(min=0, help="Replay only the episode of this number.")] = None,
     task: OwnTask = None,
-    video: Video = None,
+    video: Annotated[Path | None, typer.Option(metavar="FILE", help="Make a video of it: .mp4 or .gif.")] = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,

@@ -28,7 +28,6 @@ def _policies() -> str:
     return ", ".join((*ours, *announced("mimoc.policies")))
 
 
-PolicyName = Annotated[str, typer.Option(help=f"{_policies()}; or a trained policy.zip.")]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
@@ -45,7 +44,7 @@ OwnTask = Annotated[
 
 def run(
     infant: InfantPath,
-    policy: PolicyName = "random",
+    policy: Annotated[str, typer.Option(help=f"{_policies()}; or a trained policy.zip.")] = "random",
     steps: Annotated[int, typer.Option(min=1, help="Number of control steps to run.")] = 1000,
     seed: Seed = 0,
     task: OwnTask = None,

@@ -23,7 +23,6 @@ Shown = Annotated[
         metavar="INFANT|RECORDING", help="Bundle, spec (.yaml, or `-` for standard input) or recording to show."
     ),
 ]
-Infant = Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")]
 Number = Annotated[
     int | None, typer.Option(min=0, help="Show the recorded episode of this number; default: the first.")
 ]
@@ -39,7 +38,7 @@ def view(
     physics: Annotated[
         bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
     ] = False,
-    infant: Infant = None,
+    infant: Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")] = None,
     episode: Number = None,
     live: Annotated[
         bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
