@@ -18,7 +18,7 @@ from mimoc.base.errors import MimocError
 from mimoc.bundle.files import open_new_file, write_error
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import JobContext, JobWorkspace, measured
+from mimoc.cohorts.work import JobContext, measured
 from mimoc.version import __version__
 
 PINNED: Mapping[str, str] = dict.fromkeys(
@@ -38,30 +38,26 @@ LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "g
 """Libraries whose versions a result names: those of every step, and those of single ones."""
 
 
-def run_jobs(jobs: Sequence[Job], store: Store, workspace: JobWorkspace | None = None) -> int:
+def run_jobs(jobs: Sequence[Job], store: Store) -> int:
     """Do jobs one after the other, and write the result of each; return how many have failed.
 
-    Jobs that have a result are left out, so that jobs can be handed out twice.
-
-    Args:
-        jobs: The jobs, those of one infant next to each other.
-        store: The folder of the cohort.
-        workspace: Where to keep the infant between calls.
+    Jobs of one infant stand next to each other, since the last infant is kept. Those that have a result are left out,
+    so that jobs can be handed out twice.
     """
-    workspace, failed = workspace or JobWorkspace(), 0
+    failed = 0
     for job in store.missing(jobs):
-        result = run_job(job, store, workspace)
+        result = run_job(job, store)
         store.write(job, result)
         failed += not result.ok
     return failed
 
 
-def run_job(job: Job, store: Store, workspace: JobWorkspace) -> Result:
+def run_job(job: Job, store: Store) -> Result:
     """Do a job and return its result, also if it fails."""
     start = perf_counter()
     with _logged(store.log(job), store.folder):
         try:
-            measures = dict(measured(JobContext(job, store, workspace)))
+            measures = dict(measured(JobContext(job, store)))
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # Also SystemExit: a user's function must not end the process.
@@ -80,11 +76,7 @@ def failed_result(job: Job, reason: str) -> Result:
 
 @contextmanager
 def _logged(path: Path, folder: Path) -> Iterator[None]:
-    """Write to a file below a folder all that this process prints, by Python or by a library beneath it.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write to a file below a folder all that this process prints, by Python or by a library beneath it."""
     _flush()
     log = open_new_file(path, below=folder)
     kept = [os.dup(number) for number in (1, 2)]

@@ -1,9 +1,10 @@
 """What a job is done with (its infant, its seed, and a folder of its own), and what each step does and measures."""
 
+import json
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,6 @@ class JobContext:
 
     job: Job
     store: Store
-    workspace: "JobWorkspace"
-    """The infant that this process built last."""
     measures: dict[str, Any] = field(default_factory=dict)
     """What has been measured so far, by name."""
 
@@ -47,51 +46,33 @@ class JobContext:
     @property
     def spec(self) -> InfantSpec:
         """The spec of the infant."""
-        return self.workspace.spec(self.job)
+        return _spec(*self._origin)
 
     @property
     def bundle(self) -> Bundle:
         """The infant; it is built when first asked for."""
-        return self.workspace.bundle(self.job)
+        return _bundle(*self._origin)
 
     @cached_property
     def folder(self) -> Path:
         """An empty folder for files of this job, which are kept."""
         return self.store.runs(self.job, empty=True)
 
+    @property
+    def _origin(self) -> tuple[str, str, str]:
+        """The spec of its infant as JSON, the name of the cohort, and the folder that paths in the spec start from."""
+        return json.dumps(self.job.data or {}, default=dict), self.job.cohort, self.job.spec_folder
 
-class JobWorkspace:
-    """Keeps the infant that was built last, since the jobs of one infant come one after the other."""
 
-    def __init__(self) -> None:
-        """Begin with nothing."""
-        self._infant = ""
-        self._spec: InfantSpec | None = None
-        self._bundle: Bundle | None = None
+@lru_cache(maxsize=1)  # The jobs of one infant come one after the other.
+def _spec(infant: str, cohort: str, folder: str) -> InfantSpec:
+    return read_spec(in_memory_as_text(json.loads(infant), f"<{cohort}>", Path(folder)))
 
-    def spec(self, job: Job) -> InfantSpec:
-        """Return the spec of a job's infant.
 
-        Raises:
-            SpecError: If there is no such infant.
-        """
-        if self._spec is None or self._infant != job.infant:
-            self._infant, self._spec, self._bundle = "", None, None
-            self._spec = read_spec(in_memory_as_text(dict(job.data or {}), f"<{job.cohort}>", Path(job.spec_folder)))
-            self._infant = job.infant
-        return self._spec
-
-    def bundle(self, job: Job) -> Bundle:
-        """Return a job's infant.
-
-        Raises:
-            SpecError: If there is no such infant.
-            ModelError: If MuJoCo rejects its model.
-        """
-        spec = self.spec(job)
-        if self._bundle is None:
-            self._bundle = builder(spec, skin=sees_skin(spec))(spec.scene.seed)
-        return self._bundle
+@lru_cache(maxsize=1)
+def _bundle(infant: str, cohort: str, folder: str) -> Bundle:
+    spec = _spec(infant, cohort, folder)
+    return builder(spec, skin=sees_skin(spec))(spec.scene.seed)
 
 
 Measures = Mapping[str, Any]
@@ -190,11 +171,7 @@ def _policy(work: JobContext, name: str) -> Any:
 
 
 def _cell(value: Any, function: str) -> str | bool | int | float | None:
-    """Return a value for the table: NumPy's numbers as Python's.
-
-    Raises:
-        MimocError: If it is no number, text or None, or a whole number of more than 64 bits.
-    """
+    """Return a value for the table: NumPy's numbers as Python's; a MimocError says which value has no place there."""
     plain = value.item() if getattr(value, "shape", None) == () else value
     if plain is not None and not isinstance(plain, (str, bool, int, float)):
         raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")

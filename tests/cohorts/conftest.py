@@ -10,7 +10,6 @@ import pytest
 
 from mimoc.cohorts import Cohort, engines
 from mimoc.cohorts.run_jobs import run_jobs
-from mimoc.cohorts.work import JobWorkspace
 from mimoc.schema.yaml_document import dump
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}
@@ -40,9 +39,8 @@ def here(monkeypatch) -> str:
     module = ModuleType("engine_of_the_tests")
 
     def run(jobs, store, options, done):
-        workspace = JobWorkspace()
         for number, job in enumerate(reversed(jobs), start=1):
-            run_jobs([job], store, workspace)
+            run_jobs([job], store)
             done(number)
 
     vars(module).update(run=run, OPTIONS=(), check=lambda options: None)

@@ -8,7 +8,6 @@ from mimoc.base.errors import MimocError
 from mimoc.cohorts.engines import End, RefusedError, do_on, tasks_of
 from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.cohorts.work import JobWorkspace
 
 OWN = "def nothing(work):\n    return {}\n"
 MANY = {"python": {"function": "own:nothing", "seeds": "0:7"}}
@@ -20,7 +19,7 @@ class Cluster:
     def __init__(self, store, room=1000, dies_at=(), never_begins=0, cancels=False, refuses=0):
         self.store, self.room, self.dies_at = store, room, set(dies_at)
         self.never_begins, self.cancels, self.refuses = never_begins, cancels, refuses
-        self.queue, self.submitted, self.most, self.cancelled, self.workspace = {}, [], 0, False, JobWorkspace()
+        self.queue, self.submitted, self.most, self.cancelled = {}, [], 0, False
 
     def submit(self, tasks):
         if self.refuses and self.submitted:
@@ -47,7 +46,7 @@ class Cluster:
                 self.store.log(job).parent.mkdir(exist_ok=True)
                 self.store.log(job).touch()
                 return End("the task was killed")
-            run_jobs([job], self.store, self.workspace)
+            run_jobs([job], self.store)
         return End("the task has ended")
 
     def cancel(self):

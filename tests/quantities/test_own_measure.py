@@ -10,7 +10,6 @@ from mimoc.base.kinds import function_of
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.cohorts.work import JobWorkspace
 from mimoc.quantities import QUANTITIES
 from mimoc.runtime.rollout import Run
 from mimoc.runtime.term import stack_terms
@@ -66,7 +65,7 @@ def test_a_recording_has_a_column_of_it_whose_schema_says_what_it_is(hands_apart
 def test_the_table_and_the_report_of_a_cohort_have_it(hands_apart, tmp_path):
     cohort, store = Cohort(STUDY), Store(tmp_path / "out")
     store.create("hands")
-    run_jobs(cohort.jobs(), store, JobWorkspace())
+    run_jobs(cohort.jobs(), store)
     rows = cohort.rows(tmp_path / "out")
     assert all(row[hands_apart.name] > 0 for row in rows)
     page = mimoc.report(tmp_path / "out", tmp_path / "page.html").read_text()

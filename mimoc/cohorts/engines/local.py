@@ -16,7 +16,6 @@ from mimoc.base.errors import MimocError
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.run_jobs import PINNED, failed_result, run_jobs
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import JobWorkspace
 
 OPTIONS = ("processes",)
 WORKER = "mimoc.cohorts.engines.local"
@@ -193,12 +192,12 @@ def main(descriptor: int) -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-    connection, workspace = Connection(descriptor), JobWorkspace()
+    connection = Connection(descriptor)
     with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
         while True:
             job, store = connection.recv()
             try:
-                run_jobs([job], store, workspace)
+                run_jobs([job], store)
             except MimocError as error:
                 connection.send(error)
             else:
