@@ -118,10 +118,20 @@ class Cohort:
         """Check that there are the policies, experiments and settings of trainings that its steps name.
 
         Raises:
-            SpecError: If some are unknown or impossible; the error lists all.
+            SpecError: If some are unknown or impossible; the error lists all, with their places.
             MissingExtraError: If it trains, and Stable-Baselines3 is not installed.
         """
-        check_steps(self.spec, self._source)
+        problems = []
+        for index, item in enumerate(self.spec.do):
+            name, step = step_of(item)
+            try:
+                _check(step)
+            except MissingExtraError:
+                raise
+            except MimocError as error:
+                problems.append(self._source.problem(("do", index, name), str(error)))
+        if problems:
+            raise SpecError(problems)
 
     def run(
         self,
@@ -209,11 +219,7 @@ class Cohort:
 
 
 def _store(out: str | Path) -> Store:
-    """Return the folder of a cohort.
-
-    Raises:
-        MimocError: If it is none.
-    """
+    """Return the folder of a cohort; raise a MimocError if it is none."""
     store = Store(Path(out).expanduser())
     store.check()
     return store
@@ -243,11 +249,7 @@ def _tried(read: Callable[[Source], Any], source: Source) -> Any:
 
 
 def _base(source: Source) -> Source:
-    """Return the spec that a cohort names or contains, which is valid.
-
-    Raises:
-        SpecError: If it is not.
-    """
+    """Return the spec that a cohort names or contains; raise a SpecError if it is invalid."""
     base = source.data.get("base")
     if isinstance(base, Mapping):
         spec = source.section("base")
@@ -272,30 +274,6 @@ def status_of(jobs: Iterable[Job], store: Store) -> Status:
         if result and not result.ok:
             failures.append(Failure(job, result.error, store.log(job)))
     return Status(counts, tuple(failures))
-
-
-def check_steps(cohort: CohortSpec, source: Source) -> None:
-    """Check that there are the policies, experiments and settings of trainings that the steps of a cohort name.
-
-    Args:
-        cohort: The cohort.
-        source: Its file.
-
-    Raises:
-        SpecError: If some are unknown or impossible; the error lists all, with their places.
-        MissingExtraError: If it trains, and Stable-Baselines3 is not installed.
-    """
-    problems = []
-    for index, item in enumerate(cohort.do):
-        name, step = step_of(item)
-        try:
-            _check(step)
-        except MissingExtraError:
-            raise
-        except MimocError as error:
-            problems.append(source.problem(("do", index, name), str(error)))
-    if problems:
-        raise SpecError(problems)
 
 
 def _check(step: StepSpec) -> None:

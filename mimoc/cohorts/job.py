@@ -108,11 +108,7 @@ def _added_measures(step: str) -> tuple[str, ...]:
 
 
 def _policy_digest(path: Path) -> str:
-    """Return the digest of the file of a trained policy.
-
-    Raises:
-        MimocError: If it cannot be read.
-    """
+    """Return the digest of the file of a trained policy; raise a MimocError if it cannot be read."""
     try:
         return f"sha256:{sha256(path.read_bytes()).hexdigest()}"
     except OSError as error:

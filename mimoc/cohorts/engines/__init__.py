@@ -32,12 +32,8 @@ ENGINES: Mapping[str, str] = {
 """Module of each engine, imported when needed."""
 
 
-class Engine(Protocol):
-    """What does jobs."""
-
-    def __call__(self, jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Done) -> None:
-        """Do jobs; see above."""
-        ...
+Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
+"""Does jobs in a store, given its options; see above."""
 
 
 def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
@@ -104,17 +100,11 @@ class Cluster(Protocol):
         ...
 
 
-def do_on(cluster: Cluster, tasks: Iterable[Task], store: Store, done: Callable[[int], None]) -> None:
+def do_on(cluster: Cluster, tasks: Iterable[Task], store: Store, done: Done) -> None:
     """Have tasks done until each of their jobs has a result.
 
     A task that ends before its jobs are done is begun again with those that are left. A job fails that had begun when
     its task was killed, and had again the next time; all jobs of a task do that was cancelled.
-
-    Args:
-        cluster: Where.
-        tasks: The tasks.
-        store: The folder of the cohort.
-        done: Called with the number of jobs that have a result, whenever there are more.
     """
     waiting, running, finished, again = deque(tasks), dict[str, Task](), 0, _Again(store)
     try:

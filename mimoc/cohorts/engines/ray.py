@@ -76,11 +76,7 @@ def _address(options: Mapping[str, Any]) -> str:
 
 
 def _join(address: str) -> None:
-    """Join a cluster, or start one if the address is `local`.
-
-    Raises:
-        MimocError: If that fails.
-    """
+    """Join a cluster, or start one if the address is `local`; raise a MimocError if that fails."""
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
     if address == LOCAL:
         _start()
@@ -121,7 +117,7 @@ class _Ray:
         """Prepare to submit tasks."""
         self._store, self._running = store, dict[str, ray.ObjectRef]()
         pinned = {"env_vars": dict(PINNED)}
-        self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(_do)
+        self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(run_jobs)
 
     @property
     def room(self) -> int:
@@ -146,11 +142,6 @@ class _Ray:
         """Cancel all tasks."""
         for task in self._running.values():
             ray.cancel(task, force=True)
-
-
-def _do(task: Task, store: Store) -> None:
-    """Do the jobs of a task, in a process of the cluster."""
-    run_jobs(task, store)
 
 
 def _end(task: "ray.ObjectRef") -> End:

@@ -126,19 +126,11 @@ def _do(task: Task, store: Store) -> None:
 
 
 def _states() -> dict[str, str]:
-    """Return SLURM's states of all tasks of this user, of those that have ended some minutes ago none.
-
-    Raises:
-        MimocError: If SLURM does not answer for long.
-    """
+    """Return SLURM's states of all tasks of this user, of those that have ended some minutes ago none."""
     end_s = monotonic() + PATIENCE_S
     while True:
-        answer = subprocess.run(
-            ["squeue", "--me", "--noheader", "--array", "--states=all", "--format=%i %T"],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        squeue = ["squeue", "--me", "--noheader", "--array", "--states=all", "--format=%i %T"]
+        answer = subprocess.run(squeue, capture_output=True, text=True, check=False)
         if answer.returncode == 0:
             return dict(line.split(maxsplit=1) for line in answer.stdout.splitlines() if " " in line.strip())
         if monotonic() > end_s:
