@@ -38,40 +38,34 @@ def rows_of(
         measures: The measures to show; none is every one that any job has.
         progress: Called with the number of results read and their total.
     """
-    results = list[Result | None]()
+    results = list[Result]()
     for job in jobs:
         progress(len(results), len(jobs))
-        results.append(store.read(job))
-    done = [result for result in results if result]
+        results.append(store.read(job) or Result(MISSING, {}, {}))
     pairs = [*zip(jobs, results, strict=True)]
-    returned = _union([result.measures for job, result in pairs if result and job.step == "python"])
+    returned = _union([result.measures for job, result in pairs if job.step == "python"])
     others = [name for name in returned if name not in known_measures()]
-    shown = measures or _ordered({name for result in done for name in result.measures})
+    shown = measures or _ordered({name for result in results for name in result.measures})
     factors = _union([job.factors for job in jobs])
     taken = {*COLUMNS, *factors}
     columns = {f"measured.{name}" if name in taken else name: name for name in (*shown, *others)}
-    options, libraries = varied_options(jobs), _union([result.versions for result in done])
+    options, libraries = varied_options(jobs), _union([result.versions for result in results])
     rows = []
     for job, result in pairs:
-        failed = result is not None and not result.ok
-        measured, versions = (result.measures, result.versions) if result else ({}, {})
-        rows.append(
-            {
-                "job": job.key,
-                **{name: _cell(job.factors.get(name)) for name in factors},
-                "step": job.step,
-                **{
-                    f"{step}.{name}": _cell(job.options.get(name)) if job.step == step else None
-                    for step, name in options
-                },
-                "seed": job.seed,
-                "status": result.status if result else MISSING,
-                **{column: _cell(measured.get(name)) for column, name in columns.items()},
-                **{f"version.{name}": versions.get(name) for name in libraries},
-                "error": result.error if result and failed else None,
-                "log": store.log(job).relative_to(store.folder).as_posix() if failed else None,
-            }
-        )
+        failed = result.status == "failed"
+        row = {
+            "job": job.key,
+            **{name: _cell(job.factors.get(name)) for name in factors},
+            "step": job.step,
+            **{f"{step}.{name}": _cell(job.options.get(name)) if job.step == step else None for step, name in options},
+            "seed": job.seed,
+            "status": result.status,
+            **{column: _cell(result.measures.get(name)) for column, name in columns.items()},
+            **{f"version.{name}": result.versions.get(name) for name in libraries},
+            "error": result.error if failed else None,
+            "log": store.log(job).relative_to(store.folder).as_posix() if failed else None,
+        }
+        rows.append(row)
     return rows
 
 
