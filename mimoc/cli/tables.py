@@ -24,12 +24,7 @@ Column = Callable[["Row"], "str | Text"]
 
 
 def print_growth(report: GrowthReport, requested_sd: float) -> None:
-    """Print one table per growth indicator, with a row for each age, and the verdict.
-
-    Args:
-        report: The comparison.
-        requested_sd: How far measures may be from what the spec asks for, in standard deviations.
-    """
+    """Print one table per growth indicator, with a row for each age, and the verdict."""
     console = open_console()
     for indicator, rows in report.by_indicator.items():
         console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
@@ -89,12 +84,7 @@ def _names(rows: Sequence[Row]) -> str:
 
 
 def print_measurements(report: MeasurementReport, tolerance: float) -> None:
-    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict.
-
-    Args:
-        report: The comparison.
-        tolerance: Largest deviation, relative to the goal.
-    """
+    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict."""
     console = open_console()
     is_average = all(row.requested == 1 for row in report.rows)
     goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
@@ -19,18 +19,8 @@ LINES_S, LINES_SHARE = 10.0, 1 / 20
 """Least time between two lines, in seconds and as a share of the time so far: 120 lines in ten hours."""
 
 
-class TrainingProgress(Protocol):
-    """Shows how far a training is."""
-
-    def report(self, done: int, total: int) -> None:
-        """Show the steps done and their total."""
-
-    def on_row(self, row: CurvePoint) -> None:
-        """Show a new row of the learning curve."""
-
-
 @contextmanager
-def shown() -> Iterator[TrainingProgress]:
+def shown() -> Iterator["Lines | _Bar"]:
     """Show a training by a progress bar in terminals, and elsewhere by lines now and then; warnings are a line each."""
     in_terminal = sys.stderr.isatty()  # Which a bar replaces by something that is no terminal.
     with console.progress("training") as bar, _warnings_as_lines():
@@ -41,12 +31,6 @@ class Lines:
     """Writes a line with the first row of the learning curve, and then now and then."""
 
     def __init__(self, write: Callable[[str], None], clock: Callable[[], float] = perf_counter):
-        """Begin.
-
-        Args:
-            write: Called with each line.
-            clock: Returns the time in seconds.
-        """
         self._write, self._clock = write, clock
         self._begun: tuple[int, float] | None = None
         """Steps and time at the first report; a training that is resumed begins with those before."""
@@ -102,10 +86,7 @@ def return_of(row: CurvePoint) -> str:
 def print_training(training: Training, out: Path, task: str | None) -> None:
     """Print the first and the last row of the learning curve with episodes that ended, and what to do with the folder.
 
-    Args:
-        training: What came out.
-        out: Its folder.
-        task: The name of the user's own task, if any, which the policy may observe.
+    The user's own task, if any, is named in what to do, since the policy may observe it.
     """
     rows = training.curve.ends
     title = f"trained for {training.curve.steps} control steps"
