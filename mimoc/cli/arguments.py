@@ -40,8 +40,6 @@ ShownBody = Annotated[Body, typer.Option(help="Draw the skin of infants that hav
 PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]
-
-
 STDIN = Path("-")
 
 
@@ -83,17 +81,14 @@ def load_infant(path: Path) -> "Bundle":
         return pipeline.build(spec, progress=show)
 
 
-def load_spec_of_infant(path: Path) -> "InfantSpec":
-    """Return the spec in a file, in standard input or in a bundle.
+def check_video(video: Path | None, eyes: bool) -> None:
+    """Raise a MimocError if a video cannot be made, or if there is none to show the views of eyes in."""
+    from mimoc import recording
 
-    Raises:
-        BundleError: If the folder is not an intact bundle.
-        SpecError: If the spec is invalid.
-    """
-    from mimoc.bundle.io import read_bundle
-    from mimoc.compiler.variants import spec_of
-
-    return spec_of(read_bundle(path)) if path.is_dir() else load_spec(path)
+    if eyes and not video:
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
+    if video:
+        recording.check_video(video)
 
 
 def import_object(name: str) -> Any:

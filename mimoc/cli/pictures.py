@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec_of_infant
+from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
@@ -154,13 +154,15 @@ def rooms(
     size: Annotated[int, typer.Option(min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
 ) -> None:
     """Render the scenes of several seeds in one image."""
+    from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
-    from mimoc.compiler import building
+    from mimoc.compiler import building, variants
     from mimoc.render.picture_files import captioned_grid, check_picture_name, write_picture
     from mimoc.render.portrait import overview
 
     check_picture_name(file)
-    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), list[Any]()
+    wanted, pictures = parse_seeds(seeds), list[Any]()
+    infant = variants.spec_of(read_bundle(spec)) if spec.is_dir() else load_spec(spec)
     _check_seed_matters(infant)
     builder = building.builder(infant)
     with console.progress("drawing") as show:
@@ -171,11 +173,7 @@ def rooms(
 
 
 def _check_seed_matters(spec: "InfantSpec") -> None:
-    """Print a note if only the toys depend on the seed.
-
-    Raises:
-        SpecError: If nothing in the scene depends on the seed.
-    """
+    """Print a note if only the toys depend on the seed; raise a SpecError if nothing in the scene does."""
     from mimoc.scenes import SCENES
     from mimoc.schema.infant import as_written
 
@@ -190,11 +188,7 @@ def _check_seed_matters(spec: "InfantSpec") -> None:
 
 
 def parse_seeds(text: str) -> range:
-    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`.
-
-    Raises:
-        MimocError: If the text is not a range of seeds, or the range is empty or too large.
-    """
+    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`; a MimocError says what is wrong."""
     first, colon, end = text.partition(":")
     if not (first.isdecimal() and (end if colon else first).isdecimal()):
         raise MimocError(f"'{text}' is not a range of seeds; write FIRST:END, such as 0:12")

@@ -3,16 +3,13 @@
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from mimoc.base.errors import MimocError, counted
-from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody, check_video, import_object
 from mimoc.cli.terminal import FAILED_CHECK, printable
-
-if TYPE_CHECKING:
-    from mimoc.recording.reading import ReadRecording
 
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
@@ -34,9 +31,11 @@ def replay(
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
 
-    _check_video(video, eyes)
+    check_video(video, eyes)
     recorded = read_recording(recording)
-    _check_one_infant(recorded, infant, video)
+    if video and infant is None and recorded.infants > 1:
+        which = "choose one for --video with --infant"
+        raise MimocError(f"{recorded.path}: {recorded.infants} infants are recorded here; {which}")
     failed = steps = count = 0
     filmed: Any = nullcontext()
     if video and recorded:
@@ -55,32 +54,6 @@ def replay(
     print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
         print(printable(video))
-
-
-def _check_video(video: Path | None, eyes: bool) -> None:
-    """Check that a video can be made, and that there is one to show eyes in.
-
-    Raises:
-        MimocError: If not.
-    """
-    from mimoc import recording
-
-    if eyes and not video:
-        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
-    if video:
-        recording.check_video(video)
-
-
-def _check_one_infant(recorded: "ReadRecording", infant: int | None, video: Path | None) -> None:
-    """Check that a video is to show one infant.
-
-    Raises:
-        MimocError: If there are several.
-    """
-    if video and infant is None and recorded.infants > 1:
-        raise MimocError(
-            f"{recorded.path}: {recorded.infants} infants are recorded here; choose one for --video with --infant"
-        )
 
 
 FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to convert one that an older mimoc made."

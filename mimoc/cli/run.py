@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
-from mimoc.cli.arguments import Body, InfantPath, ShownBody, import_object, load_infant
+from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant
 from mimoc.cli.terminal import printable
 from mimoc.policies import POLICIES
 
@@ -35,8 +34,6 @@ VideoFile = Annotated[
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
 ]
-
-
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training.")
 ]
@@ -62,10 +59,7 @@ def run(
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run, policy_of
 
-    if eyes and not video:
-        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
-    if video:
-        recording.check_video(video)
+    check_video(video, eyes)
     chosen = _read_policy(policy)
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)

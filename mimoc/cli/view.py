@@ -14,8 +14,6 @@ from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
-    from mimoc.viewer.viewing import View
-
 
 Shown = Annotated[
     Path,
@@ -26,6 +24,12 @@ Shown = Annotated[
 Number = Annotated[
     int | None, typer.Option(min=0, help="Show the recorded episode of this number; default: the first.")
 ]
+Live = Annotated[
+    bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
+]
+Physics = Annotated[
+    bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
+]
 
 
 def view(
@@ -35,14 +39,10 @@ def view(
         bool | None,
         typer.Option("--open/--no-open", help="Open it in the browser; default: in a terminal with a display."),
     ] = None,
-    physics: Annotated[
-        bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
-    ] = False,
+    physics: Physics = False,
     infant: Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")] = None,
     episode: Number = None,
-    live: Annotated[
-        bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
-    ] = False,
+    live: Live = False,
     policy: Annotated[str, typer.Option(help="What it does with --live; see `mimoc run`.")] = "random",
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of this machine for --live.")] = 8080,
 ) -> None:
@@ -70,17 +70,12 @@ def view(
     source = shown if is_recording else load_infant(shown)
     with console.progress("replaying" if is_recording else "growing") as show:
         page = viewing.view(source, file, physics=physics, infant=infant, episode=episode, progress=show)
-    _tell(page)
-    if opens:
-        page.open()
-
-
-def _tell(page: "View") -> None:
-    """Print where a page is, and what is to be known of it."""
     if page.difference:
         message = "the page shows what is simulated now, which differs from the recording"
         print(printable(f"{message}: {page.difference}"), file=sys.stderr)
     print(printable(page.path))
+    if opens:
+        page.open()
 
 
 def _in_a_terminal() -> bool:
