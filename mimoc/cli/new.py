@@ -117,11 +117,7 @@ def _answers(name: str) -> dict[str, Any]:
 
 
 def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
-    """Return an answer that a spec can say, with the answers before it.
-
-    Raises:
-        BadParameter: If none can; a prompt prints what is wrong, and asks again.
-    """
+    """Return an answer that a spec can say, with those before it; else a prompt prints the error, and asks again."""
     from mimoc.schema import read_spec, source
     from mimoc.schema.starter import new_spec
     from mimoc.schema.yaml_document import scalar
@@ -138,11 +134,7 @@ def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
 
 
 def _example(like: str, name: str) -> str:
-    """Return the text of an example, under another name.
-
-    Raises:
-        UnknownNameError: If there is no such example.
-    """
+    """Return the text of an example, under another name."""
     from mimoc.compiler.loading import example_specs
 
     examples = example_specs()
