@@ -3,30 +3,16 @@
 from collections.abc import Mapping
 
 from mimoc.base.kinds import Kinds
-from mimoc.quantities.child import AGE, CHILD
-from mimoc.quantities.motion import (
-    BEYOND_LIMITS,
-    CONTACTS_SELF,
-    ENERGY,
-    FELL_AFTER,
-    HAND_ERROR,
-    HEAD_HEIGHT,
-    HEAD_LOWEST,
-    HIP_PATH,
-    JOINT_SPEED,
-    STABLE,
-    UNSTABLE,
-)
-from mimoc.quantities.outcome import CURVE, EPISODES, RETURN, SUCCESS, TIME_TO_SUCCESS
+from mimoc.quantities import child, motion, outcome
 from mimoc.quantities.quantity import Quantity
 
 __all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
 
 _OWN = (
-    *(*CHILD, STABLE, ENERGY, BEYOND_LIMITS),
-    *(RETURN, SUCCESS, TIME_TO_SUCCESS, EPISODES, CONTACTS_SELF),
-    *(HIP_PATH, HEAD_HEIGHT, HEAD_LOWEST, JOINT_SPEED, UNSTABLE),
-    *(HAND_ERROR, FELL_AFTER, AGE, *CURVE),
+    *(*child.CHILD, motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
+    *(outcome.RETURN, outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.EPISODES, motion.CONTACTS_SELF),
+    *(motion.HIP_PATH, motion.HEAD_HEIGHT, motion.HEAD_LOWEST, motion.JOINT_SPEED, motion.UNSTABLE),
+    *(motion.HAND_ERROR, motion.FELL_AFTER, child.AGE, *outcome.CURVE),
 )
 """In the order in which tables show them."""
 QUANTITIES = Kinds[Quantity]("quantity", {quantity.name: quantity for quantity in _OWN})
