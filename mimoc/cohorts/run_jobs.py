@@ -21,17 +21,10 @@ from mimoc.cohorts.store import Result, Store
 from mimoc.cohorts.work import JobContext, measured
 from mimoc.version import __version__
 
-PINNED: Mapping[str, str] = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMEXPR_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-        "BLIS_NUM_THREADS",
-    ),
-    "1",
-)
+PINNED: Mapping[str, str] = {
+    **{f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "BLIS")},
+    "VECLIB_MAXIMUM_THREADS": "1",
+}
 """Environment variables of a process that does jobs: one thread, since there are as many processes as cores."""
 
 LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "gymnasium")}
@@ -62,7 +55,10 @@ def run_job(job: Job, store: Store) -> Result:
             raise
         except BaseException as error:  # Also SystemExit: a user's function must not end the process.
             traceback.print_exc()
-            return Result("failed", {}, _versions(job.step), _line(error), perf_counter() - start)
+            reason = "; ".join(str(error).split("\n")).strip()
+            if not (isinstance(error, MimocError) and reason):
+                reason = f"{type(error).__name__}: {reason}".rstrip(": ")
+            return Result("failed", {}, _versions(job.step), reason, perf_counter() - start)
     with suppress(OSError):
         if not store.log(job).stat().st_size:
             store.log(job).unlink()
@@ -103,12 +99,6 @@ def _flush() -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(Exception):
             stream.flush()
-
-
-def _line(error: BaseException) -> str:
-    """Return what went wrong in one line."""
-    message = "; ".join(str(error).split("\n")).strip()
-    return message if isinstance(error, MimocError) and message else f"{type(error).__name__}: {message}".rstrip(": ")
 
 
 @cache

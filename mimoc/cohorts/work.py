@@ -139,12 +139,7 @@ def python(work: JobContext) -> Measures:
 
 
 STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
-    "build": build,
-    "check": check,
-    "run": run,
-    "train": train,
-    "experiment": experiment,
-    "python": python,
+    step.__name__: step for step in (build, check, run, train, experiment, python)
 }
 """What does each step, by name."""
 

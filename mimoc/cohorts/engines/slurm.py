@@ -92,7 +92,10 @@ class _Slurm:
         try:
             submitted = self._executor.map_array(_do, tasks, [self._store] * len(tasks))
         except submitit.core.utils.FailedJobError as error:
-            raise RefusedError(f"SLURM refuses the tasks: {_reason(error)}") from None
+            lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+            last = lines[-1] if lines else "sbatch failed"
+            reason = next((line for line in lines if "error" in line.lower()), last)
+            raise RefusedError(f"SLURM refuses the tasks: {reason}") from None
         names = [job.job_id for job in submitted]
         self._running.update(names)
         self._poll_s = POLLS_S[0]
@@ -136,9 +139,3 @@ def _states() -> dict[str, str]:
         if monotonic() > end_s:
             raise MimocError(f"SLURM does not answer: {answer.stderr.strip()}; run the same command again when it does")
         sleep(POLLS_S[1])
-
-
-def _reason(error: Exception) -> str:
-    """Return what sbatch has said, in one line."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return next((line for line in lines if "error" in line.lower()), lines[-1] if lines else "sbatch failed")
