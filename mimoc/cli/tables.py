@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
@@ -28,7 +27,11 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     console = open_console()
     for indicator, rows in report.by_indicator.items():
         console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
-        console.print(_growth_table(rows))
+        columns = _growth_columns(rows)
+        table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
+        for row in rows:
+            table.add_row(*(column(row) for column in columns.values()))
+        console.print(table)
         console.print(_largest_deviation(rows) + "\n")
     goals = {
         "within one SD of the mean of WHO's boys and girls": [row for row in report.rows if row.requested_z is None],
@@ -43,14 +46,6 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
             console.print(Text(f"ok: {goal} at every age: {_names(judged)}", style="green"))
     if reported := [row for row in report.rows if not row.is_judged]:
         console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
-
-
-def _growth_table(rows: Sequence[Row]) -> Table:
-    columns = _growth_columns(rows)
-    table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
-    for row in rows:
-        table.add_row(*(column(row) for column in columns.values()))
-    return table
 
 
 def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
