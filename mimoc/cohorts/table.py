@@ -44,8 +44,11 @@ def rows_of(
         results.append(store.read(job) or Result(MISSING, {}, {}))
     pairs = [*zip(jobs, results, strict=True)]
     returned = _union([result.measures for job, result in pairs if job.step == "python"])
-    others = [name for name in returned if name not in known_measures()]
-    shown = measures or _ordered({name for result in results for name in result.measures})
+    known = known_measures()
+    others = [name for name in returned if name not in known]
+    names = {name for result in results for name in result.measures}
+    # Measures in the order in which they are documented, then others by name.
+    shown = measures or [*(name for name in known if name in names), *sorted(names - known.keys())]
     factors = _union([job.factors for job in jobs])
     taken = {*COLUMNS, *factors}
     columns = {f"measured.{name}" if name in taken else name: name for name in (*shown, *others)}
@@ -104,12 +107,6 @@ def write_parquet(rows: Rows, folder: Path) -> Path:
 def _union(mappings: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the keys of all mappings, in the order in which they first occur."""
     return [*dict.fromkeys(name for mapping in mappings for name in mapping)]
-
-
-def _ordered(names: set[str]) -> list[str]:
-    """Return measures in the order in which they are documented, then others by name."""
-    known = known_measures()
-    return [*(name for name in known if name in names), *sorted(names - known.keys())]
 
 
 def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:

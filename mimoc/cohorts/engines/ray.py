@@ -44,7 +44,11 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     if ray.is_initialized():
         do_on(_Ray(shared), tasks, shared, done)
         return
-    _join(_address(options))
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
+    if (address := _address(options)) == LOCAL:
+        _start()
+    elif problem := _problem(address):
+        raise _no_cluster(address, problem)
     try:
         do_on(_Ray(shared), tasks, shared, done)
     finally:
@@ -73,15 +77,6 @@ def check(options: Mapping[str, Any]) -> None:
 def _address(options: Mapping[str, Any]) -> str:
     """Return the address of a cluster, `local` for one that is to be started."""
     return options.get("address") or os.environ.get("RAY_ADDRESS") or LOCAL
-
-
-def _join(address: str) -> None:
-    """Join a cluster, or start one if the address is `local`; raise a MimocError if that fails."""
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
-    if address == LOCAL:
-        _start()
-    elif problem := _problem(address):
-        raise _no_cluster(address, problem)
 
 
 def _no_cluster(address: str, problem: str) -> MimocError:

@@ -77,11 +77,10 @@ class _Slurm:
         asked = {
             "partition": options.get("partition"),
             "time": options.get("time_min") or TIME_MIN,
+            "mem_gb": options.get("memory_gb"),
             "array_parallelism": options.get("array_limit") or ARRAY,
             "setup": [f"export {name}={value}" for name, value in PINNED.items()],
         }
-        if memory_gb := options.get("memory_gb"):
-            asked["mem_gb"] = memory_gb
         given = {name: value for name, value in asked.items() if value is not None}
         self._executor.update_parameters(
             job_name="mimoc", cpus_per_task=1, stderr_to_stdout=True, use_srun=False, signal_delay_s=1, **given
