@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import mimoc
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
-    from mimoc.cohorts import Cohort, Status
+    from mimoc.cohorts import Status
 
 EXAMPLE = "Example:  mimoc cohort run spring.yaml -o out/spring"
 
@@ -41,7 +42,7 @@ def plan(cohort: CohortPath, out: Out) -> None:
     from mimoc.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
-        estimate = planned(_read(cohort), out, show)
+        estimate = planned(mimoc.read_cohort(cohort), out, show)
     tables.print_plan(estimate)
 
 
@@ -66,7 +67,7 @@ def run(
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
     options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
-        status = _read(cohort).run(out, on, index=index, of=of, progress=show, **options)
+        status = mimoc.read_cohort(cohort).run(out, on, index=index, of=of, progress=show, **options)
     _end(status, cohort, out)
 
 
@@ -89,7 +90,7 @@ def retry(
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
     options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
-        status = _read(cohort).retry(out, on, progress=show, **options)
+        status = mimoc.read_cohort(cohort).retry(out, on, progress=show, **options)
     _end(status, cohort, out)
 
 
@@ -98,7 +99,7 @@ def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
     from mimoc.cli import tables
 
-    tables.print_status(_read(cohort).status(out))
+    tables.print_status(mimoc.read_cohort(cohort).status(out))
 
 
 @app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
@@ -106,17 +107,11 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     from mimoc.cli import console
 
-    study = _read(cohort)
+    study = mimoc.read_cohort(cohort)
     for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
         with console.progress("reading results") as show:
             written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
-
-
-def _read(path: Path) -> "Cohort":
-    from mimoc.cohorts import read_cohort
-
-    return read_cohort(path)
 
 
 def _given(**options: Any) -> dict[str, Any]:

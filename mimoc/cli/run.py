@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import mimoc
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant
 from mimoc.cli.terminal import printable
@@ -49,7 +50,6 @@ def run(
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
-    import mimoc
     from mimoc import recording
     from mimoc.cli import console
     from mimoc.runtime.env import InfantEnv
