@@ -11,8 +11,6 @@ from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
 
-EXAMPLE = "Example:  mimoc cohort run spring.yaml -o out/spring"
-
 app = typer.Typer(
     name="cohort",
     help="Build, check, run or train many infants, and gather one table.",
@@ -46,7 +44,7 @@ def plan(cohort: CohortPath, out: Out) -> None:
     tables.print_plan(estimate)
 
 
-@app.command(epilog=EXAMPLE)
+@app.command(epilog="Example:  mimoc cohort run spring.yaml -o out/spring")
 def run(
     cohort: CohortPath,
     out: Out,

@@ -31,18 +31,14 @@ LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "g
 """Libraries whose versions a result names: those of every step, and those of single ones."""
 
 
-def run_jobs(jobs: Sequence[Job], store: Store) -> int:
-    """Do jobs one after the other, and write the result of each; return how many have failed.
+def run_jobs(jobs: Sequence[Job], store: Store) -> None:
+    """Do jobs one after the other, and write the result of each.
 
     Jobs of one infant stand next to each other, since the last infant is kept. Those that have a result are left out,
     so that jobs can be handed out twice.
     """
-    failed = 0
     for job in store.missing(jobs):
-        result = run_job(job, store)
-        store.write(job, result)
-        failed += not result.ok
-    return failed
+        store.write(job, run_job(job, store))
 
 
 def run_job(job: Job, store: Store) -> Result:
