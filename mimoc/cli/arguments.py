@@ -36,14 +36,10 @@ class Body(StrEnum):
     SOLIDS = "solids"
 
 
-ShownBody = Annotated[
-    Body, typer.Option("--body", help="Draw the skin of infants that have one, or the solids under it.")
-]
+ShownBody = Annotated[Body, typer.Option(help="Draw the skin of infants that have one, or the solids under it.")]
 PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]
-
-
 STDIN = Path("-")
 
 
@@ -83,19 +79,6 @@ def load_infant(path: Path) -> "Bundle":
     spec = load_spec(path)
     with console.progress("building") as show:
         return pipeline.build(spec, progress=show)
-
-
-def load_spec_of_infant(path: Path) -> "InfantSpec":
-    """Return the spec in a file, in standard input or in a bundle.
-
-    Raises:
-        BundleError: If the folder is not an intact bundle.
-        SpecError: If the spec is invalid.
-    """
-    from mimoc.bundle.io import read_bundle
-    from mimoc.compiler.variants import spec_of
-
-    return spec_of(read_bundle(path)) if path.is_dir() else load_spec(path)
 
 
 def check_video(video: Path | None, eyes: bool) -> None:

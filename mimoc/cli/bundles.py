@@ -13,9 +13,7 @@ def build(
     spec: SpecPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder for the bundle.")],
     force: Annotated[bool, typer.Option("--force", help="Replace an existing bundle.")] = False,
-    seed: Annotated[
-        int | None, typer.Option("--seed", min=0, help="Random seed of the scene; default: the spec's.")
-    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Random seed of the scene; default: the spec's.")] = None,
     target: Annotated[
         str | None, typer.Option("--for", help="Write a model for other code to load: mimo (MIMo's code).")
     ] = None,

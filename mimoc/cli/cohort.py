@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import mimoc
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
-    from mimoc.cohorts import Cohort, Status
-
-EXAMPLE = "Example:  mimoc cohort run spring.yaml -o out/spring"
+    from mimoc.cohorts import Status
 
 app = typer.Typer(
     name="cohort",
@@ -21,29 +20,16 @@ app = typer.Typer(
 
 CohortPath = Annotated[Path, typer.Argument(metavar="COHORT", help="YAML file that describes the cohort.")]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder of the cohort.")]
-On = Annotated[
-    str, typer.Option("--on", help="Where the jobs are done: local (processes on this machine), slurm or ray.")
-]
-Processes = Annotated[
-    int | None, typer.Option("--processes", min=1, help="local: processes; default: as many as cores may be used.")
-]
-Partition = Annotated[str | None, typer.Option("--partition", help="slurm: partition; default: SLURM's own.")]
-Time = Annotated[
-    int | None, typer.Option("--time", min=1, metavar="MINUTES", help="slurm: time for a task [default: 60].")
-]
-Memory = Annotated[float | None, typer.Option("--memory", metavar="GB", help="slurm: memory of a task.")]
-ArrayLimit = Annotated[
-    int | None, typer.Option("--array-limit", min=1, help="slurm: tasks of an array that run at once.")
-]
-Address = Annotated[
-    str | None, typer.Option("--address", help="ray: address of the cluster; default: a fresh one on this machine.")
-]
+On = Annotated[str, typer.Option(help="Where the jobs are done: local (processes on this machine), slurm or ray.")]
+Processes = Annotated[int | None, typer.Option(min=1, help="local: processes; default: as many as cores may be used.")]
+Partition = Annotated[str | None, typer.Option(help="slurm: partition; default: SLURM's own.")]
+Time = Annotated[int | None, typer.Option(min=1, metavar="MINUTES", help="slurm: time for a task [default: 60].")]
+Memory = Annotated[float | None, typer.Option(metavar="GB", help="slurm: memory of a task.")]
+ArrayLimit = Annotated[int | None, typer.Option(min=1, help="slurm: tasks of an array that run at once.")]
+Address = Annotated[str | None, typer.Option(help="ray: address of the cluster; default: a fresh one on this machine.")]
 JobsPerTask = Annotated[
-    int | None,
-    typer.Option("--jobs-per-task", min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1]."),
+    int | None, typer.Option(min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1].")
 ]
-Index = Annotated[int, typer.Option("--index", min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
-Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of shares.")]
 CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
 
 
@@ -54,17 +40,17 @@ def plan(cohort: CohortPath, out: Out) -> None:
     from mimoc.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
-        estimate = planned(_read(cohort), out, show)
+        estimate = planned(mimoc.read_cohort(cohort), out, show)
     tables.print_plan(estimate)
 
 
-@app.command(epilog=EXAMPLE)
+@app.command(epilog="Example:  mimoc cohort run spring.yaml -o out/spring")
 def run(
     cohort: CohortPath,
     out: Out,
     on: On = "local",
-    index: Index = 0,
-    of: Of = 1,
+    index: Annotated[int, typer.Option(min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")] = 0,
+    of: Annotated[int, typer.Option(min=1, metavar="N", help="Number of shares.")] = 1,
     processes: Processes = None,
     partition: Partition = None,
     time: Time = None,
@@ -79,7 +65,7 @@ def run(
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
     options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
-        status = _read(cohort).run(out, on, index=index, of=of, progress=show, **options)
+        status = mimoc.read_cohort(cohort).run(out, on, index=index, of=of, progress=show, **options)
     _end(status, cohort, out)
 
 
@@ -102,7 +88,7 @@ def retry(
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
     options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
-        status = _read(cohort).retry(out, on, progress=show, **options)
+        status = mimoc.read_cohort(cohort).retry(out, on, progress=show, **options)
     _end(status, cohort, out)
 
 
@@ -111,7 +97,7 @@ def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
     from mimoc.cli import tables
 
-    tables.print_status(_read(cohort).status(out))
+    tables.print_status(mimoc.read_cohort(cohort).status(out))
 
 
 @app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
@@ -119,17 +105,11 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     from mimoc.cli import console
 
-    study = _read(cohort)
+    study = mimoc.read_cohort(cohort)
     for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
         with console.progress("reading results") as show:
             written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
-
-
-def _read(path: Path) -> "Cohort":
-    from mimoc.cohorts import read_cohort
-
-    return read_cohort(path)
 
 
 def _given(**options: Any) -> dict[str, Any]:

@@ -5,20 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli import (
-    bundles,
-    cohort,
-    conversions,
-    doctor,
-    new,
-    pages,
-    pictures,
-    recordings,
-    run,
-    train,
-    validate,
-    view,
-)
+from mimoc.cli import bundles, cohort, doctor, new, pages, pictures, recordings, run, train, validate, view
 from mimoc.version import __version__
 
 app = typer.Typer(
@@ -63,8 +50,8 @@ COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
     "rooms": (pictures.rooms, "playroom.yaml --seeds 0:12 -o rooms.png"),
     "replay": (recordings.replay, "recordings/random"),
     "export": (recordings.export, "recordings/random --to csv -o out/random_csv"),
-    "import": (conversions.import_config, "babybench config.yml -o self_touch.yaml"),
-    "schema": (conversions.schema, "-o infant.schema.json"),
+    "import": (new.import_config, "babybench config.yml -o self_touch.yaml"),
+    "schema": (new.schema, "-o infant.schema.json"),
     "doctor": (doctor.doctor, ""),
 }
 """The commands in the order of the help, each with the arguments of its example."""

@@ -70,10 +70,8 @@ def _looks() -> Iterator[tuple[str, Callable[[], str]]]:
     for extra in EXTRAS:
         yield f"mimoc[{extra}]", lambda extra=extra: _extra(extra)
     yield "torch", _torch
-    yield (
-        "NVIDIA GPU",
-        lambda: _told("nvidia-smi", "--query-gpu=name,driver_version,memory.total", "--format=csv,noheader"),
-    )
+    query = "--query-gpu=name,driver_version,memory.total"
+    yield "NVIDIA GPU", lambda: _told("nvidia-smi", query, "--format=csv,noheader")
     yield "SLURM", lambda: f"partitions {_told('sinfo', '--noheader', '--format=%P')}"
     yield "Ray cluster", lambda: _told("ray", "status").partition("\n")[0]
 
@@ -104,11 +102,7 @@ def _build() -> str:
 
 
 def _extra(extra: str) -> str:
-    """Return the versions of the packages of an extra.
-
-    Raises:
-        AbsentError: If one is not installed.
-    """
+    """Return the versions of the packages of an extra; raise an AbsentError if one is not installed."""
     wanted = re.compile(rf"([\w.-]+).*extra == ['\"]{extra}['\"]")
     names = [match[1] for requirement in requires("mimoc") or () if (match := wanted.match(requirement))]
     try:
@@ -129,12 +123,7 @@ def _torch() -> str:
 
 
 def _told(*command: str) -> str:
-    """Return what a program of the system prints, in one line.
-
-    Raises:
-        AbsentError: If it is not there.
-        OSError: If it fails.
-    """
+    """Return what a program of the system prints, in one line; raise an AbsentError if there is none."""
     if not shutil.which(command[0]):
         raise AbsentError(f"no command '{command[0]}'")
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)

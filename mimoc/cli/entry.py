@@ -28,7 +28,7 @@ def main() -> None:
 
 
 def _run() -> None:
-    warnings.formatwarning = _warning_line
+    warnings.formatwarning = lambda message, *_place: f"warning: {printable(message)}\n"
     try:
         from mimoc.cli.commands import app
 
@@ -42,11 +42,6 @@ def _run() -> None:
             raise
         print(printable(problem), file=sys.stderr)
         sys.exit(BAD_INPUT)
-
-
-def _warning_line(message: Warning | str, *_place: object) -> str:
-    """Return a warning as one line, without the place in the code that it comes from."""
-    return f"warning: {printable(message)}\n"
 
 
 def _is_pipe_broken(out: TextIO, code: object) -> bool:

@@ -1,4 +1,4 @@
-"""`mimoc new`."""
+"""`mimoc new`, `mimoc import` and `mimoc schema`: specs to begin with, and what editors know of them."""
 
 import re
 import shlex
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError, SpecError, check_name
+from mimoc.base.errors import MimocError, OutputError, SpecError, check_name
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
@@ -40,29 +40,24 @@ def _of(field: str) -> Callable[[], Sequence[str]]:
 
 
 Like = Annotated[
-    str | None, typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom.")
+    str | None, typer.Option(metavar="NAME", help="Begin with an example, such as nine_months or playroom.")
 ]
-Hands = Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.", autocompletion=_of("hands"))]
-Actuation = Annotated[
-    str | None, typer.Option("--actuation", help="torque, muscle or position.", autocompletion=_of("actuation"))
-]
-Scene = Annotated[str | None, typer.Option("--scene", help="empty, flat, crib or room.", autocompletion=_of("scene"))]
-Pose = Annotated[
-    str | None, typer.Option("--pose", help="supine, prone, sitting or standing.", autocompletion=_of("pose"))
-]
+Hands = Annotated[str | None, typer.Option(help="mitten or five_finger.", autocompletion=_of("hands"))]
+Actuation = Annotated[str | None, typer.Option(help="torque, muscle or position.", autocompletion=_of("actuation"))]
+Scene = Annotated[str | None, typer.Option(help="empty, flat, crib or room.", autocompletion=_of("scene"))]
+Pose = Annotated[str | None, typer.Option(help="supine, prone, sitting or standing.", autocompletion=_of("pose"))]
 Task = Annotated[
-    str | None,
-    typer.Option("--task", help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task")),
+    str | None, typer.Option(help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task"))
 ]
 
 
 def new(
     spec: Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file to write, or `-` for standard output.")],
     like: Like = None,
-    age: Annotated[float | None, typer.Option("--age", metavar="MONTHS", help="Age, 0 to 24.")] = None,
+    age: Annotated[float | None, typer.Option(metavar="MONTHS", help="Age, 0 to 24.")] = None,
     hands: Hands = None,
     actuation: Actuation = None,
-    senses: Annotated[str | None, typer.Option("--senses", help="Names with commas between; `none` for none.")] = None,
+    senses: Annotated[str | None, typer.Option(help="Names with commas between; `none` for none.")] = None,
     scene: Scene = None,
     pose: Pose = None,
     task: Task = None,
@@ -122,11 +117,7 @@ def _answers(name: str) -> dict[str, Any]:
 
 
 def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
-    """Return an answer that a spec can say, with the answers before it.
-
-    Raises:
-        BadParameter: If none can; a prompt prints what is wrong, and asks again.
-    """
+    """Return an answer that a spec can say, with those before it; else a prompt prints the error, and asks again."""
     from mimoc.schema import read_spec, source
     from mimoc.schema.starter import new_spec
     from mimoc.schema.yaml_document import scalar
@@ -143,14 +134,54 @@ def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
 
 
 def _example(like: str, name: str) -> str:
-    """Return the text of an example, under another name.
-
-    Raises:
-        UnknownNameError: If there is no such example.
-    """
+    """Return the text of an example, under another name."""
     from mimoc.compiler.loading import example_specs
 
     examples = example_specs()
     check_name("name of an example", like, examples)
     text = examples[like].read_text(encoding="utf-8")
     return re.sub("^name: .*$", f"name: {name}", text, count=1, flags=re.MULTILINE)
+
+
+def import_config(
+    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Format of the configuration: babybench.")],
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="Configuration to convert, a YAML file.")],
+    file: Annotated[
+        Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write, or `-` for standard output.")
+    ],
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Convert another system's configuration into a spec, and list the settings that have no counterpart."""
+    from mimoc import importers
+    from mimoc.bundle import files
+
+    imported = importers.import_config(system, config)
+    if file == STDOUT:
+        print(*imported.notes, sep="\n", end="\n" if imported.notes else "", file=sys.stderr)
+        print(imported.text, end="")
+        return
+    if file.resolve() == config.resolve():
+        raise OutputError(f"{file}: this is the configuration itself; choose another file")
+    if file.exists() and not force:
+        raise OutputError(f"{file}: already exists; choose another file, or replace it with --force")
+    written = files.write_file(file, imported.text.encode())
+    for note in imported.notes:
+        print(printable(note))
+    print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o out/{imported.spec['name']}")
+
+
+def schema(
+    of: Annotated[str, typer.Argument(metavar="FILES", help="infant (specs) or cohort (cohort files).")] = "infant",
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="FILE", help="File to write; default: standard output.")
+    ] = None,
+) -> None:
+    """Print the JSON Schema of specs, by which editors complete keys and underline mistakes."""
+    from mimoc.bundle.files import write_file
+    from mimoc.schema.json_schema import json_schema, json_text
+
+    text = json_text(json_schema(of))
+    if out is None:
+        print(text, end="")
+    else:
+        print(printable(write_file(out, text.encode())))

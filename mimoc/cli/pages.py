@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+import mimoc
 from mimoc.cli.arguments import STDIN, load_spec
 from mimoc.cli.terminal import printable, resumable
 
@@ -23,22 +24,16 @@ def report(
         bool, typer.Option("--no-check", help="Leave out whether an infant's simulation is stable, as `check` finds.")
     ] = False,
     cohort: Annotated[
-        Path | None,
-        typer.Option("--cohort", metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too."),
+        Path | None, typer.Option(metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too.")
     ] = None,
 ) -> None:
     """Write one HTML page on an infant, a training run or a cohort, which opens anywhere and needs no network."""
     from mimoc.cli import console
-    from mimoc.reporting import report as write_report
 
-    study = None
-    if cohort is not None:
-        from mimoc.cohorts import read_cohort
-
-        study = read_cohort(cohort)
+    study = mimoc.read_cohort(cohort) if cohort else None
     infant = load_spec(source) if source == STDIN else source
     with console.progress("writing the page") as show:
-        print(printable(write_report(infant, out, check=not no_check, cohort=study, progress=show)))
+        print(printable(mimoc.report(infant, out, check=not no_check, cohort=study, progress=show)))
 
 
 def experiment(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec_of_infant
+from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 Azimuth = Annotated[
     float | None,
     typer.Option(
-        "--azimuth",
         min=-360,
         max=360,
         help="Where the camera stands around the infants, in degrees: 0 in front of them, 90 at their left, 180 behind "
@@ -26,7 +25,6 @@ Azimuth = Annotated[
 Elevation = Annotated[
     float | None,
     typer.Option(
-        "--elevation",
         min=-90,
         max=90,
         help="How high it stands, in degrees: 0 level with them, 90 straight above; default: what suits the pose.",
@@ -35,7 +33,6 @@ Elevation = Annotated[
 Distance = Annotated[
     float | None,
     typer.Option(
-        "--distance",
         min=0.1,
         max=100,
         help="How far it stands from the middle of them, in metres; default: so that they fill the image.",
@@ -61,14 +58,13 @@ def render(
     ],
     file: PicturePath,
     pose: Annotated[
-        str | None,
-        typer.Option("--pose", help="supine, prone, sitting or standing, of all; default: each one's spec's."),
+        str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
     ] = None,
-    width: Annotated[int, typer.Option("--width", min=16, max=4096, help="Width in pixels.")] = 960,
-    height: Annotated[int, typer.Option("--height", min=16, max=4096, help="Height in pixels.")] = 720,
+    width: Annotated[int, typer.Option(min=16, max=4096, help="Width in pixels.")] = 960,
+    height: Annotated[int, typer.Option(min=16, max=4096, help="Height in pixels.")] = 720,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
     body: Annotated[
-        Body | None, typer.Option("--body", help="Draw the skin or the solids under it; default: skin, without --skin.")
+        Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
     ] = None,
     azimuth: Azimuth = None,
     elevation: Elevation = None,
@@ -94,10 +90,8 @@ def render(
     print(printable(write_picture(file, picture)))
 
 
-Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
 FieldOfView = Annotated[
-    float,
-    typer.Option("--fovy", min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow."),
+    float, typer.Option(min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow.")
 ]
 NOTHING_SEEN = (
     "note: the eye sees one plain surface (sky, floor, or skin near by), so all views are alike; let it see something: "
@@ -109,24 +103,21 @@ def see(
     infant: InfantPath,
     file: PicturePath,
     ages: Annotated[
-        str, typer.Option("--ages", metavar="MONTHS,...", help="Ages in months, 0 to 36, whose acuity is shown.")
+        str, typer.Option(metavar="MONTHS,...", help="Ages in months, 0 to 36, whose acuity is shown.")
     ] = "1,2,4,6,12",
     profile: Annotated[
-        str | None,
-        typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; default: the spec's."),
+        str | None, typer.Option(help="Acuity by age: tac2, mayer1995 or mimo_v2; default: the spec's.")
     ] = None,
     foveation: Annotated[
-        float | None,
-        typer.Option("--foveation", min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0."),
+        float | None, typer.Option(min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0.")
     ] = None,
-    pose: Pose = None,
-    eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
+    pose: Annotated[str | None, typer.Option(help="supine, prone, sitting or standing; default: the spec's.")] = None,
+    eye: Annotated[str, typer.Option(help="left or right.")] = "left",
     down: Annotated[
-        float | None,
-        typer.Option("--down", min=-90, max=90, help="Downward gaze in degrees; default: towards a toy or a hand."),
+        float | None, typer.Option(min=-90, max=90, help="Downward gaze in degrees; default: towards a toy or a hand.")
     ] = None,
     fovy: FieldOfView = 18,
-    size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Size of each view in pixels.")] = 256,
+    size: Annotated[int, typer.Option(min=16, max=1024, help="Size of each view in pixels.")] = 256,
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
@@ -159,19 +150,19 @@ def rooms(
         ),
     ],
     file: PicturePath,
-    seeds: Annotated[
-        str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes; END is excluded.")
-    ] = "0:12",
-    size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
+    seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Seeds of the scenes; END is excluded.")] = "0:12",
+    size: Annotated[int, typer.Option(min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
 ) -> None:
     """Render the scenes of several seeds in one image."""
+    from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
-    from mimoc.compiler import building
+    from mimoc.compiler import building, variants
     from mimoc.render.picture_files import captioned_grid, check_picture_name, write_picture
     from mimoc.render.portrait import overview
 
     check_picture_name(file)
-    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), list[Any]()
+    wanted, pictures = parse_seeds(seeds), list[Any]()
+    infant = variants.spec_of(read_bundle(spec)) if spec.is_dir() else load_spec(spec)
     _check_seed_matters(infant)
     builder = building.builder(infant)
     with console.progress("drawing") as show:
@@ -182,11 +173,7 @@ def rooms(
 
 
 def _check_seed_matters(spec: "InfantSpec") -> None:
-    """Print a note if only the toys depend on the seed.
-
-    Raises:
-        SpecError: If nothing in the scene depends on the seed.
-    """
+    """Print a note if only the toys depend on the seed; raise a SpecError if nothing in the scene does."""
     from mimoc.scenes import SCENES
     from mimoc.schema.infant import as_written
 
@@ -201,11 +188,7 @@ def _check_seed_matters(spec: "InfantSpec") -> None:
 
 
 def parse_seeds(text: str) -> range:
-    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`.
-
-    Raises:
-        MimocError: If the text is not a range of seeds, or the range is empty or too large.
-    """
+    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`; a MimocError says what is wrong."""
     first, colon, end = text.partition(":")
     if not (first.isdecimal() and (end if colon else first).isdecimal()):
         raise MimocError(f"'{text}' is not a range of seeds; write FIRST:END, such as 0:12")

@@ -13,24 +13,19 @@ from mimoc.cli.arguments import Body, RecordingPath, ShownBody, check_video, imp
 from mimoc.cli.terminal import FAILED_CHECK, printable
 from mimoc.exporters import EXPORTERS
 
-Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
-Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
 OwnTask = Annotated[
-    str | None,
-    typer.Option("--task", metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from."),
+    str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
 ]
-
-Video = Annotated[Path | None, typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
 
 
 def replay(
     recording: RecordingPath,
-    infant: Infant = None,
-    episode: Number = None,
+    infant: Annotated[int | None, typer.Option(min=0, help="Replay only this one of several infants.")] = None,
+    episode: Annotated[int | None, typer.Option(min=0, help="Replay only the episode of this number.")] = None,
     task: OwnTask = None,
-    video: Video = None,
+    video: Annotated[Path | None, typer.Option(metavar="FILE", help="Make a video of it: .mp4 or .gif.")] = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
-    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
@@ -41,8 +36,8 @@ def replay(
     check_video(video, eyes)
     recorded = read_recording(recording)
     if video and infant is None and recorded.infants > 1:
-        some = f"{recorded.infants} infants are recorded here"
-        raise MimocError(f"{recorded.path}: {some}; choose one for --video with --infant")
+        which = "choose one for --video with --infant"
+        raise MimocError(f"{recorded.path}: {recorded.infants} infants are recorded here; {which}")
     failed = steps = count = 0
     filmed: Any = nullcontext()
     if video and recorded:
@@ -69,7 +64,7 @@ FORMATS = f"{', '.join((*_OURS, *announced('mimoc.exporters')))}."
 
 def export(
     recording: RecordingPath,
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help=FORMATS)],
+    to: Annotated[str, typer.Option(metavar="FORMAT", help=FORMATS)],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
 ) -> None:
     """Write a recording in the format of others, and say what that cannot hold."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import mimoc
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant
 from mimoc.cli.terminal import printable
@@ -17,47 +18,35 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mimoc.recording.record import Watch
-    from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import PolicyMaker, Run
+    from mimoc.runtime.rollout import Run
 
 
-def _policies() -> str:
-    """Return what `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
-    ours = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
-    return ", ".join((*ours, *announced("mimoc.policies")))
-
-
-PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
-Seed = Annotated[
-    int, typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run.")
-]
+POLICY_NAMES = ", ".join((*(f"{name} ({POLICIES[name].about})" for name in POLICIES), *announced("mimoc.policies")))
+"""What `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
+Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
-    Path | None, typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
+    Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
 ]
 RecordFolder = Annotated[
-    Path | None,
-    typer.Option("--record", metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`)."),
+    Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
 ]
-
-
 OwnTask = Annotated[
-    str | None,
-    typer.Option("--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training."),
+    str | None, typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training.")
 ]
 
 
 def run(
     infant: InfantPath,
-    policy: PolicyName = "random",
-    steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
+    policy: Annotated[str, typer.Option(help=f"{POLICY_NAMES}; or a trained policy.zip.")] = "random",
+    steps: Annotated[int, typer.Option(min=1, help="Number of control steps to run.")] = 1000,
     seed: Seed = 0,
     task: OwnTask = None,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
-    fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
-    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
+    size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
@@ -67,29 +56,23 @@ def run(
     from mimoc.runtime.rollout import Run, policy_of
 
     check_video(video, eyes)
-    chosen = _read_policy(policy)
+    chosen = mimoc.load_policy(policy) if policy.endswith(".zip") else policy
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen)  # Refuses bad names before anything is written.
-        recorded.enter_context(_recording(env, record))
+        if record:
+            from mimoc.recording.recorder import Recording
+
+            recorded.enter_context(Recording([env], record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
-        _run(rollout, steps, filmed, [path for path in (video, record) if path])
+        written = [path for path in (video, record) if path]
+        _run(rollout, steps, filmed, written)
     console.print_run(rollout.summary())
-    for written in (video, record):
-        if written:
-            print(printable(written))
-
-
-def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
-    """Return what records an environment in a folder, if there is one."""
-    if folder is None:
-        return nullcontext()
-    from mimoc.recording.recorder import Recording
-
-    return Recording([env], folder)
+    for path in written:
+        print(printable(path))
 
 
 def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | None]", written: Sequence[Path]) -> None:
@@ -117,12 +100,3 @@ def _interruptible(written: Sequence[Path]) -> Iterator[None]:
             kept = printable(" and ".join(map(str, written)))
             print(f"stopped; {kept} {shows} the run up to this point", file=sys.stderr)
         raise
-
-
-def _read_policy(policy: str) -> "str | PolicyMaker":
-    """Return the trained policy if the name is that of a file, else the name itself."""
-    if not policy.endswith(".zip"):
-        return policy
-    from mimoc.training import load_policy
-
-    return load_policy(policy)

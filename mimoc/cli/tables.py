@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
@@ -29,7 +28,11 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     console = open_console()
     for indicator, rows in report.by_indicator.items():
         console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
-        console.print(_growth_table(rows))
+        columns = _growth_columns(rows)
+        table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
+        for row in rows:
+            table.add_row(*(column(row) for column in columns.values()))
+        console.print(table)
         console.print(_largest_deviation(rows) + "\n")
     goals = {
         "within one SD of the mean of WHO's boys and girls": [row for row in report.rows if row.requested_z is None],
@@ -38,24 +41,12 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     for goal, rows in goals.items():
         judged = [row for row in rows if row.is_judged]
         failing = sorted({row.indicator for row in judged if row.missed})
-        if judged:
-            _print_verdict(f"{goal} at every age: {_names(judged)}", f"not {goal} at every age", failing)
+        if failing:
+            console.print(Text(f"failed: not {goal} at every age: {', '.join(failing)}", style="red"))
+        elif judged:
+            console.print(Text(f"ok: {goal} at every age: {_names(judged)}", style="green"))
     if reported := [row for row in report.rows if not row.is_judged]:
         console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
-
-
-def _print_verdict(goal: str, missed: str, failing: Sequence[str]) -> None:
-    """Print in green that a goal is reached, or in red what has missed it."""
-    text, colour = (f"failed: {missed}: {', '.join(failing)}", "red") if failing else (f"ok: {goal}", "green")
-    open_console().print(Text(text, style=colour))
-
-
-def _growth_table(rows: Sequence[Row]) -> Table:
-    columns = _growth_columns(rows)
-    table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
-    for row in rows:
-        table.add_row(*(column(row) for column in columns.values()))
-    return table
 
 
 def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
@@ -105,8 +96,10 @@ def print_measurements(report: MeasurementReport, tolerance: float) -> None:
         f"({100 * worst.deviation:+.1f} %)"
     )
     verdict = f"within {100 * tolerance:g} % of {goal} in every age group"
-    failing = [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]
-    _print_verdict(verdict, f"not {verdict}", failing)
+    if failing := [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]:
+        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
+    else:
+        console.print(Text(f"ok: {verdict}", style="green"))
     if reported := dict.fromkeys(row.measurement.replace("_", " ") for row in report.rows if not row.is_judged):
         console.print(f"in brackets: changed by other keys of the spec, and not judged: {', '.join(reported)}")
 
@@ -132,8 +125,10 @@ def print_milestones(report: MilestoneReport) -> None:
         out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
     out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
     failing = [item.trial.name for item in report.milestones if item.verdict not in ("inside", "no verdict")]
-    goal = "every milestone is inside the window of real infants"
-    _print_verdict(goal, "outside the window of real infants", failing)
+    if failing:
+        out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
+    else:
+        out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
 
 
 def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:

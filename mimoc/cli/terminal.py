@@ -24,9 +24,6 @@ def resumable(result: Path | None = None) -> Generator[None, None, None]:
 def printable(text: object) -> str:
     r"""Return a text with all that is not to be printed escaped, such as `\x1b`; line breaks stay."""
     return "".join(
-        character if character.isprintable() or character == "\n" else _escaped(character) for character in str(text)
+        character if character.isprintable() or character == "\n" else character.encode("unicode_escape").decode()
+        for character in str(text)
     )
-
-
-def _escaped(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")

@@ -11,18 +11,13 @@ from mimoc.cli.terminal import resumable
 CheckpointEvery = Annotated[
     int | None,
     typer.Option(
-        "--checkpoint-every",
         min=1,
         help="Steps between checkpoints: the most that a kill can lose; default: 20480, or a whole episode if longer.",
     ),
 ]
 StepsPerEpisode = Annotated[
     int | None,
-    typer.Option(
-        "--steps-per-episode",
-        min=1,
-        help="Control steps after which an episode is truncated; default: those of the task, or 500.",
-    ),
+    typer.Option(min=1, help="Control steps after which an episode is truncated; default: those of the task, or 500."),
 ]
 Assignments = Annotated[
     list[str] | None,
@@ -37,51 +32,38 @@ Processes = Annotated[
 ]
 Threads = Annotated[
     int | None,
-    typer.Option(
-        "--threads", min=1, help="Threads that share the work of all together; default: as many as may be used."
-    ),
+    typer.Option(min=1, help="Threads that share the work of all together; default: as many as may be used."),
 ]
 OwnTask = Annotated[
     str | None,
-    typer.Option(
-        "--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."
-    ),
+    typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."),
 ]
-Steps = Annotated[int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")]
+Steps = Annotated[int, typer.Option(min=1, help="Control steps to train for, summed over all environments.")]
 Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 Grow = Annotated[
     str | None,
-    typer.Option(
-        "--grow", metavar="A:B", help="Let the infant have ages from A to B months over the training, as in 6:12."
-    ),
+    typer.Option(metavar="A:B", help="Let the infant have ages from A to B months over the training, as in 6:12."),
 ]
 Schedule = Annotated[
-    str,
-    typer.Option(
-        "--schedule", help="Order of the ages of --grow: grown, adult (only the oldest), reversed or shuffled."
-    ),
+    str, typer.Option(help="Order of the ages of --grow: grown, adult (only the oldest), reversed or shuffled.")
 ]
 Record = Annotated[
-    Path | None,
-    typer.Option("--record", metavar="DIR", help="Record all episodes in this folder (needs `mimoc[record]`)."),
+    Path | None, typer.Option(metavar="DIR", help="Record all episodes in this folder (needs `mimoc[record]`).")
 ]
 GrowSteps = Annotated[
-    int | None,
-    typer.Option(
-        "--grow-steps", min=1, help="Control steps that growth takes, summed over all environments; default: all."
-    ),
+    int | None, typer.Option(min=1, help="Control steps that growth takes, summed over all environments; default: all.")
 ]
 
 
 def train(
     infant: InfantPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training run.")],
-    algo: Annotated[str, typer.Option("--algo", help="Learning algorithm: ppo or sac.")] = "ppo",
+    algo: Annotated[str, typer.Option(help="Learning algorithm: ppo or sac.")] = "ppo",
     steps: Steps = 500_000,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
-    envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
+    seed: Annotated[int, typer.Option(min=0, help="Random seed; the same seed gives the same result.")] = 0,
+    envs: Annotated[int, typer.Option(min=1, max=1024, help="Number of parallel environments.")] = 8,
     steps_per_episode: StepsPerEpisode = None,
-    every: CheckpointEvery = None,
+    checkpoint_every: CheckpointEvery = None,
     assignments: Assignments = None,
     threads: Threads = None,
     processes: Processes = None,
@@ -99,7 +81,7 @@ def train(
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes, "force": force}
-    others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": every}
+    others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": checkpoint_every}
     bundle = load_infant(infant)
     others |= {"hyper": parse(algo, assignments or []), "task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):

@@ -20,7 +20,7 @@ LINES_S, LINES_SHARE = 10.0, 1 / 20
 
 
 @contextmanager
-def shown() -> "Iterator[_Bar | Lines]":
+def shown() -> Iterator["Lines | _Bar"]:
     """Show a training by a progress bar in terminals, and elsewhere by lines now and then; warnings are a line each."""
     in_terminal = sys.stderr.isatty()  # Which a bar replaces by something that is no terminal.
     with console.progress("training") as bar, _warnings_as_lines():
@@ -31,7 +31,6 @@ class Lines:
     """Writes a line with the first row of the learning curve, and then now and then."""
 
     def __init__(self, write: Callable[[str], None], clock: Callable[[], float] = perf_counter):
-        """Begin; *write* is called with each line, and *clock* returns the time in seconds."""
         self._write, self._clock = write, clock
         self._begun: tuple[int, float] | None = None
         """Steps and time at the first report; a training that is resumed begins with those before."""
@@ -69,9 +68,11 @@ class _Bar:
         self._show, self._text = show, "training"
 
     def report(self, done: int, total: int) -> None:
+        """Move the bar."""
         self._show(done, total, self._text)
 
     def on_row(self, row: CurvePoint) -> None:
+        """Write the return before the bar."""
         self._text = f"training, {return_of(row)}"
 
 
@@ -83,7 +84,10 @@ def return_of(row: CurvePoint) -> str:
 
 
 def print_training(training: Training, out: Path, task: str | None) -> None:
-    """Print the first and the last row of the learning curve with ended episodes, and what to do with the folder."""
+    """Print the first and the last row of the learning curve with episodes that ended, and what to do with the folder.
+
+    The user's own task, if any, is named in what to do, since the policy may observe it.
+    """
     rows = training.curve.ends
     title = f"trained for {training.curve.steps} control steps"
     table = console.new_table("quantity", "start", "end", title=title)

@@ -84,15 +84,13 @@ def validate(
     spec: Annotated[
         Path | None,
         typer.Argument(
-            metavar="SPEC",
-            help="Spec of the infant, or `-` for standard input; default: the average child.",
+            metavar="SPEC", help="Spec of the infant, or `-` for standard input; default: the average child."
         ),
     ] = None,
-    against: Annotated[str, typer.Option("--against", help=f"What to compare with: {', '.join(VALIDATIONS)}.")] = "who",
+    against: Annotated[str, typer.Option(help=f"What to compare with: {', '.join(VALIDATIONS)}.")] = "who",
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
     plot: Annotated[
-        Path | None,
-        typer.Option("--plot", metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp."),
+        Path | None, typer.Option(metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp.")
     ] = None,
     delays: Annotated[
         bool, typer.Option("--delays", help="Milestones with the infant's own delays of senses and commands.")

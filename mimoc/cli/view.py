@@ -14,8 +14,6 @@ from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
-    from mimoc.viewer.viewing import View
-
 
 Shown = Annotated[
     Path,
@@ -23,10 +21,14 @@ Shown = Annotated[
         metavar="INFANT|RECORDING", help="Bundle, spec (.yaml, or `-` for standard input) or recording to show."
     ),
 ]
-Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")]
 Number = Annotated[
-    int | None,
-    typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first."),
+    int | None, typer.Option(min=0, help="Show the recorded episode of this number; default: the first.")
+]
+Live = Annotated[
+    bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
+]
+Physics = Annotated[
+    bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
 ]
 
 
@@ -37,16 +39,12 @@ def view(
         bool | None,
         typer.Option("--open/--no-open", help="Open it in the browser; default: in a terminal with a display."),
     ] = None,
-    physics: Annotated[
-        bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
-    ] = False,
-    infant: Infant = None,
+    physics: Physics = False,
+    infant: Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")] = None,
     episode: Number = None,
-    live: Annotated[
-        bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
-    ] = False,
-    policy: Annotated[str, typer.Option("--policy", help="What it does with --live; see `mimoc run`.")] = "random",
-    port: Annotated[int, typer.Option("--port", min=1, max=65535, help="Port of this machine for --live.")] = 8080,
+    live: Live = False,
+    policy: Annotated[str, typer.Option(help="What it does with --live; see `mimoc run`.")] = "random",
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of this machine for --live.")] = 8080,
 ) -> None:
     """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
 
@@ -72,17 +70,12 @@ def view(
     source = shown if is_recording else load_infant(shown)
     with console.progress("replaying" if is_recording else "growing") as show:
         page = viewing.view(source, file, physics=physics, infant=infant, episode=episode, progress=show)
-    _tell(page)
-    if opens:
-        page.open()
-
-
-def _tell(page: "View") -> None:
-    """Print where a page is, and what is to be known of it."""
     if page.difference:
         message = "the page shows what is simulated now, which differs from the recording"
         print(printable(f"{message}: {page.difference}"), file=sys.stderr)
     print(printable(page.path))
+    if opens:
+        page.open()
 
 
 def _in_a_terminal() -> bool:

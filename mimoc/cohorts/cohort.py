@@ -120,7 +120,7 @@ class Cohort:
         """Check that there are the policies, experiments and settings of trainings that its steps name.
 
         Raises:
-            SpecError: If some are unknown or impossible; the error lists all.
+            SpecError: If some are unknown or impossible; the error lists all, with their places.
             MissingExtraError: If it trains, and Stable-Baselines3 is not installed.
         """
         problems = []

@@ -56,12 +56,7 @@ def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
 
 
 def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[CohortInfant, ...]:
-    """Return all infants of a cohort, in the order of its design.
-
-    Args:
-        cohort: The cohort.
-        source: Its file.
-        base: The spec that all infants are made from.
+    """Return all infants of a cohort, in the order of its design, made from the spec *base*.
 
     Raises:
         SpecError: If some combinations of values are invalid; the error names the values.
@@ -78,7 +73,9 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Cohort
         except SpecError as error:
             problems += [_traced(problem, choice, source) for problem in error.problems]
         else:
-            infants.append(CohortInfant(_factors(choice, child), data, spec))
+            of_child = {} if child is None else {"child": choice.child, **given(child)}
+            factors = {**of_child, **{key: value for key, value, _ in choice.values}}
+            infants.append(CohortInfant(factors, data, spec))
     if problems:
         raise SpecError(problems)
     return tuple(infants)
@@ -101,17 +98,15 @@ def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> N
 
 
 def _check_number(cohort: CohortSpec, source: Source) -> None:
-    """Raise a SpecError if parallel lists differ in length, or there are too many infants, before any is made."""
+    """Raise a SpecError if parallel lists differ in length, or if there are too many infants, before any is made."""
     lengths = {key: len(levels_of(key, levels)) for key, levels in cohort.vary.items()}
-    if cohort.design == "zip" and len({*lengths.values()}) > 1:
+    in_parallel = cohort.design == "zip"
+    if in_parallel and len({*lengths.values()}) > 1:
         listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
         raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {listed}")])
-
-    if isinstance(cohort.design, SampleDesign):
-        return
     children = cohort.children.draw if isinstance(cohort.children, DrawnChildren) else len(cohort.children or (None,))
-    number = children * (max(lengths.values(), default=1) if cohort.design == "zip" else prod(lengths.values()))
-    if number > MAX_INFANTS:
+    number = children * (max(lengths.values(), default=1) if in_parallel else prod(lengths.values()))
+    if number > MAX_INFANTS and not isinstance(cohort.design, SampleDesign):
         advice = "give fewer values, a sample, or several cohort files"
         raise SpecError([source.problem((), f"{number:,} infants are more than {MAX_INFANTS:,}; {advice}")])
 
@@ -173,11 +168,6 @@ def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str,
     return rest if value is None else {**rest, first: value}
 
 
-def _factors(choice: DesignRow, child: IndividualSpec | None) -> dict[str, Any]:
-    of_child = {} if child is None else {"child": choice.child, **given(child)}
-    return {**of_child, **{key: value for key, value, _ in choice.values}}
-
-
 def _traced(problem: Problem, choice: DesignRow, source: Source) -> Problem:
     """Return the problem of an infant's spec as one of the value in the cohort file that it comes from."""
     for key, _, place in choice.values:
@@ -191,7 +181,8 @@ def _traced(problem: Problem, choice: DesignRow, source: Source) -> Problem:
 def levels_of(key: str, levels: Any) -> tuple[Any, ...]:
     """Return the values of a key: those of a list or a range, or as many draws as it says."""
     if isinstance(levels, RangeSpec):
-        return _range(levels)
+        steps = math.floor((levels.to - levels.start) / levels.step + 1e-9)
+        return tuple(_whole(rounded(levels.start + index * levels.step)) for index in range(steps + 1))
     if isinstance(levels, DrawsSpec):
         return draws(key, levels, levels.n or 1)
     return levels
@@ -201,11 +192,6 @@ def draws(key: str, levels: DrawsSpec, number: int) -> tuple[Any, ...]:
     """Return a number of values drawn from a distribution."""
     generator = stream(levels.seed, f"cohort.vary.{key}")
     return tuple(_whole(rounded(_draw(levels, generator))) for _ in range(number))
-
-
-def _range(levels: RangeSpec) -> tuple[Any, ...]:
-    steps = math.floor((levels.to - levels.start) / levels.step + 1e-9)
-    return tuple(_whole(rounded(levels.start + index * levels.step)) for index in range(steps + 1))
 
 
 def _draw(levels: DrawsSpec, generator: np.random.Generator) -> float:

@@ -128,7 +128,9 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
     """
     module_name, _, function = name.partition(":")
     with _found_in(folder):
-        _forget_another(module_name, folder)
+        known, wanted = sys.modules.get(module_name), _beside(module_name, folder)
+        if known and wanted and getattr(known, "__file__", None) != wanted.origin:
+            del sys.modules[module_name]  # It is from elsewhere, such as from beside another cohort file.
         try:
             module = import_module(module_name)
         except ImportError as error:
@@ -161,13 +163,6 @@ def digest_of(name: str, folder: str) -> str:
 def _beside(module: str, folder: str) -> ModuleSpec | None:
     """Return where a module is in a folder; None if it is not there, or is part of a package."""
     return None if "." in module else PathFinder.find_spec(module, [folder])
-
-
-def _forget_another(module: str, folder: str) -> None:
-    """Forget a module of the same name that was imported from elsewhere, such as from beside another cohort file."""
-    known, wanted = sys.modules.get(module), _beside(module, folder)
-    if known and wanted and getattr(known, "__file__", None) != wanted.origin:
-        del sys.modules[module]
 
 
 @contextmanager

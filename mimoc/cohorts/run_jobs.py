@@ -20,31 +20,24 @@ from mimoc.cohorts.store import Result, Store
 from mimoc.cohorts.work import JobContext, measured
 from mimoc.version import __version__
 
-PINNED: Mapping[str, str] = dict.fromkeys(
-    (
-        *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"),
-        *("NUMEXPR_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "BLIS_NUM_THREADS"),
-    ),
-    "1",
-)
+PINNED: Mapping[str, str] = {
+    **{f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "BLIS")},
+    "VECLIB_MAXIMUM_THREADS": "1",
+}
 """Environment variables of a process that does jobs: one thread, since there are as many processes as cores."""
 
 LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "gymnasium")}
 """Libraries whose versions a result names: those of every step, and those of single ones."""
 
 
-def run_jobs(jobs: Sequence[Job], store: Store) -> int:
-    """Do jobs one after the other, and write the result of each; return how many have failed.
+def run_jobs(jobs: Sequence[Job], store: Store) -> None:
+    """Do jobs one after the other, and write the result of each.
 
     Jobs of one infant stand next to each other, since the last infant is kept. Those that have a result are left out,
     so that jobs can be handed out twice.
     """
-    failed = 0
     for job in store.missing(jobs):
-        result = run_job(job, store)
-        store.write(job, result)
-        failed += not result.ok
-    return failed
+        store.write(job, run_job(job, store))
 
 
 def run_job(job: Job, store: Store) -> Result:
@@ -57,7 +50,10 @@ def run_job(job: Job, store: Store) -> Result:
             raise
         except BaseException as error:  # Also SystemExit: a user's function must not end the process.
             traceback.print_exc()
-            return Result("failed", {}, _versions(job.step), _line(error), perf_counter() - start)
+            reason = "; ".join(str(error).split("\n")).strip()
+            if not (isinstance(error, MimocError) and reason):
+                reason = f"{type(error).__name__}: {reason}".rstrip(": ")
+            return Result("failed", {}, _versions(job.step), reason, perf_counter() - start)
     with suppress(OSError):
         if not store.log(job).stat().st_size:
             store.log(job).unlink()
@@ -98,12 +94,6 @@ def _flush() -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(Exception):
             stream.flush()
-
-
-def _line(error: BaseException) -> str:
-    """Return what went wrong in one line."""
-    message = "; ".join(str(error).split("\n")).strip()
-    return message if isinstance(error, MimocError) and message else f"{type(error).__name__}: {message}".rstrip(": ")
 
 
 def _versions(step: str) -> dict[str, str]:

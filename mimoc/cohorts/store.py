@@ -148,11 +148,7 @@ class Store:
         return self._place("logs", job, ".txt")
 
     def runs(self, job: Job, *, empty: bool = False) -> Path:
-        """Return the folder of what else a job writes, such as a training run.
-
-        Args:
-            job: The job.
-            empty: Whether to begin with an empty folder.
+        """Return the folder of what else a job writes, such as a training run; *empty* to begin with an empty one.
 
         Raises:
             OutputError: If it cannot be written, or is a link.

@@ -3,8 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,55 +38,38 @@ def rows_of(
         measures: The measures to show; none is every one that any job has.
         progress: Called with the number of results read and their total.
     """
-    results = list[Result | None]()
+    results = list[Result]()
     for job in jobs:
         progress(len(results), len(jobs))
-        results.append(store.read(job))
-    done = [result for result in results if result]
+        results.append(store.read(job) or Result(MISSING, {}, {}))
     pairs = [*zip(jobs, results, strict=True)]
-    returned = _union([result.measures for job, result in pairs if result and job.step == "python"])
-    others = [name for name in returned if name not in known_measures()]
-    shown = measures or _ordered({name for result in done for name in result.measures})
+    returned = _union([result.measures for job, result in pairs if job.step == "python"])
+    known = known_measures()
+    others = [name for name in returned if name not in known]
+    names = {name for result in results for name in result.measures}
+    # Measures in the order in which they are documented, then others by name.
+    shown = measures or [*(name for name in known if name in names), *sorted(names - known.keys())]
     factors = _union([job.factors for job in jobs])
-    columns = _Columns(
-        factors=factors,
-        options=varied_options(jobs),
-        measures={_column(name, {*COLUMNS, *factors}): name for name in (*shown, *others)},
-        libraries=_union([result.versions for result in done]),
-    )
-    return [columns.row(job, result, store) for job, result in pairs]
-
-
-@dataclass(frozen=True, slots=True)
-class _Columns:
-    """What the columns of a table show."""
-
-    factors: Sequence[str]
-    options: Sequence[tuple[str, str]]
-    """Step and name of the options that differ between the jobs of a step."""
-    measures: Mapping[str, str]
-    """Name of each measure, by that of its column."""
-    libraries: Sequence[str]
-
-    def row(self, job: Job, result: Result | None, store: Store) -> dict[str, Cell]:
-        """Return the row of a job."""
-        failed = result is not None and not result.ok
-        measures, versions = (result.measures, result.versions) if result else ({}, {})
-        return {
+    taken = {*COLUMNS, *factors}
+    columns = {f"measured.{name}" if name in taken else name: name for name in (*shown, *others)}
+    options, libraries = varied_options(jobs), _union([result.versions for result in results])
+    rows = []
+    for job, result in pairs:
+        failed = result.status == "failed"
+        row = {
             "job": job.key,
-            **{name: _cell(job.factors.get(name)) for name in self.factors},
+            **{name: _cell(job.factors.get(name)) for name in factors},
             "step": job.step,
-            **{
-                f"{step}.{name}": _cell(job.options.get(name)) if job.step == step else None
-                for step, name in self.options
-            },
+            **{f"{step}.{name}": _cell(job.options.get(name)) if job.step == step else None for step, name in options},
             "seed": job.seed,
-            "status": result.status if result else MISSING,
-            **{column: _cell(measures.get(name)) for column, name in self.measures.items()},
-            **{f"version.{name}": versions.get(name) for name in self.libraries},
-            "error": result.error if result and failed else None,
+            "status": result.status,
+            **{column: _cell(result.measures.get(name)) for column, name in columns.items()},
+            **{f"version.{name}": result.versions.get(name) for name in libraries},
+            "error": result.error if failed else None,
             "log": store.log(job).relative_to(store.folder).as_posix() if failed else None,
         }
+        rows.append(row)
+    return rows
 
 
 def write_csv(rows: Rows, folder: Path) -> Path:
@@ -116,7 +98,7 @@ def write_parquet(rows: Rows, folder: Path) -> Path:
     except ImportError:
         raise MissingExtraError("pyarrow", "record") from None
     columns = {name: [row[name] for row in rows] for name in (rows[0] if rows else ())}
-    arrays = {name: pyarrow.array(_alike(cells), _type(cells, pyarrow)) for name, cells in columns.items()}
+    arrays = {name: _array(cells, pyarrow) for name, cells in columns.items()}
     buffer = io.BytesIO()
     parquet.write_table(pyarrow.table(arrays), buffer, compression="zstd", version="2.6")
     return write_file(folder / PARQUET, buffer.getvalue())
@@ -125,17 +107,6 @@ def write_parquet(rows: Rows, folder: Path) -> Path:
 def _union(mappings: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the keys of all mappings, in the order in which they first occur."""
     return [*dict.fromkeys(name for mapping in mappings for name in mapping)]
-
-
-def _column(measure: str, others: Set[str]) -> str:
-    """Return the column of a measure, which has another name if one of the other columns is called so."""
-    return f"measured.{measure}" if measure in others else measure
-
-
-def _ordered(names: set[str]) -> list[str]:
-    """Return measures in the order in which they are documented, then others by name."""
-    known = known_measures()
-    return [*(name for name in known if name in names), *sorted(names - known.keys())]
 
 
 def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
@@ -158,21 +129,11 @@ def _text(cell: Cell) -> str:
     return num(cell) if isinstance(cell, (bool, float)) else str(cell)
 
 
-def _type(cells: Sequence[Cell], pyarrow: Any) -> Any:
-    """Return the type of a column: that of all its cells, or text."""
-    kinds = {type(cell) for cell in cells if cell is not None}
-    if kinds == {bool}:
-        return pyarrow.bool_()
-    if kinds == {int}:
-        return pyarrow.int64()
-    return pyarrow.float64() if kinds and kinds <= {int, float} else pyarrow.string()
-
-
-def _alike(cells: Sequence[Cell]) -> list[Cell]:
-    """Return the cells of a column as numbers, if they are, or else as texts, if they are of several kinds."""
+def _array(cells: Sequence[Cell], pyarrow: Any) -> Any:
+    """Return a column of one type: cells of several kinds as numbers, if they are, or else as texts."""
     kinds = {type(cell) for cell in cells if cell is not None}
     if kinds == {int, float}:  # Arrow refuses whole numbers that a float does not hold to the last digit.
-        return [None if cell is None else float(cell) for cell in cells]
-    if len(kinds) < 2:
-        return [*cells]
-    return [None if cell is None else _text(cell) for cell in cells]
+        cells = [None if cell is None else float(cell) for cell in cells]
+    elif len(kinds) > 1:
+        cells = [None if cell is None else _text(cell) for cell in cells]
+    return pyarrow.array(cells, None if kinds else pyarrow.string())

@@ -60,7 +60,7 @@ class JobContext:
 
     @property
     def _origin(self) -> tuple[str, str, str]:
-        """The spec of its infant as JSON, the cohort, and the folder that paths in the spec are relative to."""
+        """The spec of its infant as JSON, the name of the cohort, and the folder that paths in the spec start from."""
         return json.dumps(self.job.data or {}, default=dict), self.job.cohort, self.job.spec_folder
 
 
@@ -139,12 +139,7 @@ def python(work: JobContext) -> Measures:
 
 
 STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
-    "build": build,
-    "check": check,
-    "run": run,
-    "train": train,
-    "experiment": experiment,
-    "python": python,
+    step.__name__: step for step in (build, check, run, train, experiment, python)
 }
 """What does each step, by name."""
 
@@ -171,7 +166,7 @@ def _policy(work: JobContext, name: str) -> Any:
 
 
 def _cell(value: Any, function: str) -> str | bool | int | float | None:
-    """Return a number, text or None for the table, NumPy's numbers as Python's; raise a MimocError for all else."""
+    """Return a value for the table: NumPy's numbers as Python's; a MimocError says which value has no place there."""
     plain = value.item() if getattr(value, "shape", None) == () else value
     if plain is not None and not isinstance(plain, (str, bool, int, float)):
         raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")

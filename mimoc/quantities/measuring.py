@@ -43,13 +43,7 @@ class Outcome:
 def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:
     """Return the quantities that a step of a cohort measures over children, poses or episodes, by name.
 
-    Args:
-        over: One of `Quantity.over`.
-        step: One of `Quantity.steps`.
-        things: What has a value each, as an attribute.
-
-    Raises:
-        KindError: If something has no such attribute.
+    Each of the *things* has a value as an attribute; a KindError says which has none.
     """
     measured = [quantity for quantity in measured_in(step) if quantity.over == over]
     return {quantity.name: _reduced(quantity, [_field(quantity, item) for item in things]) for quantity in measured}
@@ -59,15 +53,7 @@ class StepMeasures:
     """Values of the quantities over control steps of one infant, which may grow meanwhile."""
 
     def __init__(self, env: InfantEnv, step: str):
-        """Bind the quantities.
-
-        Args:
-            env: The environment.
-            step: Where they are measured, one of `Quantity.steps`.
-
-        Raises:
-            KindError: If one does not measure a number.
-        """
+        """Bind the quantities of a step; raise a KindError if one does not measure a number."""
         self._env, self._data = env, env.data
         self._quantities = [
             quantity
@@ -104,16 +90,11 @@ class StepMeasures:
                 readers[quantity.name] = lambda term=term: term(worlds)[0].copy()
             elif quantity.read is not None:
                 readers[quantity.name] = function_of(quantity.read, quantity.name)(env)
-            _check_shape(quantity, readers)
+            shape = np.shape(readers[quantity.name]()) if quantity.name in readers else ()
+            if shape and quantity.reduce != "path":
+                what = f"'{quantity.name}' measures an array of shape {shape} of an infant"
+                raise KindError(f"{what}; return a number, or reduce points by 'path'")
         return readers
-
-
-def _check_shape(quantity: Quantity, readers: Mapping[str, Callable[[], Any]]) -> None:
-    """Check that what is read of an infant is one number, or a point of a path."""
-    shape = np.shape(readers[quantity.name]()) if quantity.name in readers else ()
-    if shape and quantity.reduce != "path":
-        what = f"'{quantity.name}' measures an array of shape {shape} of an infant"
-        raise KindError(f"{what}; return a number, or reduce points by 'path'")
 
 
 def _field(quantity: Quantity, item: object) -> Any:

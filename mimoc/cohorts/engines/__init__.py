@@ -33,7 +33,7 @@ ENGINES: Mapping[str, str] = {
 
 
 Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
-"""What does jobs; see above."""
+"""Does jobs in a store, given its options; see above."""
 
 
 def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
@@ -97,6 +97,7 @@ class Cluster(Protocol):
 
     def cancel(self) -> None:
         """End all tasks."""
+        ...
 
 
 def do_on(cluster: Cluster, tasks: Iterable[Task], store: Store, done: Done) -> None:
@@ -152,6 +153,7 @@ class _Again:
     """Decides which jobs are begun again."""
 
     def __init__(self, store: Store):
+        """Begin without any that were killed."""
         self._store = store
         self._tries: Counter[tuple[str, bool]] = Counter()
 

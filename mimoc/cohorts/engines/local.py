@@ -45,7 +45,9 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
             for worker in workers:
                 if queue and not worker.job:
                     worker.begin(queue.next(worker.infant))
-            for worker in _heard(workers):
+            busy = [worker for worker in workers if worker.job]
+            ready = wait([worker.connection for worker in busy], POLL_S)
+            for worker in [worker for worker in busy if worker.connection in ready or worker.has_ended]:
                 job, answered = worker.finish()
                 if not answered:
                     workers.remove(worker)
@@ -109,11 +111,7 @@ class _Worker:
             self.connection.send((job, self._store))
 
     def finish(self) -> tuple[Job, bool]:
-        """Return its job, and whether it has done it, rather than ended.
-
-        Raises:
-            OutputError: If it cannot write the result.
-        """
+        """Return its job, and whether it has done it, rather than ended; or raise its OutputError."""
         assert self.job is not None
         job, self.job = self.job, None
         try:
@@ -138,13 +136,6 @@ class _Worker:
         self._process.communicate()
         code = self._process.returncode
         return f"the process was killed by signal {-code}" if code < 0 else f"the process ended with exit code {code}"
-
-
-def _heard(workers: Sequence[_Worker]) -> list[_Worker]:
-    """Wait until some processes have answered or ended, and return them."""
-    busy = [worker for worker in workers if worker.job]
-    ready = wait([worker.connection for worker in busy], POLL_S)
-    return [worker for worker in busy if worker.connection in ready or worker.has_ended]
 
 
 class Queue:

@@ -44,7 +44,11 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     if ray.is_initialized():
         do_on(_Ray(shared), tasks, shared, done)
         return
-    _join(_address(options))
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
+    if (address := _address(options)) == LOCAL:
+        _start()
+    elif problem := _problem(address):
+        raise _no_cluster(address, problem)
     try:
         do_on(_Ray(shared), tasks, shared, done)
     finally:
@@ -73,15 +77,6 @@ def check(options: Mapping[str, Any]) -> None:
 def _address(options: Mapping[str, Any]) -> str:
     """Return the address of a cluster, `local` for one that is to be started."""
     return options.get("address") or os.environ.get("RAY_ADDRESS") or LOCAL
-
-
-def _join(address: str) -> None:
-    """Join a cluster, or start one if the address is `local`; raise a MimocError if that fails."""
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
-    if address == LOCAL:
-        _start()
-    elif problem := _problem(address):
-        raise _no_cluster(address, problem)
 
 
 def _no_cluster(address: str, problem: str) -> MimocError:
@@ -114,9 +109,10 @@ class _Ray:
     """Tasks that a Ray cluster does."""
 
     def __init__(self, store: Store):
+        """Prepare to submit tasks."""
         self._store, self._running = store, dict[str, ray.ObjectRef]()
         pinned = {"env_vars": dict(PINNED)}
-        self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(_do)
+        self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(run_jobs)
 
     @property
     def room(self) -> int:
@@ -124,25 +120,23 @@ class _Ray:
         return TASKS_PER_CORE * max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
+        """Begin tasks."""
         begun = [self._do.remote(task, self._store) for task in tasks]
         names = [task.hex() for task in begun]
         self._running.update(zip(names, begun, strict=True))
         return names
 
     def ended(self) -> Mapping[str, End]:
+        """Return how tasks have ended."""
         ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
         if ready:
             ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
         return {task.hex(): _end(self._running.pop(task.hex())) for task in ready}
 
     def cancel(self) -> None:
+        """Cancel all tasks."""
         for task in self._running.values():
             ray.cancel(task, force=True)
-
-
-def _do(task: Task, store: Store) -> None:
-    """Do the jobs of a task, in a process of the cluster."""
-    run_jobs(task, store)
 
 
 def _end(task: "ray.ObjectRef") -> End:

@@ -77,11 +77,10 @@ class _Slurm:
         asked = {
             "partition": options.get("partition"),
             "time": options.get("time_min") or TIME_MIN,
+            "mem_gb": options.get("memory_gb"),
             "array_parallelism": options.get("array_limit") or ARRAY,
             "setup": [f"export {name}={value}" for name, value in PINNED.items()],
         }
-        if memory_gb := options.get("memory_gb"):
-            asked["mem_gb"] = memory_gb
         given = {name: value for name, value in asked.items() if value is not None}
         self._executor.update_parameters(
             job_name="mimoc", cpus_per_task=1, stderr_to_stdout=True, use_srun=False, signal_delay_s=1, **given
@@ -91,7 +90,10 @@ class _Slurm:
         try:
             submitted = self._executor.map_array(_do, tasks, [self._store] * len(tasks))
         except submitit.core.utils.FailedJobError as error:
-            raise RefusedError(f"SLURM refuses the tasks: {_reason(error)}") from None
+            lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+            last = lines[-1] if lines else "sbatch failed"
+            reason = next((line for line in lines if "error" in line.lower()), last)
+            raise RefusedError(f"SLURM refuses the tasks: {reason}") from None
         names = [job.job_id for job in submitted]
         self._running.update(names)
         self._poll_s = POLLS_S[0]
@@ -123,27 +125,13 @@ def _do(task: Task, store: Store) -> None:
 
 
 def _states() -> dict[str, str]:
-    """Return SLURM's states of all tasks of this user, of those that have ended some minutes ago none.
-
-    Raises:
-        MimocError: If SLURM does not answer for long.
-    """
+    """Return SLURM's states of all tasks of this user, of those that have ended some minutes ago none."""
     end_s = monotonic() + PATIENCE_S
     while True:
-        answer = subprocess.run(
-            ["squeue", "--me", "--noheader", "--array", "--states=all", "--format=%i %T"],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        squeue = ["squeue", "--me", "--noheader", "--array", "--states=all", "--format=%i %T"]
+        answer = subprocess.run(squeue, capture_output=True, text=True, check=False)
         if answer.returncode == 0:
             return dict(line.split(maxsplit=1) for line in answer.stdout.splitlines() if " " in line.strip())
         if monotonic() > end_s:
             raise MimocError(f"SLURM does not answer: {answer.stderr.strip()}; run the same command again when it does")
         sleep(POLLS_S[1])
-
-
-def _reason(error: Exception) -> str:
-    """Return what sbatch has said, in one line."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return next((line for line in lines if "error" in line.lower()), lines[-1] if lines else "sbatch failed")
