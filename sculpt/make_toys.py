@@ -6,7 +6,7 @@ from toys import animals, fruit, household, playthings, sea_animals, sweets, veh
 
 from mimoc.bundle.arrays import Array, pack_arrays
 from mimoc.toys.builtin import FIGURES, MESHES
-from mimoc.toys.model import ToyModel
+from mimoc.toys.shape import ToyModel
 
 TOYS = {
     animals: "bunny chicken elephant pig",

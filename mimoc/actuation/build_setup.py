@@ -8,7 +8,7 @@ from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
 from mimoc.body.origins import Origin as Origin
 from mimoc.body.tree import BodyTree, Joint
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Keyframe
 
 

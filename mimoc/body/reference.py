@@ -21,7 +21,7 @@ from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.checking import check_dimensions
-from mimoc.body.proportions import Proportions, proportions
+from mimoc.body.segments import Proportions, proportions
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
 

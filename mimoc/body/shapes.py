@@ -15,9 +15,9 @@ from mimoc.body.anatomy import Sided
 from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
-from mimoc.body.proportions import proportions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.body.sections import room_beside
+from mimoc.body.segments import proportions
 from mimoc.fits import Measurements
 from mimoc.geometry.rotations import Vec3
 

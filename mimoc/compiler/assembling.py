@@ -13,7 +13,7 @@ from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
 from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
+from mimoc.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
 from mimoc.mjcf.world import World
 from mimoc.schema.infant import InfantSpec

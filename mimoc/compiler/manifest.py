@@ -26,7 +26,7 @@ from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locke
 from mimoc.compiler.placing import start_pose
 from mimoc.delays.build_presets import delays
 from mimoc.looks.appearance import EXPRESSIONS, face_material
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.mjcf.world import FreeObject

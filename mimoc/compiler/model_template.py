@@ -19,7 +19,7 @@ import numpy.typing as npt
 from mimoc.base.rounding import rounded_array
 from mimoc.bundle.model import prepare
 from mimoc.compiler.model_check import compile_model
-from mimoc.compiler.scene_numbers import Slot, parameters, read
+from mimoc.compiler.model_parameters import Slot, parameters, read
 from mimoc.mjcf.scene import SceneTree
 from mimoc.mjcf.skin import Skin, single
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
-from mimoc.recording.described import OBSERVATION
+from mimoc.recording.columns import OBSERVATION
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.tables import sparse_of
 

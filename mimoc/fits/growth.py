@@ -7,8 +7,8 @@ from typing import Literal
 
 from mimoc.base.errors import DataError
 from mimoc.base.units import cm_to_m
+from mimoc.fits.anthropometry import DataPoint, Measured, Measurements
 from mimoc.fits.curves import LAST_MONTH, LogCurve, fit_count_curve, fit_log_curve
-from mimoc.fits.measurements import DataPoint, Measured, Measurements
 from mimoc.fits.tables import GroupMean, GrowthTables, load_tables
 
 Placement = Literal["middle", "published"]

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from mimoc.base.errors import check_name
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.tree import Body, BodyTree
-from mimoc.mjcf.infant import Actuator, Camera, Node, Site
+from mimoc.mjcf.elements import Actuator, Camera, Node, Site
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import Mark
 

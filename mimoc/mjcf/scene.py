@@ -7,8 +7,8 @@ from typing import Any
 import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
+from mimoc.mjcf.elements import Actuator, Camera, Node, PrintedTendon, Sensor, Site
 from mimoc.mjcf.furniture import Appearance, Material
-from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedTendon, Sensor, Site
 from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
 from mimoc.schema.base import Model

@@ -8,7 +8,7 @@ from mimoc.body.head_surface import as_on_mimos_head
 from mimoc.body.sections import BUTTOCKS, RUMP
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.infant import Camera, Sensor, Site
+from mimoc.mjcf.elements import Camera, Sensor, Site
 
 SITE_RADIUS_M = 0.01
 FINGER_SITE_RADIUS_M = 0.002

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.elements import Camera, Node, PrintedGeom
 from mimoc.mjcf.furniture import BARE, OUTDOORS, SOLID, DirectionalLight, Furniture, Headlight, WorldGeom, WorldMaterial
-from mimoc.mjcf.infant import Camera, Node, PrintedGeom
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
-from mimoc.recording.described import Described
+from mimoc.recording.columns import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv

@@ -13,7 +13,7 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.described import OBSERVATION, Described
+from mimoc.recording.columns import OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain

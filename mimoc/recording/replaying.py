@@ -13,7 +13,7 @@ from mimoc.base.errors import MimocError, RecordingError
 from mimoc.bundle.io import Bundle
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Block, Reading
-from mimoc.recording.described import OBSERVATION
+from mimoc.recording.columns import OBSERVATION
 from mimoc.recording.folder import versions
 from mimoc.recording.observer import ACTION, NOTHING_YET, spaces_of
 from mimoc.recording.reading import Episode, ReadRecording

@@ -13,7 +13,7 @@ from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
-from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
+from mimoc.recording.columns import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import opened
 
 try:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mimoc.base.errors import UnknownToysError, suggestion
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import Mesh, Part, Solid, ToyModel
+from mimoc.toys.shape import Mesh, Part, Solid, ToyModel
 from mimoc.toys.spec import ToysSpec
 
 MESHES, FIGURES = (Path(__file__).with_name(f"toys.{suffix}") for suffix in ("npz", "json"))

@@ -9,7 +9,7 @@ import numpy as np
 from mimoc.base.random_streams import between, pick, stream, whole_between
 from mimoc.base.units import cm_to_m
 from mimoc.mjcf.furniture import Rgba
-from mimoc.toys.model import Tint, ToyModel, radius
+from mimoc.toys.shape import Tint, ToyModel, radius
 from mimoc.toys.spec import ToysSpec
 
 SATURATION, BRIGHTNESS = (0.55, 0.9), (0.65, 0.95)

@@ -12,7 +12,7 @@ from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.model import UPRIGHT, Mesh, solid_volume
+from mimoc.toys.shape import UPRIGHT, Mesh, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from toys.transforms import move, stretch, turn
 
 from mimoc.geometry.rotations import FloatArray, Vec3
-from mimoc.toys.model import IntArray, Mesh
+from mimoc.toys.shape import IntArray, Mesh
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 ROUND = 16

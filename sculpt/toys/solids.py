@@ -11,7 +11,7 @@ from mimoc.geometry.rotations import (
     quaternion_from_axis,
     quaternion_product,
 )
-from mimoc.toys.model import UPRIGHT, Solid
+from mimoc.toys.shape import UPRIGHT, Solid
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 SAG = 0.01

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
-from mimoc.toys.model import Mesh
+from mimoc.toys.shape import Mesh
 
 
 def move(mesh: Mesh, by: Vec3) -> Mesh:

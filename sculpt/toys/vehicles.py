@@ -7,7 +7,7 @@ from toys.transforms import move, pair, turn
 from toys.wheels import axles, wheels
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.toys.model import Looks, Mesh, ToyModel, assemble
+from mimoc.toys.shape import Looks, Mesh, ToyModel, assemble
 
 
 def car() -> ToyModel:

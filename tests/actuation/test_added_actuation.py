@@ -12,7 +12,7 @@ from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.base.kinds import ActuationKind
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
 

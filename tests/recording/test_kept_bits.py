@@ -10,9 +10,9 @@ from hypothesis import given, strategies as st
 from hypothesis.extra import numpy as arrays
 
 from mimoc.base.errors import RecordingError
-from mimoc.recording import described, frames
+from mimoc.recording import columns as described, frames
 from mimoc.recording.blocks import Sparse, reading_of
-from mimoc.recording.described import compact_names, expand_names
+from mimoc.recording.columns import compact_names, expand_names
 from mimoc.recording.state_text import from_plain, is_same, to_plain
 
 numbers = arrays.arrays(

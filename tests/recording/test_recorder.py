@@ -10,7 +10,7 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import MissingExtraError, RecordingError, UnknownNameError
-from mimoc.recording.described import KEY, Described
+from mimoc.recording.columns import KEY, Described
 
 SPEC = {
     "mimoc": 1,

@@ -15,7 +15,7 @@ from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import entries_of, explain
-from mimoc.mjcf.infant import Sensor, Site
+from mimoc.mjcf.elements import Sensor, Site
 from mimoc.mjcf.scene import Placed
 from mimoc.noise.noise import Noise
 from mimoc.schema.base import Model

@@ -11,7 +11,7 @@ from mimoc.base.kinds import ToySource
 from mimoc.compiler.explain import explain
 from mimoc.schema.base import Model
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import Mesh, Solid, assemble
+from mimoc.toys.shape import Mesh, Solid, assemble
 
 SPEC = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"proprioception": {}}}
 

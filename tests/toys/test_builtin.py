@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
 from mimoc.toys.builtin import NAMES, load_toy
-from mimoc.toys.model import Mesh, ToyModel, bounds, solid_volume
+from mimoc.toys.shape import Mesh, ToyModel, bounds, solid_volume
 
 CATEGORIES = set(
     """

@@ -9,7 +9,7 @@ from mimoc.base.units import deg_to_rad
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
 from mimoc.body.tree import BodyTree, Joint, Motor
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 
 PEAK = 1.07
 """Largest isometric torque of a muscle, at its optimal length, by the limit of the torque motor it stands for: what

@@ -30,7 +30,7 @@ from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
 from mimoc.body.origins import LAW, REFERENCE
 from mimoc.body.strength import FORWARDS
 from mimoc.body.tree import BodyTree, Geom, Joint, Motor
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Keyframe
 
 POSES = 4

@@ -6,7 +6,7 @@ from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activat
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.body.origins import REFERENCE
 from mimoc.body.tree import BodyTree
-from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.elements import Actuator
 
 LIMITED = (("forcelimited", "true"),)
 MOTOR = (("gaintype", "fixed"), ("gainprm", "1"), ("biastype", "none"))

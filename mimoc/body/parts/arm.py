@@ -4,8 +4,8 @@ from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, along
 from mimoc.body.part import REST_ABDUCTION_DEG, SHOULDERS, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.trunk import behind_chest
-from mimoc.body.proportions import Proportions
 from mimoc.body.sections import SHOULDER_BACK
+from mimoc.body.segments import Proportions
 
 UPPER_ARM_MOTORS = (
     ReferenceMotor(

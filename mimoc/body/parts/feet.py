@@ -10,8 +10,8 @@ from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_Y, LEG_LENGTH, LEG_SHARE, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.leg import ANKLE_JOINTS, ANKLE_MOTORS
-from mimoc.body.proportions import REFERENCE_M, Foot, Proportions
 from mimoc.body.sections import CLEARANCE_M
+from mimoc.body.segments import REFERENCE_M, Foot, Proportions
 
 _SOLE_GRIP = (2.0, 0.02, 0.01)
 _SIZE = ("foot_breadth", "foot_length")

@@ -22,8 +22,8 @@ from mimoc.body.part import (
 )
 from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.body.parts.mitten import check_hand
-from mimoc.body.proportions import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
 from mimoc.body.sections import CLEARANCE_M
+from mimoc.body.segments import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
 from mimoc.geometry.rotations import Vec3
 
 Figures = tuple[float, ...]

@@ -5,7 +5,7 @@ import math
 from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import AXIAL_RULE, TRUNK_HEIGHT, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
-from mimoc.body.proportions import Proportions
+from mimoc.body.segments import Proportions
 from mimoc.geometry.rotations import Vec3
 
 REFERENCE_HEAD_RADIUS_M = 0.0735

@@ -14,8 +14,8 @@ from mimoc.body.part import (
     ReferencePart,
 )
 from mimoc.body.parts.trunk import PELVIS_X_M, PELVIS_Z_M, REFERENCE_PELVIS_RADIUS_M
-from mimoc.body.proportions import Proportions
 from mimoc.body.sections import Trunk
+from mimoc.body.segments import Proportions
 from mimoc.geometry.rotations import Vec3
 
 LEG = (

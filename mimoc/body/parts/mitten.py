@@ -5,8 +5,8 @@ from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, GeomShape
 from mimoc.body.part import ALONG_X, WRIST, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
-from mimoc.body.proportions import Hand, Proportions
 from mimoc.body.sections import CLEARANCE_M
+from mimoc.body.segments import Hand, Proportions
 
 _PALM = ("maximum_fist_breadth", "hand_length", "hand_breadth")
 _FINGERS = ("hand_breadth", "hand_length")

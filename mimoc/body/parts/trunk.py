@@ -14,8 +14,8 @@ from mimoc.body.part import (
     ReferencePart,
 )
 from mimoc.body.parts.head import REFERENCE_HEAD_RADIUS_M
-from mimoc.body.proportions import Proportions
 from mimoc.body.sections import GIRDLE_BACK, Section, Trunk
+from mimoc.body.segments import Proportions
 
 REFERENCE_PELVIS_RADIUS_M = 0.059
 PELVIS_X_M, CHEST_X_M = 0.008, 0.004

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 from mimoc.fits import load_tables, measure
+from mimoc.fits.anthropometry import DataPoint
 from mimoc.fits.growth import BIRTH
-from mimoc.fits.measurements import DataPoint
 from mimoc.fits.who import Reference
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE, INDICATORS

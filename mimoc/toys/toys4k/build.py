@@ -5,7 +5,7 @@ from pathlib import Path
 
 from mimoc.base.errors import ToyError
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import Part, ToyModel
+from mimoc.toys.shape import Part, ToyModel
 from mimoc.toys.spec import ToysSpec
 from mimoc.toys.toys4k import dataset
 from mimoc.toys.toys4k.cache import MeshCache, key_of

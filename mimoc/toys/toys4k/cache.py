@@ -10,7 +10,7 @@ import numpy as np
 
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import remove_temporary_files, write_file
-from mimoc.toys.model import Mesh, Solid
+from mimoc.toys.shape import Mesh, Solid
 from mimoc.toys.toys4k.cleaning import has_simplifier
 from mimoc.toys.toys4k.convex import has_coacd
 from mimoc.toys.toys4k.processing import MOST_FACES_SEEN, VERSION, Shape

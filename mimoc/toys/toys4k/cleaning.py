@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
-from mimoc.toys.model import FloatArray, IntArray, Mesh, join
+from mimoc.toys.shape import FloatArray, IntArray, Mesh, join
 
 GRID = 2**20 - 1
 """Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""

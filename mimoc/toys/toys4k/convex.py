@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
-from mimoc.toys.model import IntArray, Mesh, Solid
+from mimoc.toys.shape import IntArray, Mesh, Solid
 from mimoc.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker
 
 MOST_PARTS = 10

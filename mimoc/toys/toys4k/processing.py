@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
-from mimoc.toys.model import Mesh, Solid, join
+from mimoc.toys.shape import Mesh, Solid, join
 from mimoc.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
 from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker

@@ -10,7 +10,7 @@ from support.mesh_kinds import USABLE, obj, put
 
 from mimoc.base.errors import ToyError
 from mimoc.bundle.files import writer_prefix
-from mimoc.toys.model import Mesh, Solid, ToyModel
+from mimoc.toys.shape import Mesh, Solid, ToyModel
 from mimoc.toys.toys4k import build, cache, convex, subprocesses
 from mimoc.toys.toys4k.build import load_toy
 from mimoc.toys.toys4k.cache import VARIABLE, MeshCache, default_folder, key_of

@@ -12,7 +12,7 @@ from support.full import FULL, full_but
 from support.mesh_kinds import UNUSABLE, USABLE, WRITERS, obj, put
 
 from mimoc.base.errors import ToyError
-from mimoc.toys.model import Mesh, ToyModel
+from mimoc.toys.shape import Mesh, ToyModel
 from mimoc.toys.toys4k import cache, cleaning, convex, dataset, processing, subprocesses
 from mimoc.toys.toys4k.build import DENSITY_KG_M3, load_toy
 from mimoc.toys.toys4k.dataset import FORMATS, find_toys

@@ -7,7 +7,7 @@ import trimesh
 
 from mimoc.base.errors import UnknownToysError, suggestion
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import Mesh, Solid, ToyModel, assemble
+from mimoc.toys.shape import Mesh, Solid, ToyModel, assemble
 from mimoc.toys.spec import ToysSpec
 
 SIZES = {"cube": (1.0, 1.0, 1.0), "slab": (1.0, 0.5, 0.25), "column": (0.4, 0.4, 1.0)}

@@ -1,7 +1,7 @@
 """Two ears on the sides of the head."""
 
 from mimoc.body.tree import BodyTree
-from mimoc.mjcf.infant import Site
+from mimoc.mjcf.elements import Site
 from mimoc.mjcf.scene import Placed
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import mujoco
 
+from mimoc.mjcf.elements import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.furniture import WorldGeom
-from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import FreeObject, Lock
 
