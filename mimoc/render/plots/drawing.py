@@ -23,7 +23,7 @@ class Shape:
     """Element of SVG."""
     kind: str
     """Classes of the style sheet; of a text, `start`, `middle` or `end` says which end of it is at the point."""
-    places: dict[str, str]
+    places: tuple[tuple[str, str], ...]
     """Attributes of the element."""
     text: str = ""
     titles: tuple[str, ...] = ()
@@ -61,7 +61,7 @@ def px(value: float) -> str:
 
 def line(points: Sequence[Point], kind: str, end: str = "") -> Shape:
     """Return a line through some points."""
-    return Shape("path", kind, {"d": "M" + "L".join(f"{px(x)} {px(y)}" for x, y in points) + end})
+    return Shape("path", kind, (("d", "M" + "L".join(f"{px(x)} {px(y)}" for x, y in points) + end),))
 
 
 def area(points: Sequence[Point], kind: str) -> Shape:
@@ -71,18 +71,18 @@ def area(points: Sequence[Point], kind: str) -> Shape:
 
 def box(x: float, y: float, width: float, height: float, kind: str) -> Shape:
     """Return an upright rectangle, from its corner at the top left."""
-    return Shape("path", kind, {"d": f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z"})
+    return Shape("path", kind, (("d", f"M{px(x)} {px(y)}h{px(width)}v{px(height)}h{px(-width)}Z"),))
 
 
 def dot(at: Point, kind: str, radius: float = 3.0, title: str = "") -> Shape:
     """Return a filled circle."""
-    places = {"cx": px(at[0]), "cy": px(at[1]), "r": px(radius)}
+    places = ("cx", px(at[0])), ("cy", px(at[1])), ("r", px(radius))
     return Shape("circle", kind, places, titles=(title,) if title else ())
 
 
 def label(at: Point, text: str, kind: str) -> Shape:
     """Return a line of text."""
-    return Shape("text", kind, {"x": px(at[0]), "y": px(at[1])}, text)
+    return Shape("text", kind, (("x", px(at[0])), ("y", px(at[1]))), text)
 
 
 WIDTH, HEIGHT = 340.0, 220.0
