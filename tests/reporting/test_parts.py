@@ -47,7 +47,7 @@ def test_an_axis_holds_its_values_and_a_few_round_ticks(values):
 @given(st.integers(0, 24), st.integers(0, 24))
 def test_more_is_farther_right_and_up(one, other):
     plot = Plot(AGE, AGE, dots=(Dots((one, other), (one, other)),), x_range=(0.0, 24.0), y_range=(0.0, 24.0))
-    first, second = (shape.places for shape in draw_svg(plot).shapes if shape.tag == "circle")
+    first, second = (dict(shape.places) for shape in draw_svg(plot).shapes if shape.tag == "circle")
     is_right, is_up = float(first["cx"]) <= float(second["cx"]), float(first["cy"]) >= float(second["cy"])
     assert (is_right and is_up) == (one <= other)
 
