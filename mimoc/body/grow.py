@@ -1,4 +1,4 @@
-"""The growth of a body in one pass: assemble, measure, shape, weigh, joints, motors, prune.
+"""The growth of a body in one pass: assemble, measure, shape, weigh, joints, motors, removed parts.
 
 Each stage is one file. It returns one frozen value, which also knows where its numbers come from. Where the two laws of
 development differ, `published` and `maturing`, they are two functions in the file of the stage.

@@ -179,7 +179,7 @@ class InverseDynamics:
     def _wanted(self, now: Dynamics) -> dict[Objective, LinearDemand]:
         """Return the accelerations that each objective demands, without those whose frame is held by the world."""
         motions = {objective: self._motion(objective) for objective in self._frames}
-        demands = {objective: objective.demand(motion) for objective, motion in motions.items()}
+        demands = {objective: objective.desired_acceleration(motion) for objective, motion in motions.items()}
         if not demands:
             return {}
         jacobians = [demand.directions @ motions[objective].jacobian for objective, demand in demands.items()]

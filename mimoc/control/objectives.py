@@ -89,7 +89,7 @@ class Objective(Protocol):
     site: str
     """Name of the controlled site, camera or body."""
 
-    def demand(self, motion: Motion) -> TaskAcceleration:
+    def desired_acceleration(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded accelerations."""
         ...
 
@@ -139,7 +139,7 @@ class PositionTask(FrameTask):
         """
         super().__init__(site, target, gains)
 
-    def demand(self, motion: Motion) -> TaskAcceleration:
+    def desired_acceleration(self, motion: Motion) -> TaskAcceleration:
         """Return the acceleration of the site."""
         return TaskAcceleration(_PLACE, self.gains.acceleration(self._target_m - motion.place_m, motion.velocity[:3]))
 
@@ -200,7 +200,7 @@ class OrientationTask:
                 raise ControlError(f"the orientation is not a rotation matrix; {advice}")
             self._orientation = matrix
 
-    def demand(self, motion: Motion) -> TaskAcceleration:
+    def desired_acceleration(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded angular acceleration; rotation about a target direction is left free."""
         if self._orientation.ndim == 1:
             return _demand_pointing(motion, self.axis, self._orientation, self.gains)
@@ -243,7 +243,7 @@ class GazeTask(FrameTask):
         super().__init__(site, target, gains)
         self.axis = None if axis is None else _unit("axis", axis)
 
-    def demand(self, motion: Motion) -> TaskAcceleration:
+    def desired_acceleration(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded angular acceleration; rotation about the pointing axis is left free."""
         return _demand_pointing(motion, self.axis, self._wanted(motion), self.gains)
 

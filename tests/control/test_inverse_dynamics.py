@@ -68,7 +68,7 @@ def test_the_acceleration_that_is_wanted_comes_about(floating):
         objective = PositionTask(HAND, near(floating))
         control = control_of(floating, [objective])
         control()
-        wanted = objective.demand(control._motion(objective)).accelerations
+        wanted = objective.desired_acceleration(control._motion(objective)).accelerations
         got, without = accelerations(floating, [objective])
         assert got == pytest.approx(wanted, abs=0.02 * np.linalg.norm(wanted - without))
 

@@ -19,7 +19,7 @@ def motion(place_m=(0, 0, 0), turned=ALONG_Y, velocity=(0,) * 6):
 
 def wanted(task, there):
     """Return the linear and angular acceleration that a task wants, shape (6,)."""
-    demand = task.demand(there)
+    demand = task.desired_acceleration(there)
     return demand.directions.T @ demand.accelerations
 
 
@@ -41,7 +41,7 @@ def test_align_turns_the_shortest_way(there):
 def test_align_with_a_direction_leaves_the_turn_about_it_free():
     task = OrientationTask("hand", (5, 0, 0), gains=Gains(1.0, viscosity_per_s=1.0))
     assert wanted(task, motion(velocity=(0, 0, 0, 0, 7, 0))) == pytest.approx([0, 0, 0, 0, 0, -np.pi / 2])
-    assert len(task.demand(motion()).accelerations) == 2
+    assert len(task.desired_acceleration(motion()).accelerations) == 2
 
 
 def test_another_axis_can_point():

@@ -1,4 +1,4 @@
-"""Plots as values: what is drawn over what, which `svg` prints for pages and `file` for pictures."""
+"""Plots as values: what is drawn over what, which `drawing` prints for pages and `file` for pictures."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

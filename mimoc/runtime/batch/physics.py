@@ -94,8 +94,8 @@ class ThreadedPhysics:
         views = [self._views[field][infant] for infant in infants]
         return np.concatenate(views).reshape(len(views), *views[0].shape)
 
-    def broke_down(self) -> list[bool]:
-        """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
+    def are_unstable(self) -> list[bool]:
+        """Return of each infant whether its simulation has become unstable since its reset; see `is_unstable`."""
         counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
         return [any(warnings) for warnings in counts[:, BREAKDOWNS].tolist()]
 

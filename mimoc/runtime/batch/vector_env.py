@@ -151,7 +151,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         for infant in observed:
             self.infants[infant].observer.stepping()
         self._control_step(actions, going)
-        broken = self._physics.broke_down()
+        broken = self._physics.are_unstable()
         for infant in going:
             judged = self.infants[infant].judge(actions[infant], unstable=broken[infant])
             rewards[infant], terminated[infant], truncated[infant], infos[infant] = judged

@@ -71,7 +71,7 @@ def test_one_that_breaks_down_is_told_from_the_others(pendulums):
     physics.datas[4].qvel[:] = 1e12
     for _ in physics.step([range(9)], 2):
         pass
-    assert physics.broke_down() == [index == 4 for index in range(9)]
+    assert physics.are_unstable() == [index == 4 for index in range(9)]
     physics.close()
 
 
