@@ -1,12 +1,15 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from scipy.optimize import curve_fit
 
 from mimoc.base.errors import DataError
 from mimoc.base.units import cm_to_m
 from mimoc.fits import load_tables, measure
+from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS
 from mimoc.fits.growth import BIRTH, fit_growth
 
 FINGERS = ("middle_finger_diameter", "thumb_diameter")
@@ -138,3 +141,23 @@ def test_two_groups_are_too_few():
     few = dataclasses.replace(tables, anthrokids={**tables.anthrokids, "nose": tables.anthrokids["hand_length"][:2]})
     with pytest.raises(DataError, match="nose has 2 age groups"):
         fit_growth(few)
+
+
+@pytest.mark.parametrize("name", sorted(load_tables().anthrokids))
+def test_scipy_finds_the_same_curves(name):
+    """The search of mimoc's own leaves as little as a general method does, and less where that stops early."""
+    curve, points = fit_growth(load_tables(), law="paper")[name]
+    ages_months, values_cm = np.array([(point.age_months, point.value_cm) for point in points]).T
+
+    def law(age_months, a, b, c):
+        return a * np.log(age_months + b) + c
+
+    bounds = ([-np.inf, B_MIN_MONTHS, -np.inf], [np.inf, B_MAX_MONTHS, np.inf])
+    theirs, _ = curve_fit(law, ages_months, values_cm, p0=(1.0, 5.0, values_cm.mean()), bounds=bounds, max_nfev=20_000)
+    left, others = (
+        np.sum((law(ages_months, *coefficients) - values_cm) ** 2)
+        for coefficients in ((curve.a, curve.b_months, curve.c), theirs)
+    )
+    assert left <= others * (1 + 1e-6) + 1e-9
+    if left > others / (1 + 1e-6) - 1e-9:  # It did not stop early.
+        assert [curve(age) for age in (0, 6, 24)] == pytest.approx(law(np.array([0, 6, 24]), *theirs), abs=0.02)
