@@ -64,7 +64,7 @@ LAYERS = {
     "grammar": layer("schema.base", "errors", "pydantic"),
     "part": layer("body.part", "geometry"),
     "parts": layer(
-        "body.anatomy body.parts body.dimensions body.segments body.sections",
+        "body.anatomy body.parts body.dimensions body.segments body.sections body.published_figures",
         "errors units geometry part kinds",
     ),
     "language": layer(
