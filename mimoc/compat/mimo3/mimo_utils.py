@@ -37,12 +37,12 @@ def lock_joint(model: mujoco.MjModel, joint_name: str, joint_angle: float | None
     """Lock a joint from the next reset on."""
     if joint_angle is not None:
         set_joint_locking_angle(model, joint_name, joint_angle)
-    model.equality(joint_name).active0 = True
+    model.eq_active0[model.equality(joint_name).id] = True
 
 
 def unlock_joint(model: mujoco.MjModel, joint_name: str) -> None:
     """Unlock a joint from the next reset on."""
-    model.equality(joint_name).active0 = False
+    model.eq_active0[model.equality(joint_name).id] = False
 
 
 def get_geoms_for_body(model: mujoco.MjModel, body_id: int) -> range:

@@ -33,7 +33,11 @@ class TouchSpec(Model):
     """Whether the force of a contact is distributed over the skin points around it (`linear`) or assigned to the
     nearest one (`nearest`)."""
     spacing_cm: (
-        Annotated[Mapping[PartName, Annotated[Centimetres, Field(ge=0.1, le=100)]], Field(min_length=1)] | None
+        Annotated[
+            Mapping[PartName, Annotated[Centimetres, Field(ge=0.1, le=1000)]],
+            Field(min_length=1, json_schema_extra={"unit": "cm"}),
+        ]
+        | None
     ) = None
     """Distances between neighbouring skin points at 18 months, by part of the body, in place of `density`; parts that
     are not named have no skin points then."""
