@@ -24,7 +24,7 @@ ELSEWHERE = {
             *("MIMoMuscleStaticTest-v0", "MIMoMuscleStaticTestV2-v0", "MIMoVelocityMuscleTest-v0"),
             *("MIMoVelocityMuscleTestV2-v0", "MIMoComplianceTest-v0", "MIMoComplianceMuscleTest-v0"),
         ),
-        "`mimoc validate strength` and `mimoc.torque_limits`, which measure muscles and motors",
+        "`mimoc experiment strength` and `mimoc.torque_limits`, which measure motors and muscles",
     ),
 }
 """Ids without a counterpart, and what to use instead."""

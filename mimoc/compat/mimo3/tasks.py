@@ -149,7 +149,7 @@ class MIMoDummyEnv(_Scene):
     ):
         """Open the scene; see `MIMoEnv`."""
         if show_sensors:
-            raise MimocError("show_sensors has no counterpart; `mimoc view` shows the skin points of a spec")
+            raise MimocError("show_sensors has no counterpart; `mimoc render --skin` draws the skin points")
         self.steps = 0
         super().__init__(model_path, **keywords)
         if print_space_sizes:
