@@ -36,6 +36,12 @@ from mimoc.compat.mimo3.defaults import (
 )
 from mimoc.compat.mimo3.environment import MIMoEnv as MIMoEnv
 from mimoc.compat.mimo3.registration import register_ids
+from mimoc.compat.mimo3.sensory import (
+    SimpleProprioception as SimpleProprioception,
+    SimpleVestibular as SimpleVestibular,
+    SimpleVision as SimpleVision,
+    TrimeshTouch as TrimeshTouch,
+)
 from mimoc.compat.mimo3.tasks import (
     MIMoCatchEnv as MIMoCatchEnv,
     MIMoDummyEnv as MIMoDummyEnv,

@@ -13,7 +13,7 @@ from mimoc.base.errors import MimocError, check_name
 from mimoc.compat.mimo3.actuation import ActuationModel, model_named, model_of
 from mimoc.compat.mimo3.defaults import BENCHMARK_XML
 from mimoc.compat.mimo3.keywords import Keywords, spec_of
-from mimoc.compat.mimo3.sensory import Proprioception, Touch, Vestibular, Vision
+from mimoc.compat.mimo3.sensory import SimpleProprioception, SimpleVestibular, SimpleVision, TrimeshTouch
 from mimoc.environments import open_infant
 from mimoc.render.renderer import Renderer
 from mimoc.runtime.env import InfantEnv
@@ -232,19 +232,19 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
 
     def proprio_setup(self, proprio_params: Any) -> None:
         """Set `proprioception`."""
-        self.proprioception = Proprioception(self, proprio_params)
+        self.proprioception = SimpleProprioception(self, proprio_params)
 
     def touch_setup(self, touch_params: Any) -> None:
         """Set `touch`."""
-        self.touch = Touch(self, touch_params)
+        self.touch = TrimeshTouch(self, touch_params)
 
     def vision_setup(self, vision_params: Any) -> None:
         """Set `vision`."""
-        self.vision = Vision(self, vision_params)
+        self.vision = SimpleVision(self, vision_params)
 
     def vestibular_setup(self, vestibular_params: Any) -> None:
         """Set `vestibular`."""
-        self.vestibular = Vestibular(self, vestibular_params)
+        self.vestibular = SimpleVestibular(self, vestibular_params)
 
     def get_proprio_obs(self) -> Any:
         """Return what is observed as `observation`."""

@@ -64,3 +64,8 @@ def get_body_rotation(data: mujoco.MjData, body_id: int) -> npt.NDArray[np.float
 def get_data_for_sensor(model: mujoco.MjModel, data: mujoco.MjData, sensor_name: str) -> npt.NDArray[np.float64]:
     """Return what a sensor of the model measures."""
     return data.sensor(sensor_name).data
+
+
+def __getattr__(name: str) -> Any:
+    """Say what to use instead of a function that is not there."""
+    raise AttributeError(f"mimo_utils has no '{name}' here; use MuJoCo's names, such as data.body('head').xpos")

@@ -16,12 +16,12 @@ VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]
 """Order of mimoc's observation."""
 
 
-class Proprioception:
+class SimpleProprioception:
     """Joint angles, velocities, torques and limits, and the state of the actuators, in MIMo3's order: by name."""
 
-    def __init__(self, env: Any, params: Mapping[str, Any] | None):
+    def __init__(self, env: Any, proprio_parameters: Mapping[str, Any] | None):
         """Find where each component stands in mimoc's observation."""
-        self.env, self.proprio_parameters = env, params
+        self.env, self.proprio_parameters = env, proprio_parameters
         entry = env.infant.manifest.senses.proprioception
         joints, sensors = list(entry.joints), list(entry.torque_sensors)
         actuation = env.actuation_model.observed
@@ -57,10 +57,10 @@ class Proprioception:
         return self.env.sensed["proprioception"][self.order]
 
 
-class Touch:
+class TrimeshTouch:
     """Forces at the skin points of bodies, which come in the order of the model."""
 
-    def __init__(self, env: Any, params: Mapping[str, Any] | None):
+    def __init__(self, env: Any, touch_params: Mapping[str, Any] | None):
         """Find the points of each body."""
         entry = env.infant.manifest.senses.touch
         bodies = {env.model.body(part.body).id: part for part in entry.skin}
@@ -95,13 +95,13 @@ class Touch:
         return self.env.sensed["touch"].reshape(-1, self.touch_size)
 
 
-class Vision:
+class SimpleVision:
     """Pictures of the eyes."""
 
-    def __init__(self, env: Any, params: Mapping[str, Any] | None):
+    def __init__(self, env: Any, camera_parameters: Mapping[str, Any] | None):
         """See with the eyes that the parameters name, or with both."""
         self.env = env
-        self.camera_parameters = params or dict.fromkeys(env.infant.manifest.senses.vision.cameras)
+        self.camera_parameters = camera_parameters or dict.fromkeys(env.infant.manifest.senses.vision.cameras)
 
     @property
     def sensor_outputs(self) -> dict[str, Array]:
@@ -120,13 +120,13 @@ class Vision:
             write_picture(folder / f"{name}{suffix}.png", picture)
 
 
-class Vestibular:
+class SimpleVestibular:
     """Specific force and angular velocity of the head."""
 
-    def __init__(self, env: Any, params: Mapping[str, Any] | None):
+    def __init__(self, env: Any, vestibular_parameters: Mapping[str, Any] | None):
         """Hand out what was observed, in the order of the parameters."""
-        self.env, self.vestibular_parameters = env, params
-        self.sensors = list((params or {}).get("sensors", VESTIBULAR))
+        self.env, self.vestibular_parameters = env, vestibular_parameters
+        self.sensors = list((vestibular_parameters or {}).get("sensors", VESTIBULAR))
         observed = [name for name in VESTIBULAR if name in self.sensors]
         self._order = np.concatenate([3 * observed.index(name) + np.arange(3) for name in self.sensors])
 

@@ -164,6 +164,8 @@ def test_what_is_never_called_or_not_there_is_said():
         _ = env.mujoco_renderer
     with pytest.raises(AttributeError, match=r"has no attribute 'weight'; see docs/from_mimo\.md"):
         _ = env.weight
+    with pytest.raises(AttributeError, match="mimo_utils has no 'plot_forces' here; use MuJoCo's names"):
+        mimo_utils.plot_forces(env.data)
 
 
 def test_what_takes_no_action_of_this_shape_says_so():
