@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def spec_of(keywords: Keywords) -> InfantSpec:
     """
     spec = _scene(keywords.model_path)
     if keywords.age is not None:
-        spec = spec.with_(age_months=keywords.age)
+        spec = spec.with_(age_months=float(keywords.age))
     changes: dict[str, Any] = {"senses": _senses(keywords)} | _timing(keywords, spec)
     if keywords.actuation:
         changes["actuation"] = {"model": keywords.actuation}
@@ -82,7 +83,7 @@ def _timing(keywords: Keywords, spec: InfantSpec) -> dict[str, Any]:
     """Return control step and delays: a delay of N is one of N control steps, as documented."""
     for name in ("frame_skip", "sensory_delay", "motor_delay"):
         value, least = getattr(keywords, name), 1 if name == "frame_skip" else 0
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
             raise MimocError(f"{name} is {value!r}; give a whole number of steps, {least} or more")
     step_ms = keywords.frame_skip * spec.control.timestep_ms
     delays = {"sensory_ms": keywords.sensory_delay * step_ms, "motor_ms": keywords.motor_delay * step_ms}
