@@ -136,9 +136,9 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
     def _space(self, name: str, array: Any) -> Space[Any]:
         """Return the space of an observation, with mimoc's bounds where it is mimoc's."""
         spaces: Any = self.infant.observation_space
-        if name == "observation" and array.shape == (size := self.proprioception.order.shape):
-            bounds, order = spaces["proprioception"], self.proprioception.order
-            return Box(bounds.low[order].reshape(size), bounds.high[order].reshape(size), dtype=np.float32)
+        order = getattr(self.proprioception, "order", None)
+        if name == "observation" and order is not None and array.shape == order.shape:
+            return Box(spaces["proprioception"].low[order], spaces["proprioception"].high[order], dtype=np.float32)
         if name in spaces.spaces and spaces[name].shape == array.shape:
             return spaces[name]
         return Box(-np.inf, np.inf, np.shape(array), np.asarray(array).dtype.type)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import MimocError
 from mimoc.compat.mimo3.defaults import DEFAULT_VESTIBULAR_PARAMS
 from mimoc.render.picture_files import write_picture
 from mimoc.senses.touch import POINTS
@@ -14,6 +15,20 @@ from mimoc.senses.touch import POINTS
 Array = npt.NDArray[Any]
 VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]
 """Order of mimoc's observation."""
+COMPONENTS = {"actuation": "actuation", "limits": "limits", "qpos": "angle", "qvel": "velocity", "torques": "torque"}
+"""Components of proprioception in the order of MIMo3's observation, and mimoc's names for them."""
+
+
+def _entry(env: Any, sense: str, keyword: str, params: Any) -> Any:
+    """Return what the infant's manifest says of a sense, which was built by the parameters of its environment.
+
+    Raises:
+        MimocError: If it has no such sense, or one by other parameters.
+    """
+    entry = getattr(env.infant.manifest.senses, sense)
+    if entry is None or (params is not None and params != getattr(env, keyword)):
+        raise MimocError(f"{sense} is built with the infant; give these parameters to its environment as {keyword}")
+    return entry
 
 
 class SimpleProprioception:
@@ -22,25 +37,15 @@ class SimpleProprioception:
     def __init__(self, env: Any, proprio_parameters: Mapping[str, Any] | None):
         """Find where each component stands in mimoc's observation."""
         self.env, self.proprio_parameters = env, proprio_parameters
-        entry = env.infant.manifest.senses.proprioception
+        entry = _entry(env, "proprioception", "proprio_params", proprio_parameters)
         joints, sensors = list(entry.joints), list(entry.torque_sensors)
-        actuation = env.actuation_model.observed
-        parts = {"angle": len(joints), "velocity": len(joints), "limits": len(joints)}
-        parts |= {"torque": 3 * len(sensors), "actuation": actuation.size}
-        starts = np.cumsum([0, *(parts[name] for name in ("angle", *entry.include))])
-        place = dict(zip(("angle", *entry.include), starts, strict=False))
-        wanted = {
-            "actuation": "actuation",
-            "limits": "limits",
-            "qpos": "angle",
-            "qvel": "velocity",
-            "torques": "torque",
-        }
-        self._places = {
-            name: place[part] + (actuation if part == "actuation" else np.arange(parts[part]))
-            for name, part in wanted.items()
-            if part in place
-        }
+        sizes = dict.fromkeys(("angle", "velocity", "limits"), len(joints))
+        sizes |= {"torque": 3 * len(sensors), "actuation": 2 * len(env.infant.manifest.actuation.actuators)}
+        observed, start = dict[str, Any](), 0
+        for part in ("angle", *entry.include):
+            kept = env.actuation_model.observed if part == "actuation" else np.arange(sizes[part])
+            observed[part], start = start + kept, start + sizes[part]
+        self._places = {name: observed[part] for name, part in COMPONENTS.items() if part in observed}
         self.order = np.concatenate(list(self._places.values()))
         """Places in mimoc's observation of the numbers of MIMo3's."""
         self.output_components = list(entry.include)
@@ -62,7 +67,7 @@ class TrimeshTouch:
 
     def __init__(self, env: Any, touch_params: Mapping[str, Any] | None):
         """Find the points of each body."""
-        entry = env.infant.manifest.senses.touch
+        entry = _entry(env, "touch", "touch_params", touch_params)
         bodies = {env.model.body(part.body).id: part for part in entry.skin}
         self.env, self._ends = env, np.cumsum([part.points for part in entry.skin])[:-1]
         points_m = env.infant.bundle.arrays[POINTS]
@@ -100,8 +105,8 @@ class SimpleVision:
 
     def __init__(self, env: Any, camera_parameters: Mapping[str, Any] | None):
         """See with the eyes that the parameters name, or with both."""
-        self.env = env
-        self.camera_parameters = camera_parameters or dict.fromkeys(env.infant.manifest.senses.vision.cameras)
+        self.env, entry = env, _entry(env, "vision", "vision_params", camera_parameters)
+        self.camera_parameters = camera_parameters or dict.fromkeys(entry.cameras)
 
     @property
     def sensor_outputs(self) -> dict[str, Array]:
@@ -126,6 +131,7 @@ class SimpleVestibular:
     def __init__(self, env: Any, vestibular_parameters: Mapping[str, Any] | None):
         """Hand out what was observed, in the order of the parameters."""
         self.env, self.vestibular_parameters = env, vestibular_parameters
+        _entry(env, "vestibular", "vestibular_params", vestibular_parameters)
         self.sensors = list((vestibular_parameters or {}).get("sensors", VESTIBULAR))
         observed = [name for name in VESTIBULAR if name in self.sensors]
         self._order = np.concatenate([3 * observed.index(name) + np.arange(3) for name in self.sensors])

@@ -125,8 +125,11 @@ def test_motor_and_sensory_delays_take_effect():
 
 
 def test_positions_are_commanded_by_angles():
-    env = MIMoEnv(actuation_model=PositionalModel, proprio_params={"components": ["actuation"]})
-    env.reset(seed=0)
+    env = MIMoEnv(actuation_model=PositionalModel, proprio_params={"components": ["actuation", "velocity"]})
+    observation, _ = env.reset(seed=0)
+    assert observation["observation"].shape == (46 + 49 + 49,)
+    assert np.array_equal(observation["observation"][-49:], env.proprioception.sensor_outputs["qvel"])
+    assert env.proprioception.sensor_outputs["qvel"] == pytest.approx(np.zeros(49))
     joints = env.model.actuator_trnid[:, 0]
     assert env.action_space.high == pytest.approx(env.model.jnt_range[joints, 1])
     env.step(env.model.jnt_range[joints, 1])

@@ -13,6 +13,8 @@ from mimoc.compat.mimo3 import (
     STANDUP_XML,
     MIMoEnv,
     MIMoReachEnv,
+    SimpleVision,
+    TrimeshTouch,
     mimo_utils,
 )
 
@@ -137,6 +139,17 @@ def test_a_sense_of_the_users_own_takes_the_place_of_one():
     assert observation["touch"] == [env.data.ncon]
     assert observation in env.observation_space
     assert observation["observation"].shape == (4,)
+
+
+def test_a_sense_is_built_by_the_parameters_of_its_environment():
+    class Fingers(MIMoEnv):
+        def touch_setup(self, touch_params):
+            self.touch = TrimeshTouch(self, {"scales": {"left_fingers": 0.1}})
+
+    with pytest.raises(MimocError, match="give these parameters to its environment as touch_params"):
+        Fingers(touch_params=DEFAULT_TOUCH_PARAMS)
+    with pytest.raises(MimocError, match="vision is built with the infant"):
+        SimpleVision(MIMoEnv(), None)
 
 
 def test_joints_start_where_they_are_asked_to_and_locks_hold_from_the_next_reset():
