@@ -18,8 +18,6 @@ from mimoc.environments import open_infant
 from mimoc.render.renderer import Renderer
 from mimoc.runtime.env import InfantEnv
 
-EMOTES = ("neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared")
-"""mimoc's facial expressions; MIMo3 calls the first one `default`."""
 NEVER_CALLED = {
     "_substep_callback": "set frame_skip=1 and use _step_callback",
     "_single_mujoco_step": "override do_simulation",
@@ -29,6 +27,7 @@ NEVER_CALLED = {
 }
 """Methods of MIMo3's that nothing calls, and what to do instead."""
 ABSENT = {
+    "mimo_joints": "those in proprioception.sensor_names are the infant's",
     "mujoco_renderer": "call render(), or draw model and data with mujoco.Renderer",
     "sim": "use model and data",
     "fullpath": "the infant is built in memory; mimoc.write_bundle(env.infant.bundle, folder) writes it",
@@ -107,7 +106,7 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         self._set_initial_position()
         self._env_setup(senses)
         self.goal = self.sample_goal()
-        self._set_observation_space()
+        self.observation_space: Any = Dict({name: self._space(name, array) for name, array in self._get_obs().items()})
 
     def _check_overrides(self) -> None:
         for name, advice in NEVER_CALLED.items():
@@ -129,9 +128,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
             self.data.joint(name).qpos[:] = position
         mujoco.mj_forward(self.model, self.data)
         self.init_qpos, self.init_qvel = self.data.qpos.copy(), self.data.qvel.copy()
-
-    def _set_observation_space(self) -> None:
-        self.observation_space: Any = Dict({name: self._space(name, array) for name, array in self._get_obs().items()})
 
     def _space(self, name: str, array: Any) -> Space[Any]:
         """Return the space of an observation, with mimoc's bounds where it is mimoc's."""
@@ -161,25 +157,15 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         return self.model.opt.timestep * self.frame_skip
 
     @property
-    def mimo_joints(self) -> npt.NDArray[np.intp]:
-        """Indices of the infant's hinges."""
-        names = [self.model.joint(index).name for index in range(self.model.njnt)]
-        return np.flatnonzero([name.startswith("robot:") for name in names])
-
-    @property
     def mimo_actuators(self) -> npt.NDArray[np.intp]:
         """Indices of the actuators that take commands."""
         return self.infant.actuation.actuators
 
     @property
-    def n_actuators(self) -> int:
-        """Number of the actuators that take commands."""
-        return len(self.mimo_actuators)
-
-    @property
     def facial_expressions(self) -> dict[str, str]:
         """The names for `swap_facial_expression`, and mimoc's names for them."""
-        return {"default": EMOTES[0], **{name: name for name in EMOTES[1:]}}
+        names = self.infant.manifest.face.materials if self.infant.manifest.face else ()
+        return {"default" if name == "neutral" else name: name for name in names}
 
     def __getattr__(self, name: str) -> Any:
         """Say what to use instead of an attribute that is not there."""

@@ -56,16 +56,6 @@ def get_body_position(data: mujoco.MjData, body_id: int) -> npt.NDArray[np.float
     return data.xpos[body_id]
 
 
-def get_body_rotation(data: mujoco.MjData, body_id: int) -> npt.NDArray[np.float64]:
-    """Return the matrix from the frame of a body to the world, shape (3, 3)."""
-    return data.xmat[body_id].reshape(3, 3)
-
-
-def get_data_for_sensor(model: mujoco.MjModel, data: mujoco.MjData, sensor_name: str) -> npt.NDArray[np.float64]:
-    """Return what a sensor of the model measures."""
-    return data.sensor(sensor_name).data
-
-
 def __getattr__(name: str) -> Any:
     """Say what to use instead of a function that is not there."""
     raise AttributeError(f"mimo_utils has no '{name}' here; use MuJoCo's names, such as data.body('head').xpos")

@@ -48,7 +48,6 @@ class SimpleProprioception:
         self._places = {name: observed[part] for name, part in COMPONENTS.items() if part in observed}
         self.order = np.concatenate(list(self._places.values()))
         """Places in mimoc's observation of the numbers of MIMo3's."""
-        self.output_components = list(entry.include)
         self.sensor_names = {"qpos": joints, "qvel": joints, "torque": sensors, "limit": joints}
 
     @property
@@ -71,7 +70,6 @@ class TrimeshTouch:
         bodies = {env.model.body(part.body).id: part for part in entry.skin}
         self.env, self._ends = env, np.cumsum([part.points for part in entry.skin])[:-1]
         points_m = env.infant.bundle.arrays[POINTS]
-        self.touch_type, self.response_type = entry.quantity, entry.response
         self.touch_size = 1 if entry.quantity == "normal" else 3
         self.sensor_scales = {body: part.spacing_m for body, part in bodies.items()}
         self.sensor_positions = dict(zip(bodies, np.split(points_m, self._ends), strict=True))
@@ -81,11 +79,6 @@ class TrimeshTouch:
         """What was observed last, by index of the body, shape (points, numbers)."""
         points = self.env.sensed["touch"].reshape(-1, self.touch_size)
         return dict(zip(self.sensor_positions, np.split(points, self._ends), strict=True))
-
-    @property
-    def sensing_bodies(self) -> list[int]:
-        """Indices of the bodies that have points."""
-        return list(self.sensor_positions)
 
     def get_sensor_count(self, body_id: int) -> int:
         """Return the number of points of a body."""
