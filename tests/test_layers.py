@@ -128,6 +128,7 @@ LAYERS = {
         "jinja2 mujoco PIL",
     ),
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
+    "compat": layer("compat", f"{BUILDING} compiler {RUNNING} opening", "gymnasium mujoco"),
     "viewer": layer(
         "viewer",
         f"{BUILDING} compiler {RUNNING} rollout policies recording opening plots",

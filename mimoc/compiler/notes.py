@@ -15,6 +15,7 @@ from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.schema.sizes import pairs
+from mimoc.senses.touch import TouchSpec
 from mimoc.senses.vision import VisionSpec
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
@@ -37,8 +38,12 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
         usual, follows_age = VisionSpec(), isinstance(vision.acuity, float) or vision.acuity == "age"
         if vision.acuity_profile != usual.acuity_profile and not follows_age:
             yield "senses.vision.acuity_profile", "senses.vision.acuity follows no age"
+        if vision.contrast != usual.contrast and vision.acuity == "off":
+            yield "senses.vision.contrast", "senses.vision.acuity is off"
         if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
             yield "senses.vision.foveation_radius", "senses.vision.foveation is 0"
+    if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != TouchSpec().density:
+        yield "senses.touch.density", "senses.touch.spacing_cm gives the distances"
     locked = single_groups(spec.actuation.locked)
     for name in spec.actuation.strength:
         if single_groups([name]) <= locked:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
+from mimoc.base.errors import suggestion
 from mimoc.base.units import to_steps
 from mimoc.body.anatomy import assemble
 from mimoc.delays.spec import DelaysSpec
@@ -15,7 +16,7 @@ from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
-from mimoc.schema.names import SIDES, Development, single_groups, unsided
+from mimoc.schema.names import SIDES, Development, limb_bodies, single_groups, trunk_bodies, unsided
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
 from mimoc.schema.sizes import check_sizes
@@ -125,6 +126,16 @@ class InfantKeys(FileModel):
         if self.senses.vision and self.senses.vision.body == "skin" and self.body.skin is False:
             message = "there is no skin to see; write 'solids', or remove 'skin: false' from the body"
             raise KeyedError(("senses", "vision", "body"), message, against=("body", "skin"))
+        return self
+
+    @model_validator(mode="after")
+    def _has_the_parts_with_skin(self) -> Self:
+        touch = getattr(self.senses, "touch", None)
+        known = {*trunk_bodies(), *limb_bodies(self.body.hands, self.body.extra or ())} - set(self.body.remove)
+        for name in (touch and touch.spacing_cm) or ():
+            if name not in known:
+                message = f"this infant has no '{name}'; {suggestion(name, sorted(known))}"
+                raise KeyedError(("senses", "touch", "spacing_cm", name), message, against=("body",))
         return self
 
     @model_validator(mode="after")

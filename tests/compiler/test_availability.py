@@ -47,7 +47,7 @@ BUILT = {
     "actuation.locked": ["legs"],
     "senses.proprioception": {"include": ["velocity"]},
     "senses.vestibular": {"include": ["gyro"]},
-    "senses.touch": {"density": 0.5, "quantity": "normal", "response": "nearest"},
+    "senses.touch": {"spacing_cm": {"left_hand": 1}, "quantity": "normal", "response": "nearest"},
     "senses.vision": {"width_px": 32, "acuity": 3, "acuity_profile": "mayer1995", "foveation": 5, "supersample": 2},
     "delays.preset": "paper",
     "delays.sensory_ms": 50,

@@ -21,6 +21,10 @@ NOTED = {
     "senses.vision.acuity follows no age",
     "senses: {vision: {foveation_radius: edge}}": "'senses.vision.foveation_radius' has no effect: "
     "senses.vision.foveation is 0",
+    "senses: {vision: {acuity: off, contrast: mimo3}}": "'senses.vision.contrast' has no effect: "
+    "senses.vision.acuity is off",
+    "senses: {touch: {density: 2, spacing_cm: {head: 1}}}": "'senses.touch.density' has no effect: "
+    "senses.touch.spacing_cm gives the distances",
     "delays: {sensory_ms: 50}": "'delays.sensory_ms' has no effect: all senses are off",
     "senses: {touch: {}}\ndelays: {sensory_ms: 50, touch_ms: 20}": "'delays.sensory_ms' has no effect: "
     "every sense has a delay of its own",

@@ -1,5 +1,6 @@
 """Touch, all over the skin."""
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -7,9 +8,10 @@ from pydantic import Field
 from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.delays import AGES_MONTHS
 from mimoc.schema.base import Model
+from mimoc.schema.body import PartName
 from mimoc.schema.entries import Body, Length
 from mimoc.schema.names import Groups
-from mimoc.schema.quantities import Real
+from mimoc.schema.quantities import Centimetres, Real
 
 TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]
 TouchResponse = Literal["linear", "nearest"]
@@ -30,6 +32,15 @@ class TouchSpec(Model):
     response: TouchResponse = "linear"
     """Whether the force of a contact is distributed over the skin points around it (`linear`) or assigned to the
     nearest one (`nearest`)."""
+    spacing_cm: (
+        Annotated[
+            Mapping[PartName, Annotated[Centimetres, Field(ge=0.1, le=1000)]],
+            Field(min_length=1, json_schema_extra={"unit": "cm"}),
+        ]
+        | None
+    ) = None
+    """Distances between neighbouring skin points at 18 months, by part of the body, in place of `density`; parts that
+    are not named have no skin points then."""
     regions: Annotated[Groups, Field(min_length=1)] | None = None
     """Muscle groups whose body parts have skin points; `neck` includes the head. By default, the whole body."""
 

@@ -2,24 +2,28 @@
 
 import numpy as np
 
+from mimoc.base.units import cm_to_m
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.scene import Placed
 from mimoc.senses.touch import SkinEntry, TouchEntry, TouchSpec
 from mimoc.senses.touch.build_skin_points import skin_points
 
 SPACING_RULE = "two-point discrimination there at 18 months (MIMo) / sqrt(density), grown with the body's skin"
+GIVEN_RULE = "given by the spec for 18 months, grown with the body's skin"
 
 
 def build(spec: TouchSpec, body: BodyTree) -> Placed:
     """Return the entry, and the skin points of the body as an array; nothing stands for them in the MJCF."""
-    skin = skin_points(body, spec.density, spec.regions)
+    given_m = spec.spacing_cm and {part: cm_to_m(apart_cm) for part, apart_cm in spec.spacing_cm.items()}
+    skin = skin_points(body, spec.density, spec.regions, given_m)
     parts = tuple(
         SkinEntry(body=name, points=len(points_m), spacing_m=skin.spacing_m[name])
         for name, points_m in skin.points_m.items()
     )
-    sources = ["spec.senses.touch.density", "spec.age_months"]
+    rule, key = (GIVEN_RULE, "spacing_cm") if given_m else (SPACING_RULE, "density")
+    sources = [f"spec.senses.touch.{key}", "spec.age_months"]
     origins = {
-        f"skin.{part.body}.spacing": {"value": part.spacing_m, "unit": "m", "rule": SPACING_RULE, "from": sources}
+        f"skin.{part.body}.spacing": {"value": part.spacing_m, "unit": "m", "rule": rule, "from": sources}
         for part in parts
     }
     points_m = np.concatenate([np.empty((0, 3)), *skin.points_m.values()])

@@ -166,7 +166,12 @@ class _Patch(NamedTuple):
     area_m2: float
 
 
-def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> SkinPoints:
+def skin_points(
+    tree: BodyTree,
+    density: float,
+    regions: Collection[str] | None = None,
+    given_m: Mapping[str, float] | None = None,
+) -> SkinPoints:
     """Return the skin points of a grown body.
 
     They are distributed over the average child of 18 months, and move with the geoms that they are on, so all infants
@@ -177,15 +182,19 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         tree: The body.
         density: Number of points, relative to what two-point discrimination asks for.
         regions: The groups of muscles whose parts have skin; None is all.
+        given_m: Distance of neighbours at 18 months, by the parts that alone have skin then, in place of *density*.
     """
-    patches = _patches(tree.hands, tree.extra, tree.development, density)
+    kind = tree.hands, tree.extra, tree.development
     groups, covered = tree.body_groups, None if regions is None else single_groups(regions)
     points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
             continue
         parts = (body.name, *(part for part, home in tree.merged if home == body.name))  # In the order of their geoms.
-        joined = [patches[part.removeprefix("left_").removeprefix("right_")] for part in parts]
+        apart_m = None if given_m is None else next((given_m[part] for part in parts if part in given_m), None)
+        if given_m is not None and apart_m is None:
+            continue
+        joined = [_patch(*kind, part.removeprefix("left_").removeprefix("right_"), density, apart_m) for part in parts]
         points_m[body.name] = _points(body, tuple(geom for patch in joined for geom in patch.layout), moved_m)
         growth = _area_m2(body) / math.fsum(patch.area_m2 for patch in joined)
         spacing_m[body.name] = joined[0].spacing_m * math.sqrt(growth)
@@ -193,22 +202,28 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
 
 
 @lru_cache(maxsize=8)
-def _patches(hands: str, extra: tuple[str, ...], development: Development, density: float) -> Mapping[str, _Patch]:
-    """Return the skin of the midline and of the right side, by body without its side."""
+def _average_bodies(hands: str, extra: tuple[str, ...], development: Development) -> Mapping[str, Body]:
+    """Return the bodies of the midline and of the right side of the average child, by name without its side."""
     tree = grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False, development, extra))
     bodies = [body for body in tree.bodies if not body.name.startswith("left_")]
-    return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
+    return MappingProxyType({body.name.removeprefix("right_"): body for body in bodies})
 
 
-on_recompose(_patches.cache_clear)  # Others' parts may be replaced.
-
-
-def _patch(body: Body, density: float) -> _Patch:
+@lru_cache(maxsize=512)
+def _patch(
+    hands: str, extra: tuple[str, ...], development: Development, part: str, density: float, apart_m: float | None
+) -> _Patch:
+    """Return the skin of a part, named without its side, by density or by the distance of its points."""
+    body = _average_bodies(hands, extra, development)[part]
     area_m2 = _area_m2(body)
     if body.skin_spacing_m is None:
         return _Patch((PUPIL,), math.sqrt(area_m2), area_m2)
-    spacing_m = body.skin_spacing_m / math.sqrt(density)
+    spacing_m = apart_m or body.skin_spacing_m / math.sqrt(density)
     return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
+
+
+on_recompose(_average_bodies.cache_clear)  # Others' parts may be replaced.
+on_recompose(_patch.cache_clear)
 
 
 def _area_m2(body: Body) -> float:

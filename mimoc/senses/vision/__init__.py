@@ -12,6 +12,7 @@ from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, 
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
+ContrastLaw = Literal["linear", "mimo3"]
 
 
 class AcuitySpec(Model):
@@ -52,6 +53,9 @@ class VisionSpec(Model):
     acuity_profile: Literal["tac2", "mayer1995", "mimo_v2"] = "tac2"
     """Source of acuity by age: Neijzen et al. 2025 on the scale of the Teller Acuity Cards (`tac2`: the paper's source,
     pooled again), Mayer et al. 1995 (`mayer1995`), or the figures of MIMo v2 (`mimo_v2`)."""
+    contrast: ContrastLaw = "linear"
+    """Contrast that is left of a grating of f cycles per degree, with acuity a: 1 - f / a, equation 2 of the paper
+    (`linear`), or the power law of MIMo3's code, (10 f) to the power of -2 / log10(10 a), from .01 to .99 (`mimo3`)."""
     foveation: Annotated[Real, Field(ge=0, le=1000)] = 0.0
     """Strength of foveation, s in the mapping r = R log(1 + s r'/R) / log(1 + s); 0 is uniform resolution."""
     foveation_radius: FoveationRadius = "corner"
@@ -80,6 +84,8 @@ class VisionEntry(Model):
     """Factor by which an image is rendered larger before it is averaged down."""
     acuity_cpd: Annotated[float, Field(gt=0, le=60)] | None
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
+    contrast: ContrastLaw = "linear"
+    """Law of the contrast that is left of coarser gratings."""
     foveation: Annotated[Amount, Field(le=1000)]
     """Strength s of the foveation; 0 is none."""
     foveation_radius: FoveationRadius

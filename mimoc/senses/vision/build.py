@@ -24,6 +24,7 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         height_px=spec.height_px,
         supersample=spec.supersample,
         acuity_cpd=resolve_acuity(spec, body.age_months),
+        contrast=spec.contrast,
         foveation=spec.foveation,
         foveation_radius=spec.foveation_radius,
         unseen=sensor_sites.UNSEEN,

@@ -155,16 +155,34 @@ def blur(pictures: Pictures, gain: Pictures) -> Pictures:
 
 
 @functools.lru_cache(maxsize=32)
-def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: float) -> Pictures:
+def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: float, law: str = "linear") -> Pictures:
     """Return how much contrast is left of each cosine of a picture, shape (height, width), 1 for its mean; read-only.
 
-    It is max(0, 1 - f / a) for f cycles per degree (López et al. 2025, equation 2), as degrees are at the centre.
+    It is what one of `CONTRAST_LAWS` says of its cycles per degree, as degrees are at the centre.
     """
     rows, columns = (np.arange(size_px) / (2 * size_px) for size_px in (height_px, width_px))
     frequencies_cpd = np.hypot(rows[:, None], columns) * pixels_per_degree(height_px, fovy_deg)
-    gain = np.maximum(0.0, 1 - frequencies_cpd / acuity_cpd).astype(np.float32)
+    gain = CONTRAST_LAWS[law](frequencies_cpd, acuity_cpd).astype(np.float32)
     gain.flags.writeable = False
     return gain
+
+
+def _power_law(frequencies_cpd: FloatArray, acuity_cpd: float) -> FloatArray:
+    """Return MIMo3's contrast: all of it below .1 cycles per degree, then (10 f)^b with b such that .01 is left at a.
+
+    Acuities are at least twice that frequency, as they are at any age.
+    """
+    exponent = -2 / np.log10(10 * max(acuity_cpd, 0.2))
+    left = (10 * np.maximum(frequencies_cpd, 0.1)) ** exponent
+    return np.where(frequencies_cpd < 0.1, 1.0, left.clip(0.01, 0.99))
+
+
+CONTRAST_LAWS: Mapping[str, Callable[[FloatArray, float], FloatArray]] = {
+    "linear": lambda frequencies_cpd, acuity_cpd: np.maximum(0.0, 1 - frequencies_cpd / acuity_cpd),
+    "mimo3": _power_law,
+}
+"""Contrast that is left at some frequencies by acuity, both in cycles per degree: max(0, 1 - f / a) of López et al.
+2025 (equation 2), or the law of MIMo3's code."""
 
 
 def pixels_per_degree(height_px: int, fovy_deg: float) -> float:

@@ -70,7 +70,7 @@ def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
     chain: list[Filter] = []
     if entry.acuity_cpd is not None:
         drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample
-        chain.append(partial(blur, gain=contrast_gain(*drawn, fovy_deg, entry.acuity_cpd)))
+        chain.append(partial(blur, gain=contrast_gain(*drawn, fovy_deg, entry.acuity_cpd, entry.contrast)))
     if entry.supersample > 1:
         chain.append(partial(average_down, times=entry.supersample))
     if entry.foveation:

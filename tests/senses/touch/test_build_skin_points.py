@@ -172,3 +172,11 @@ def test_one_side_can_differ_and_the_other_does_not_notice():
     assert np.array_equal(left.points_m["right_hand"], usual.points_m["right_hand"])
     assert np.array_equal(left.points_m["left_hand"], right.points_m["right_hand"] * MIRROR)
     assert not np.allclose(left.points_m["left_hand"], usual.points_m["left_hand"], atol=1e-3)
+
+
+def test_only_parts_whose_spacing_is_given_have_points_so_far_apart():
+    usual, given = skin_points(child(), 1), skin_points(child(), 1, None, {"left_hand": 0.0035, "head": 0.013})
+    assert list(given.points_m) == [name for name in usual.points_m if name in ("left_hand", "head")]
+    assert np.array_equal(given.points_m["head"], usual.points_m["head"])
+    assert len(given.points_m["left_hand"]) == pytest.approx(4 * len(usual.points_m["left_hand"]), rel=0.1)
+    assert given.spacing_m["left_hand"] == pytest.approx(0.5 * usual.spacing_m["left_hand"])

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.special import sici
 
-from mimoc.senses.vision.foveation import blur, contrast_gain, pixels_per_degree
+from mimoc.senses.vision.foveation import CONTRAST_LAWS, blur, contrast_gain, pixels_per_degree
 
 SIZES_PX = [(64, 64), (96, 48), (50, 81)]
 FULL_SCALE = 255.0
@@ -143,3 +143,11 @@ def test_older_eyes_see_finer():
 def test_the_gain_is_worked_out_once():
     assert contrast_gain(64, 48, 60.0, 3.0) is contrast_gain(64, 48, 60.0, 3.0)
     assert not contrast_gain(64, 48, 60.0, 3.0).flags.writeable
+
+
+def test_mimo3s_law_leaves_a_hundredth_at_the_limit_and_far_less_before_it_than_equation_2():
+    """At 6 months and 1 cycle per degree it leaves .07, where the paper's equation leaves .82."""
+    frequencies_cpd = np.array([0, 0.05, 0.1, 1, 5.64, 30])
+    assert CONTRAST_LAWS["mimo3"](frequencies_cpd, 5.64) == pytest.approx([1, 1, 0.99, 0.072, 0.01, 0.01], abs=5e-4)
+    assert CONTRAST_LAWS["linear"](frequencies_cpd, 5.64) == pytest.approx([1, 0.991, 0.982, 0.823, 0, 0], abs=5e-4)
+    assert (contrast_gain(8, 8, 60, 0.02, "mimo3") <= 1).all()

@@ -67,7 +67,7 @@ def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float) ->
     """Return how much contrast is left of each cosine, all of it where acuity is not limited."""
     if entry.acuity_cpd is None:
         return np.ones((height_px, width_px))
-    return contrast_gain(width_px, height_px, fovy_deg, entry.acuity_cpd).astype(float)
+    return contrast_gain(width_px, height_px, fovy_deg, entry.acuity_cpd, entry.contrast).astype(float)
 
 
 def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:

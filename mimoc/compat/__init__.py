@@ -1,0 +1,1 @@
+"""Other systems' environments, by their names and keywords, on mimoc's runtime."""
