@@ -14,6 +14,9 @@ from mimoc.schema.yaml_document import dump
 
 Meaning = TypeVar("Meaning")
 
+MIMO_AGE_MONTHS = 18
+"""Age of MIMo's body (Mattern et al. 2024)."""
+
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
 """Words that YAML 1.1, used by most systems, reads as true and false; YAML 1.2, used here, has most of them as text."""
 

@@ -10,7 +10,7 @@ from typing import Any
 from mimoc.base.errors import suggestion
 from mimoc.importers.babybench.scene import read_actuation, read_body, read_control, read_scene, read_task
 from mimoc.importers.babybench.senses import read_senses
-from mimoc.importers.settings import Imported, Settings, infant_name, plain
+from mimoc.importers.settings import MIMO_AGE_MONTHS, Imported, Settings, infant_name, plain
 from mimoc.schema.base import shown
 from mimoc.schema.source import FileKind, read
 
@@ -50,8 +50,6 @@ def note_unmatched(settings: Settings) -> None:
 
 
 CONFIGURATION = FileKind("configuration", "behavior, scene and actuation_model", "scene: base")
-MIMO_AGE_MONTHS = 18
-"""Age of MIMo's body (Mattern et al. 2024)."""
 MAX_AGE_MONTHS = 24
 DEFAULT_NAME = "babybench"
 

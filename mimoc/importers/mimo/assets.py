@@ -1,11 +1,12 @@
 """The files that a scene refers to, and which textures, materials and meshes of it are the infant's alone."""
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from mimoc.base.errors import Problem, SpecError
 from mimoc.bundle.regular_files import MOST_BYTES, MOST_BYTES_IN_ALL, UnusableFileError
-from mimoc.importers.mimo.reading import Element, read_file
+from mimoc.importers.mimo.reading import Element, first_existing, read_file
 
 FOLDERS = ("assetdir", "meshdir", "texturedir", "strippath")
 """Attributes of `compiler` that say where files are; those of the new scene are all in one folder."""
@@ -69,11 +70,13 @@ class AssetFiles:
         return Element(element.tag, attributes, element.file, element.line, children)
 
     def _path(self, element: Element, name: str) -> Path:
-        """Return where MuJoCo finds a file of a kind of asset."""
+        """Return where MuJoCo finds a file of a kind of asset: as seen from the scene, or else from what names it."""
         kind = "texturedir" if element.tag == "texture" else "meshdir"
         place = self._settings.get(kind) or self._settings.get("assetdir", "")
         strips = self._settings.get("strippath") in ("true", "1")
-        return self._folder / place / (PurePosixPath(name).name if strips else name)
+        name = PurePosixPath(name).name if strips else name
+        beside = os.path.relpath(Path(element.file).parent, self._folder)
+        return first_existing(self._folder / place / name, self._folder / place / beside / name)
 
     def _name(self, path: Path) -> str:
         if path not in self._names:

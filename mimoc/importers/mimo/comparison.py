@@ -43,14 +43,18 @@ def notes_on_infant(
 
 def _age_text(age: Age) -> str:
     """Return what is said of the age."""
-    if age.fits:
-        return f"it has the sizes of {age.months:g} months by the published law of growth"
-    nearest = f"largest difference {MM_PER_M * age.difference_m:.1f} mm, in {age.geom}"
-    if age.is_ungrown:
-        return f"it is MIMo's own model, which was not grown; the spec's is the published one of 18 months: {nearest}"
-    if not age.geom:
+    if not age.differences_m:
         return f"none of its geoms is MIMo's, so its age is unknown; the spec says {age.months:g} months"
-    return f"its sizes are those of no age by the published law of growth; nearest is {age.months:g} months: {nearest}"
+    law = f"the sizes of {age.months:g} months by the published law of growth"
+    if not age.differing:
+        return f"it has {law}"
+    most, count = age.differing[0], f"{len(age.differing)} of {len(age.differences_m)} geoms"
+    largest = f"largest difference {MM_PER_M * age.differences_m[most]:.1f} mm, in {most}"
+    if age.fits:
+        return f"it has {law}, but for {count}: {largest}"
+    if age.is_ungrown:
+        return f"it is MIMo's own model, which was not grown; the spec's has {law}, and {count} differ: {largest}"
+    return f"its sizes are those of no age by the published law of growth; nearest is {age.months:g} months: {largest}"
 
 
 def _differences(infant: Infant, *models: mujoco.MjModel) -> Iterator[str]:

@@ -1,6 +1,5 @@
 """How old the infant of a MIMo scene is: the age at which the published law of growth gives it its sizes."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -11,10 +10,10 @@ import numpy.typing as npt
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.grow import grow_average
-from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.tree import BodyTree, Geom
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.geometry.solvers import narrowed
+from mimoc.importers.settings import MIMO_AGE_MONTHS
 
 PREFIX = "geom:"
 """Of the names of geoms in MIMo's later scenes."""
@@ -23,6 +22,8 @@ TOLERANCE_M = 2e-5
 OWN_MASSES = 0.02
 """Relative difference of masses, at the median, up to which a MIMo is the one that has not been grown."""
 PRECISION_MONTHS = 1e-5
+ROUNDING_M = 1e-6
+"""Mean difference of sizes by which a round age may fit less well than any other."""
 ROUND_TO = (1.0, 0.5, 0.1, 0.01, 0.001, 0.0001)
 """Ages that people write; the first of these that fits is taken."""
 
@@ -34,51 +35,58 @@ class Age:
     """The age of a body, and how well it has the sizes of that age."""
 
     months: float
-    difference_m: float
-    """Largest difference of a geom's sizes from those of that age."""
-    geom: str
-    """Name of that geom."""
-    is_ungrown: bool
+    differences_m: Mapping[str, float]
+    """Largest difference of each geom's sizes from those of that age."""
+    is_ungrown: bool = False
     """Whether it is MIMo's own model, which was made for 18 months and not grown."""
 
     @property
+    def differing(self) -> list[str]:
+        """The geoms that have not the sizes of that age, the one that differs most first."""
+        names = [name for name, difference_m in self.differences_m.items() if difference_m > TOLERANCE_M]
+        return sorted(names, key=lambda name: (-self.differences_m[name], name))
+
+    @property
     def fits(self) -> bool:
-        """Whether these are the sizes of that age."""
-        return self.difference_m <= TOLERANCE_M
+        """Whether most geoms have the sizes of that age."""
+        return 2 * len(self.differing) < len(self.differences_m)
 
 
 def recognise_age(model: mujoco.MjModel, anatomy: Anatomy) -> Age:
     """Return the age of MIMo in a compiled scene.
 
-    It is the age whose geoms differ least, as the sum of squares over all sizes that both have, from those in the
-    scene; MIMo's own model, which is recognised by its masses, is 18 months old.
+    It is the age from whose sizes those of the scene's geoms differ least, as the sum over all that both have, which
+    single geoms that somebody changed hardly move; MIMo's own model, which is recognised by its masses, is 18 months
+    old.
     """
 
     @cache
     def grown(months: float) -> BodyTree:
         return grow_average(months, anatomy)
 
-    sizes = geom_sizes(model, grown(REFERENCE_AGE_MONTHS))
-
-    def error(months: float) -> float:
-        return sum(float(np.sum(change**2)) for change in _changes(sizes, grown(months)).values())
-
-    def largest(months: float) -> tuple[float, str]:
-        changes = _changes(sizes, grown(months)).items()
-        return max(((float(np.max(np.abs(change))), name) for name, change in changes), default=(0.0, ""))
+    sizes = geom_sizes(model, grown(MIMO_AGE_MONTHS))
 
     def errors(months: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        return np.array([[error(float(month)) for month in row] for row in months])
+        sums = [sum(_differences(sizes, grown(float(age))).values()) for age in months.flat]
+        return np.array(sums).reshape(months.shape)
 
     if not sizes:
-        return Age(REFERENCE_AGE_MONTHS, math.inf, "", is_ungrown=False)
+        return Age(MIMO_AGE_MONTHS, {})
     (low,), (high,) = narrowed(errors, np.array([0.0]), np.array([LAST_MONTH]), PRECISION_MONTHS)
-    nearest = [round(round(float(low + high) / 2 / unit) * unit, 4) for unit in ROUND_TO]
-    months = next((months for months in nearest if largest(months)[0] <= TOLERANCE_M), None)
-    ungrown = months is None and _is_ungrown(model, anatomy)
-    if months is None:
-        months = REFERENCE_AGE_MONTHS if ungrown else nearest[ROUND_TO.index(0.1)]
-    return Age(int(months) if months == int(months) else months, *largest(months), ungrown)
+    best = float(low + high) / 2
+    least_m = float(np.sum(errors(np.array([best])))) + ROUNDING_M * len(sizes)
+    rounded = [round(round(best / unit) * unit, 4) for unit in ROUND_TO]
+    months = next((age for age in rounded if np.sum(errors(np.array([age]))) <= least_m), rounded[-1])
+    age = Age(_as_written(months), _differences(sizes, grown(months)))
+    if age.fits:
+        return age
+    if _is_ungrown(model, anatomy):
+        return Age(MIMO_AGE_MONTHS, _differences(sizes, grown(MIMO_AGE_MONTHS)), is_ungrown=True)
+    return Age(_as_written(rounded[2]), _differences(sizes, grown(rounded[2])))
+
+
+def _as_written(months: float) -> float:
+    return int(months) if months == int(months) else months
 
 
 def geom_sizes(model: mujoco.MjModel, tree: BodyTree) -> Sizes:
@@ -103,10 +111,10 @@ def _known_name(model: mujoco.MjModel, geom: int, geoms: Mapping[str, Geom]) -> 
     return known if known and geoms[known].type == kind and geoms[known].mass_kg else ""
 
 
-def _changes(sizes: Sizes, tree: BodyTree) -> Sizes:
-    """Return the differences of sizes from those of a body."""
-    geoms = tree.geoms
-    return {name: size[: len(geoms[name].size_m)] - geoms[name].size_m for name, size in sizes.items()}
+def _differences(sizes: Sizes, tree: BodyTree) -> dict[str, float]:
+    """Return the largest difference of each geom's sizes from those of a body."""
+    wanted = {name: tree.geoms[name].size_m for name in sizes}
+    return {name: float(np.max(np.abs(size[: len(wanted[name])] - wanted[name]))) for name, size in sizes.items()}
 
 
 def _is_ungrown(model: mujoco.MjModel, anatomy: Anatomy) -> bool:

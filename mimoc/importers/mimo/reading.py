@@ -1,5 +1,6 @@
 """Reading of a scene in MJCF: its elements with the files that it includes, and the files that it refers to."""
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -63,7 +64,8 @@ class Element:
 def read_scene(path: Path) -> Element:
     """Return the root element of a scene, with its includes replaced by what they include.
 
-    Like MuJoCo, it reads includes relative to the folder of the scene, and each file once.
+    Like MuJoCo, it looks for what is included in the folder of the scene, then in that of the file that includes it,
+    and includes each file once.
 
     Raises:
         SpecError: If a file is missing or is not MJCF; the error lists all problems of that kind.
@@ -87,6 +89,11 @@ def read_file(path: Path, most_bytes: int) -> bytes:
     if content is None:
         raise UnusableFileError("does not exist or cannot be read; check the path")
     return content
+
+
+def first_existing(path: Path, other: Path) -> Path:
+    """Return the path of two at which there is something, the first if both or none."""
+    return other if os.path.lexists(other) and not os.path.lexists(path) else path
 
 
 class _Reader:
@@ -154,7 +161,7 @@ class _Reader:
 
     def _included_by(self, element: Element) -> Element | None:
         name = element.get("file")
-        path = self._folder / name
+        path = first_existing(self._folder / name, Path(element.file).parent / name)
         if not name or path.resolve() in self._included:
             what = "is included a second time, which MuJoCo does not allow; remove this" if name else "names no file"
             self.problems.append(element.problem(f"'{name}' {what}"))
