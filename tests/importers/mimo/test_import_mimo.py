@@ -1,6 +1,7 @@
 """What a scene with MIMo in it becomes: a spec, and the scene without its infant."""
 
 import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from mimoc.bundle.io import write_bundle
 from mimoc.importers import import_config
 from mimoc.importers.settings import Imported
 
+PAGE = Path(__file__).parents[3] / "docs" / "import_mimo.md"
 HELD = '<equality><weld body1="mimo_location"/></equality>'
 TARGET = '<body name="target" pos=".3 0 .6"><freejoint name="target_joint"/><geom size=".02" mass=".1"/></body>'
 RAIL = (
@@ -297,7 +299,7 @@ def test_what_was_changed_by_hand_is_noted(tmp_path):
         "jointpos 'mine': not taken over: mimoc's infant has no joint 'nod'",
         "it has the sizes of 9 months by the published law of growth, but for 1 of 36 geoms: largest difference ",
         "masses of bodies differ in 1 of 22, most in left_lower_leg",
-        "ranges of joints differ in 1 of 44, most in robot:left_elbow, by ",
+        "ranges of joints differ in 1 of 47, most in robot:left_elbow, by ",
         "gears of motors differ in 1 of 44, most in act:hip_bend",
     ):
         assert text in said
@@ -438,6 +440,21 @@ def test_the_command_replaces_nothing_unasked_and_never_its_source(tmp_path, mon
         refusal = invoke("import", "mimo", "own_scene.xml", "-o", name, "--force")
         assert refusal.code == 2
         assert "choose another file" in refusal.err
+
+
+def test_the_page_on_scenes_is_right(tmp_path, monkeypatch, invoke):
+    write_scene(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```(\w+)\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    assert [language for language, _ in blocks] == ["sh", "sh", "python"]
+    session: dict = {}
+    for language, text in blocks:
+        if language == "python":
+            exec(text, session)
+        else:
+            program, *arguments = shlex.split(text)
+            assert (program, invoke(*arguments).code) == ("mimoc", 0)
+    assert session["data"].time > 0.4
 
 
 def test_standard_output_gets_the_spec_alone(tmp_path, monkeypatch, invoke):
