@@ -5,7 +5,6 @@ The infant is mimoc's, built for MIMo, so that it has MIMo's names and its sizes
 
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -52,19 +51,20 @@ SCENE = """<!-- A scene of somebody's -- with two hyphens, which MuJoCo reads. -
 
 def mimo_of(age_months: float = 9, **sections: Any) -> ElementTree.Element:
     """Return the MJCF of an infant that was built for MIMo, to be changed."""
+    name = f"for mimo {age_months} {sorted(sections.items())}"
+    return deepcopy(made_once(name, lambda: build_mimo(age_months, **sections)))
+
+
+def build_mimo(age_months: float, **sections: Any) -> ElementTree.Element:
+    """Build what `mimo_of` returns."""
     spec = {"name": "mimo", "age_months": age_months, "development": "published", **sections}
     spec = {"mimoc": 1, "senses": {"proprioception": {}, "vestibular": {}}, **spec}
-    text = made_once(f"for mimo {sorted(spec.items())}", lambda: _built(spec))
-    return deepcopy(ElementTree.fromstring(text))
-
-
-def _built(spec: Mapping[str, Any]) -> bytes:
-    return mimoc.build(InfantSpec.model_validate(spec), "mimo").files["infant.xml"]
+    return ElementTree.fromstring(mimoc.build(InfantSpec.model_validate(spec), "mimo").files["infant.xml"])
 
 
 def write_scene(folder: Path, infant: ElementTree.Element | None = None, **parts: str) -> Path:
     """Write a scene with an infant; *parts* replace parts of `SCENE`. Return its path."""
-    root = mimo_of() if infant is None else infant
+    root = mimo_of() if infant is None else deepcopy(infant)
     (hip,) = root.findall(".//body[@name='hip']")
     meta, model = ElementTree.Element("mujoco"), ElementTree.Element("mujoco")
     meta.extend(section for section in root if section.tag not in ("worldbody", "option"))

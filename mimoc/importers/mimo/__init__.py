@@ -53,7 +53,7 @@ def import_mimo(path: str | Path) -> Imported:
     bundle = _built(spec, path)
     mimocs = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, INFANT))
     names = names_in_model(mimocs)
-    rest = rest_of(infant, model, mimocs, names)
+    rest = rest_of(infant, model, bundle.files[INFANT], mimocs, names)
     pictured = AssetFiles(tree, path.parent)
     pictured.moved(rest.tree)
     scene = partial(_scene_files, rest, pictured, spec["name"])
@@ -96,7 +96,8 @@ def _built(spec: dict[str, Any], path: Path) -> Bundle:
 
 def _compiled(tree: Element, files: Mapping[str, bytes], file: str) -> mujoco.MjModel:
     try:
-        return mujoco.MjModel.from_xml_string(tree.xml(), dict(files))
+        with _unheard():
+            return mujoco.MjModel.from_xml_string(tree.xml(), dict(files))
     except (ValueError, mujoco.FatalError) as error:
         message = f"MuJoCo {mujoco.__version__} rejects this scene: {' '.join(_LINE.sub('', str(error)).split())}"
         line = _LINE.search(str(error))
@@ -142,7 +143,7 @@ def _opened(files: Mapping[str, bytes], bundle: Bundle, name: str, path: Path) -
 
 @contextmanager
 def _unheard() -> Iterator[None]:
-    """Keep MuJoCo from printing that a model with an empty prefix, as this one, may not be saved correctly."""
+    """Keep MuJoCo from printing its warnings, and writing them to a file, MUJOCO_LOG.TXT, in the current folder."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda message: None)
     try:

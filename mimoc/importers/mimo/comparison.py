@@ -126,7 +126,7 @@ def _compared(
     most = min(differing, key=lambda name: (-sizes[name], name))
     factor, word = unit
     return (
-        f"{what} differ in {len(differing)} of {len(sizes)}, most in {most}, by {factor * sizes[most]:.3g}{word}{more}"
+        f"{what} differ in {len(differing)} of {len(sizes)}, most in {most}, by {factor * sizes[most]:.4g}{word}{more}"
     )
 
 

@@ -18,7 +18,8 @@ def moved_keyframes(infant: Infant, source: mujoco.MjModel, scene: mujoco.MjMode
     """Return the keyframes of a scene, *source*, for what was made of it, *scene*.
 
     Joints and actuators are found by their names, those without one by the body that they move. What only the latter
-    has is where it is at the start, at rest and without a command.
+    has is where it is at the start, at rest and without a command. Commands keep their place within their range,
+    which for servos is in radians in MIMo.
     """
     home = infant.free_joint
     renamed = {home.get("name"): FREE_JOINT, (infant.home or infant.hip).get("name"): HIP} if home else {}
@@ -32,7 +33,9 @@ def moved_keyframes(infant: Infant, source: mujoco.MjModel, scene: mujoco.MjMode
             _copy(source.key_qpos[key], source.jnt_qposadr[old], qpos, scene.jnt_qposadr[new], POSITIONS[kind])
             _copy(source.key_qvel[key], source.jnt_dofadr[old], qvel, scene.jnt_dofadr[new], VELOCITIES[kind])
         for old, new in motors:
-            ctrl[new] = source.key_ctrl[key][old]
+            ctrl[new] = np.interp(
+                source.key_ctrl[key][old], source.actuator_ctrlrange[old], scene.actuator_ctrlrange[new]
+            )
         values = {
             "qpos": qpos,
             "qvel": qvel,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -15,9 +16,6 @@ from mimoc.importers.mimo.infant import HIP, Infant, held_parts
 from mimoc.importers.mimo.reading import Element
 from mimoc.importers.mimo.references import Names, names_in, references, resolved
 
-OPTIONS = ("timestep", "integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "tolerance")
-"""Options that the infant needs (docs/own_scene.md)."""
-MULTICCD = "multiccd"
 REFERRING = ("contact", "tendon", "equality", "actuator", "sensor")
 """Sections whose elements refer to bodies and joints; tendons before the others, which may refer to them."""
 MODEL = "infant"
@@ -36,26 +34,34 @@ class Rest:
     """What was not taken over."""
 
 
-def rest_of(infant: Infant, model: mujoco.MjModel, mimocs: mujoco.MjModel, names: Names) -> Rest:
+def rest_of(infant: Infant, model: mujoco.MjModel, mjcf: bytes, mimocs: mujoco.MjModel, names: Names) -> Rest:
     """Return what is left of a scene without its infant.
 
     Args:
         infant: The infant of the scene.
         model: The compiled scene.
-        mimocs: The infant of the spec, compiled, whose options the scene takes.
-        names: The names in the latter.
+        mjcf: The infant of the spec, whose options the scene takes.
+        mimocs: The same, compiled.
+        names: The names in it.
     """
-    notes: list[Problem] = []
+    notes = list(_strangers(infant, names))
+    option, size = _options(mjcf)
+    drop = {"option": option.attributes, "flag": option.children[0].attributes, "size": size.attributes}
     frame = _frame(model, mimocs)
-    sections = [_without(section, infant, frame, notes) for section in infant.tree.children]
+    sections = [_without(section, infant, frame, drop, notes) for section in infant.tree.children]
     sections = _referring(sections, infant, names, notes)
     sections = _with_assets(_with_defaults(sections, infant), infant, names)
     sections = [section for section in sections if section.children or section.attributes]
-    head = [
-        _options(mimocs),
-        Element("size", {"nuser_actuator": str(max(model.nuser_actuator, mimocs.nuser_actuator))}),
-    ]
-    return Rest(Element("mujoco", infant.tree.attributes, children=[*sections, *head]), tuple(notes))
+    size.attributes["nuser_actuator"] = str(max(model.nuser_actuator, mimocs.nuser_actuator))
+    return Rest(Element("mujoco", infant.tree.attributes, children=[*sections, option, size]), tuple(notes))
+
+
+def _options(mjcf: bytes) -> tuple[Element, Element]:
+    """Return the elements of an infant that the scene needs: its options and its sizes."""
+    root = ElementTree.fromstring(mjcf)
+    (option,), (size,) = root.findall("option"), root.findall("size")
+    flags = [Element(flag.tag, dict(flag.attrib)) for flag in option]
+    return Element("option", dict(option.attrib), children=flags), Element("size", dict(size.attrib))
 
 
 def _frame(model: mujoco.MjModel, mimocs: mujoco.MjModel) -> Element:
@@ -74,32 +80,17 @@ def _numbers(values: np.ndarray) -> str:
     return " ".join(f"{round(float(value), 9) + 0.0:.9g}" for value in values)
 
 
-def _options(mimocs: mujoco.MjModel) -> Element:
-    """Return the options of the infant."""
-    option = mimocs.opt
-    words = {
-        "integrator": mujoco.mjtIntegrator(option.integrator).name.removeprefix("mjINT_"),
-        "cone": mujoco.mjtCone(option.cone).name.removeprefix("mjCONE_").lower(),
-        "jacobian": mujoco.mjtJacobian(option.jacobian).name.removeprefix("mjJAC_").lower(),
-        "solver": mujoco.mjtSolver(option.solver).name.removeprefix("mjSOL_"),
-    }
-    words["integrator"] = {"EULER": "Euler", "IMPLICIT": "implicit", "IMPLICITFAST": "implicitfast"}.get(
-        words["integrator"], words["integrator"]
-    )
-    words["solver"] = words["solver"] if words["solver"] in ("PGS", "CG") else words["solver"].capitalize()
-    attributes = {name: words.get(name) or f"{getattr(option, name):.9g}" for name in OPTIONS}
-    return Element("option", attributes, children=[Element("flag", {MULTICCD: "disable"})])
-
-
-def _without(section: Element, infant: Infant, frame: Element, notes: list[Problem]) -> Element:
-    """Return a section of the scene without the infant, whose place a frame takes, and without the infant's options."""
-    drop = {"option": OPTIONS, "flag": (MULTICCD,), "size": ("nuser_actuator",)}.get(section.tag, ())
-    attributes = {name: value for name, value in section.attributes.items() if name not in drop}
-    children = [_without(child, infant, frame, notes) for child in section.children] if section.tag == "option" else []
-    children = children or list(section.children)
-    if section.tag == "keyframe":
+def _without(
+    section: Element, infant: Infant, frame: Element, drop: Mapping[str, Mapping[str, str]], notes: list[Problem]
+) -> Element:
+    """Return a section of the scene without the infant, whose place a frame takes, and without attributes to drop."""
+    attributes = {name: value for name, value in section.attributes.items() if name not in drop.get(section.tag, {})}
+    children = section.children
+    if section.tag == "option":
+        children = [_without(child, infant, frame, drop, notes) for child in children]
+    elif section.tag == "keyframe":
         children, attributes = [], {}
-    if section.tag == "worldbody" and section in infant.chain:
+    elif section.tag == "worldbody":
         children = [part for child in children for part in _placed(child, infant, frame, notes)]
     return Element(section.tag, attributes, section.file, section.line, children)
 
@@ -109,7 +100,6 @@ def _placed(element: Element, infant: Infant, frame: Element, notes: list[Proble
     if element not in infant.chain:
         yield element
         return
-    notes += _strangers(infant)
     if infant.free_joint is None:
         if stays := _pruned(element, infant.hip):
             yield stays
@@ -128,29 +118,30 @@ def _placed(element: Element, infant: Infant, frame: Element, notes: list[Proble
 
 
 def _pruned(element: Element, gone: Element) -> Element | None:
-    """Return an element without another below it; None if nothing is left that anybody could notice."""
+    """Return an element without another, which is or is below it; None if it is that."""
     if element is gone:
         return None
-    pairs = [(child, _pruned(child, gone)) for child in element.children]
-    return Element(element.tag, element.attributes, element.file, element.line, [part for _, part in pairs if part])
+    children = [part for child in element.children if (part := _pruned(child, gone))]
+    return Element(element.tag, element.attributes, element.file, element.line, children)
 
 
-def _strangers(infant: Infant) -> Iterator[Problem]:
-    """Yield notes on bodies and joints on the infant that are not MIMo's, and on parts that hang on others."""
+def _strangers(infant: Infant, names: Names) -> Iterator[Problem]:
+    """Yield notes on what is on the infant and not MIMo's, and on parts that hang on others."""
     for name, body in infant.bodies.items():
         if name not in infant.parents:
             yield body.problem("not taken over: it is on the infant, and no part of MIMo's")
-    for name, body in infant.bodies.items():
+            continue
+        geoms = [child for child in body.children if child.tag == "geom"]
         for child in body.children:
-            if name not in infant.parents:
-                continue
-            if child.tag == "joint" and child.get("name") not in infant.hinges:
-                yield child.problem(f"not taken over: MIMo's '{name}' has no such joint")
-            elif child.tag in ("camera", "light") and not child.get("name").startswith("eye_"):
-                yield child.problem(f"not taken over: it is on the infant's '{name}', and MIMo has no such {child.tag}")
-            elif child.tag == "body" and infant.parents.get(child.get("name"), name) != name:
-                parent = infant.parents[child.get("name")]
-                yield child.problem(f"it hangs on '{name}'; in mimoc's infant, it hangs on '{parent}'")
+            title = child.get("name")
+            if child.tag == "geom":
+                title = title.removeprefix(PREFIX) or f"{name}{geoms.index(child) + 1}"
+                title = title if title in names["geom"] else f"{title}1"
+            known = infant.hinges if child.tag == "joint" else names.get(child.tag, set[str]())
+            if child.tag in ("joint", "geom", "site", "camera", "light") and title not in known:
+                yield child.problem(f"not taken over: mimoc's infant has no such {child.tag} on '{name}'")
+            elif child.tag == "body" and infant.parents.get(title, name) != name:
+                yield child.problem(f"it hangs on '{name}'; in mimoc's infant, it hangs on '{infant.parents[title]}'")
 
 
 def _referring(sections: list[Element], infant: Infant, names: Names, notes: list[Problem]) -> list[Element]:
