@@ -60,6 +60,9 @@ class AssetFiles:
         attributes = dict(element.attributes)
         if element.tag == "compiler":
             attributes = {name: value for name, value in attributes.items() if name not in FOLDERS}
+        if element.tag == "model" and element.get("file"):
+            problems.append(element.problem("attaches another model; include its parts, or write them into the scene"))
+            return element
         for name in file_attributes(element):
             path = self._path(element, attributes[name])
             try:

@@ -379,6 +379,11 @@ def test_a_missing_picture_is_refused_with_its_line(tmp_path):
     assert f"nursery.xml:{line}:1: texture 'mine': the file '{tmp_path}/mine.png' does not exist" in refused(path)
 
 
+def test_a_scene_that_attaches_models_is_refused(tmp_path):
+    path = write_scene(tmp_path, assets='<model name="cot" file="cot.xml"/>')
+    assert "model 'cot': attaches another model; include its parts" in refused(path)
+
+
 def test_what_mujoco_refuses_is_refused_with_its_line(tmp_path):
     path = write_scene(tmp_path, world='<geom size=".1" material="nothing"/>')
     line = next(number for number, text in enumerate(path.read_text().splitlines(), 1) if "nothing" in text)
