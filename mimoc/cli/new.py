@@ -14,6 +14,7 @@ from mimoc.base.errors import MimocError, OutputError, SpecError, check_name
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
+    from mimoc.importers.settings import Imported
     from mimoc.schema.starter import Choices
 
 STDOUT = Path("-")
@@ -144,14 +145,17 @@ def _example(like: str, name: str) -> str:
 
 
 def import_config(
-    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Format of the configuration: babybench.")],
-    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="Configuration to convert, a YAML file.")],
+    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Format of the configuration: babybench or mimo.")],
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="YAML file of BabyBench's, or MIMo's scene (XML).")],
     file: Annotated[
         Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write, or `-` for standard output.")
     ],
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Convert another system's configuration into a spec, and list the settings that have no counterpart."""
+    """Convert another system's configuration into a spec, and list the settings that have no counterpart.
+
+    Of a scene with MIMo in it, the rest is written beside the spec: FILE_scene.xml, with a folder for its assets.
+    """
     from mimoc import importers
     from mimoc.bundle import files
 
@@ -159,15 +163,35 @@ def import_config(
     if file == STDOUT:
         print(*imported.notes, sep="\n", end="\n" if imported.notes else "", file=sys.stderr)
         print(imported.text, end="")
+        if imported.scene:
+            print("the rest of the scene is not written; for that, give a file: -o FILE.yaml", file=sys.stderr)
         return
-    if file.resolve() == config.resolve():
+    if file.resolve() in {config.resolve(), *imported.sources}:
         raise OutputError(f"{file}: this is the configuration itself; choose another file")
     if file.exists() and not force:
         raise OutputError(f"{file}: already exists; choose another file, or replace it with --force")
+    out = (file.parent if imported.scene else Path()) / "out" / imported.spec["name"]
+    beside = _write_scene(imported, file, out, force) if imported.scene else ""
     written = files.write_file(file, imported.text.encode())
     for note in imported.notes:
         print(printable(note))
-    print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o out/{imported.spec['name']}")
+    print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o {printable(out)}{beside}")
+
+
+def _write_scene(imported: "Imported", file: Path, bundle: Path, force: bool) -> str:
+    """Write the scene beside a spec, with its assets; return what is printed of it."""
+    from mimoc.bundle import files
+
+    content = {file.parent / name: data for name, data in imported.scene(file.stem).items()} if imported.scene else {}
+    if (existing := [path for path in content if path.exists()]) and not force:
+        raise OutputError(f"{existing[0]}: already exists; choose another file, or replace it with --force")
+    if sources := [path for path in existing if path.resolve() in imported.sources]:
+        raise OutputError(f"{sources[0]}: this is part of the scene that was read; choose another file")
+    for path, data in content.items():
+        files.make_folder(path.parent, below=file.parent)
+        files.write_file(path, data, below=file.parent)
+    scene = printable(next(iter(content)))
+    return f"\n{scene}: the scene, which takes its infant from {printable(bundle)}; open it with MuJoCo"
 
 
 def schema(

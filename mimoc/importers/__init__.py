@@ -6,9 +6,12 @@ from types import MappingProxyType
 
 from mimoc.base.errors import UnknownNameError
 from mimoc.importers.babybench import import_babybench
+from mimoc.importers.mimo import import_mimo
 from mimoc.importers.settings import Imported
 
-IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType({"babybench": import_babybench})
+IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType(
+    {"babybench": import_babybench, "mimo": import_mimo}
+)
 """Function that converts the configuration of each system."""
 
 

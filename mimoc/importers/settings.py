@@ -1,16 +1,21 @@
 """Typed reading of the keys of a flat configuration, and the spec that they are converted into."""
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 from mimoc.base.errors import Problem, SpecError, suggestion
 from mimoc.schema.base import shown
+from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 from mimoc.schema.source import Source
 from mimoc.schema.yaml_document import dump
 
 Meaning = TypeVar("Meaning")
+
+MIMO_AGE_MONTHS = 18
+"""Age of MIMo's body (Mattern et al. 2024)."""
 
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
 """Words that YAML 1.1, used by most systems, reads as true and false; YAML 1.2, used here, has most of them as text."""
@@ -114,6 +119,23 @@ class Settings:
         self._problems.append(self._source.problem((key,), f"{wrong}; {advice}"))
 
 
+def named(groups: Iterable[str]) -> list[str]:
+    """Return the shortest list of names for groups, in the order of the spec language: both arms are `arms`."""
+    left = set(groups)
+    names = set()
+    for pair, sides in PAIRED_GROUPS.items():
+        if set(sides) <= left:
+            left -= set(sides)
+            names.add(pair)
+    return [name for name in STRENGTH_GROUPS if name in names | left]
+
+
+def infant_name(stem: str, default: str) -> str:
+    """Return a name for the infant, derived from the name of the file."""
+    name = re.sub("[^a-z0-9]+", "_", stem.lower()).strip("_")
+    return (name if name[:1].isalpha() else f"{default}_{name}")[:64].strip("_")
+
+
 def plain(value: Any) -> str:
     """Return a word in normal form: lower case, with `_` as separator; None is `none`."""
     return "_".join(str("none" if value is None else value).lower().replace("-", " ").replace("_", " ").split())
@@ -137,6 +159,11 @@ class Imported:
     """The sections of the spec, in the order of writing."""
     notes: tuple[Problem, ...]
     """One note for each key without an exact counterpart, by line."""
+    scene: Callable[[str], Mapping[str, bytes]] | None = None
+    """Returns the scene for the infant and its assets, for a spec whose file has some stem: content by path relative to
+    the folder of the spec, the scene first."""
+    sources: frozenset[Path] = frozenset()
+    """Files that were read, besides the configuration itself; nothing is written there."""
 
     @property
     def text(self) -> str:
@@ -146,5 +173,9 @@ class Imported:
         heading = [f"# Converted from {self.system}'s {shown_name} by `mimoc import`."]
         if self.notes:
             heading.append("# Settings that this spec does not represent, or not exactly:")
-        heading += [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]
+        heading += [f"#   {self._place(note)}: {note.key}: {note.message}" for note in self.notes]
         return "\n".join((*heading, *(dump({key: value}).rstrip() for key, value in self.spec.items()), ""))
+
+    def _place(self, note: Problem) -> str:
+        file = "" if note.file == self.file else f"{ascii(PurePath(note.file).name)[1:-1]}, "
+        return f"{file}line {note.line}"

@@ -17,7 +17,7 @@ from fuzz.canaries import Canaries
 from mimoc.base.errors import MimocError, SpecError
 
 FUZZERS = (
-    *("bundles", "policies", "recordings", "specs", "meshes", "pictures"),
+    *("bundles", "policies", "recordings", "specs", "meshes", "pictures", "scenes"),
     *("cohorts", "trainings", "honest_cohorts"),
 )
 """Modules beside this one."""

@@ -383,7 +383,7 @@ def test_a_configuration_that_is_not_there_is_refused(tmp_path):
 
 
 def test_an_unknown_system_is_refused():
-    assert set(IMPORTERS) == {"babybench"}
+    assert set(IMPORTERS) == {"babybench", "mimo"}
     with pytest.raises(UnknownNameError, match="'babybnch' is not a format to import from; did you mean 'babybench'"):
         import_config("babybnch", EXAMPLE)
 

@@ -3,7 +3,6 @@
 The keys are those of the BabyBench 2025 starter kit and likely variants of them.
 """
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 from mimoc.base.errors import suggestion
 from mimoc.importers.babybench.scene import read_actuation, read_body, read_control, read_scene, read_task
 from mimoc.importers.babybench.senses import read_senses
-from mimoc.importers.settings import Imported, Settings, plain
+from mimoc.importers.settings import MIMO_AGE_MONTHS, Imported, Settings, infant_name, plain
 from mimoc.schema.base import shown
 from mimoc.schema.source import FileKind, read
 
@@ -51,8 +50,6 @@ def note_unmatched(settings: Settings) -> None:
 
 
 CONFIGURATION = FileKind("configuration", "behavior, scene and actuation_model", "scene: base")
-MIMO_AGE_MONTHS = 18
-"""Age of MIMo's body (Mattern et al. 2024)."""
 MAX_AGE_MONTHS = 24
 DEFAULT_NAME = "babybench"
 
@@ -84,7 +81,7 @@ def import_babybench(path: str | Path) -> Imported:
     age_months = settings.number("age_months", "age", low=0, high=MAX_AGE_MONTHS)
     head = {
         "mimoc": 1,
-        "name": _name(Path(path).stem),
+        "name": infant_name(Path(path).stem, DEFAULT_NAME),
         "age_months": MIMO_AGE_MONTHS if age_months is None else age_months,
         "development": "published",
     }
@@ -92,9 +89,3 @@ def import_babybench(path: str | Path) -> Imported:
     note_unmatched(settings)
     said = {name: section for name, section in sections.items() if section}
     return Imported("BabyBench", source.file, head | said, settings.notes())
-
-
-def _name(stem: str) -> str:
-    """Return a name for the infant, derived from the name of the file."""
-    name = re.sub("[^a-z0-9]+", "_", stem.lower()).strip("_")
-    return (name if name[:1].isalpha() else f"{DEFAULT_NAME}_{name}")[:64].strip("_")

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from mimoc.base.errors import suggestion
-from mimoc.importers.settings import Settings
+from mimoc.importers.settings import Settings, named
 from mimoc.schema.base import shown
 from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS
 
@@ -83,17 +83,6 @@ def read_groups(
             message = f"has no counterpart; in mimoc this is part of '{group}', {states[not switch.on]}"
             settings.note(switch.key, f"{word} {message}")
     return switched, enabled
-
-
-def named(groups: Iterable[str]) -> list[str]:
-    """Return the shortest list of names for groups, in the order of the spec language: both arms are `arms`."""
-    left = set(groups)
-    names = set()
-    for pair, sides in PAIRED_GROUPS.items():
-        if set(sides) <= left:
-            left -= set(sides)
-            names.add(pair)
-    return [name for name in STRENGTH_GROUPS if name in names | left]
 
 
 def _values(group: str, switched: Iterable[Switch], default: bool) -> list[bool]:
