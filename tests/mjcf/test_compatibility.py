@@ -257,8 +257,10 @@ def test_geoms_that_are_numbered_after_their_body_have_the_prefix_of_mimo_3(thir
 
 
 def test_a_chest_that_is_to_be_rigid_stays_rigid_for_mimo_3():
-    model = load_model(mimoc.build(spec(body={"chest_joint": False}), "mimo3"))
+    bundle = mimoc.build(spec(body={"chest_joint": False}), "mimo3")
+    model = load_model(bundle)
     assert model.nu == 44
+    assert "'body.chest_joint' is false" in bundle.manifest.notes[1]
     assert "chest" in names(model, "body")
 
 
