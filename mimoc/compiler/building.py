@@ -207,10 +207,10 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         SpecError: As `build`.
     """
     compatibility = find_target(target)
-    if compatibility.chest_joint and "chest_joint" not in spec.body.model_fields_set:
-        spec = spec.with_(body={"chest_joint": True})
     if younger is None:
         spec = validated(spec)
+        if compatibility.chest_joint and "chest_joint" not in spec.body.model_fields_set:
+            spec = spec.with_(body={"chest_joint": True})
         check_available(spec)
     grown = child_of(spec, younger and younger.grown.reference)
     tree = compatibility.body(grown.tree)

@@ -145,12 +145,14 @@ def at_once(defaults: Settings) -> Settings:
 
 
 GEOM = "geom:"
+"""MIMo 3's prefix of geoms that are numbered after their body."""
 CHEST_SENSOR, TRUNK_SENSOR = "proprio:chest", "proprio:trunk_upper"
 Entries = Mapping[str, dict[str, Any]]
+"""Provenance of numbers, by key."""
 
 
 def name_geom(body: str, geom: str) -> str:
-    """Return MIMo 3's name of a geom: one that is numbered after its body, `left_hand1`, has a prefix."""
+    """Return MIMo 3's name of a geom: `geom:left_hand1` for `left_hand1`, but `left_uarm1` and `head` as they are."""
     return GEOM + geom if geom.removeprefix(body).isdigit() else geom
 
 

@@ -157,8 +157,8 @@ class Figure:
 
     def geom(self, name: str) -> int:
         """Return the index of a geom; in a model for MIMo 3 it may have another name."""
-        numbers = (mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, known) for known in (name, GEOM + name))
-        return max(numbers)
+        number = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, GEOM + name)
+        return number if number >= 0 else self.model.geom(name).id
 
     def limb(self, *roots: str) -> Solids:
         """Return the solids of some bodies and of all that is attached to them."""
