@@ -11,8 +11,8 @@ from functools import partial
 
 import mujoco
 import numpy as np
-from measuring import cpu_medians_s
-from step import CONTROL_STEPS, bare, felt
+from measuring import cpu_medians_s, felt
+from step import CONTROL_STEPS, bare
 
 import mimoc
 

@@ -28,18 +28,21 @@ os.environ["LP_NUM_THREADS"] = "0"
 import gymnasium
 import mujoco
 import numpy as np
-from measuring import cpu_medians_s
-from step import felt
+from beside import (
+    CONTROL_STEPS,
+    ENVIRONMENTS,
+    STEP_S,
+    bare,
+    check_observations,
+    landed,
+    random_commands,
+    render_its_camera,
+    without_toys,
+)
+from measuring import cpu_medians_s, felt
 
 import mimoc
 from mimoc.bundle.model import load_model
-
-STEP_S = 0.01
-CONTROL_STEPS = {"physics": 50, "proprioception": 50, "touch": 50, "eyes": 2}
-"""Length of an episode; images take a hundred times as long as everything else."""
-LANDING_STEPS = 100
-ENVIRONMENTS = {"mitten": "MIMoDummyEnv", "five_finger": "MIMoV2DummyEnv"}
-TOYS = ("test_object1", "test_object2")
 
 
 def main() -> None:
@@ -67,29 +70,20 @@ def compare(opened: ExitStack, code: ModuleType, hands: str, pose: str, pixels: 
     for senses, steps in CONTROL_STEPS.items():
         mine = open_mimoc(hands, pose, senses, pixels)
         for name, env in (("MIMo", open_mimo(code, hands, pose, senses, pixels)), ("mimoc", mine)):
-            commands = np.random.default_rng(0).uniform(-1, 1, (steps, env.model.nu)).astype(np.float32)
+            commands = random_commands(steps, env.model.nu)
             opened.callback(env.close)  # At the end, as an OpenGL context ends others with it.
             envs[senses, name] = env
             episodes[f"{senses} {name}"] = partial(bare if senses == "physics" else felt, env, commands)
     medians_s = cpu_medians_s(episodes, rounds)
     for senses, steps in CONTROL_STEPS.items():
         pair = [envs[senses, name] for name in ("MIMo", "mimoc")]
-        check_observations(pair, senses)
+        for env in pair:
+            check_observations(env, senses)
         numbers = "".join(f"{gymnasium.spaces.flatdim(env.observation_space):8}" for env in pair)
         contacts = "".join(f"{env.data.ncon:8}" for env in pair)
         theirs_ms, ours_ms = (1e3 * medians_s[f"{senses} {name}"] / (steps * STEP_S) for name in ("MIMo", "mimoc"))
         times = f"{theirs_ms:11.1f}{ours_ms:11.1f}{theirs_ms / ours_ms:8.2f}"
         print(f"{hands:13}{senses:15}{numbers}{contacts}{times}", flush=True)
-
-
-def check_observations(envs: list, senses: str) -> None:
-    """Refuse touch without forces and images of a single colour, which are faster."""
-    for env in envs:
-        observation = env.step(np.zeros(env.model.nu, np.float32))[0]
-        if senses == "touch" and not observation["touch"].any():
-            raise SystemExit(f"{type(env).__name__} touches nothing")
-        if senses == "eyes" and not all(np.ptp(observation[eye]) for eye in ("eye_left", "eye_right")):
-            raise SystemExit(f"{type(env).__name__} sees nothing")
 
 
 def import_mimo(folder: Path) -> ModuleType:
@@ -108,18 +102,13 @@ def open_mimo(code: ModuleType, hands: str, pose: str, senses: str, pixels: int)
     """Return MIMo's environment, adapted to Gymnasium 1, whose episodes begin in mimoc's pose."""
 
     class Adapted(getattr(code, ENVIRONMENTS[hands])):
+        render = render_its_camera
+
         def _initialize_simulation(self):
             self.model = without_toys(self.fullpath)
             self.data = mujoco.MjData(self.model)
             super()._initialize_simulation()
             return self.model, self.data
-
-        def render(self):
-            renderer = self.mujoco_renderer
-            renderer.camera_id = -1 if self.camera_name is None else self.model.camera(self.camera_name).id
-            for viewer in renderer._viewers.values():
-                viewer.make_context_current()  # Others draw in this process too.
-            return renderer.render(self.render_mode)
 
     size = {"width": pixels, "height": pixels}
     parameters: dict[str, dict | None] = {
@@ -133,51 +122,26 @@ def open_mimo(code: ModuleType, hands: str, pose: str, senses: str, pixels: int)
     return env
 
 
-def without_toys(path: str) -> mujoco.MjModel:
-    """Compile MIMo's scene for benchmarks without the toys in it."""
-    scene = mujoco.MjSpec.from_file(path)
-    for toy in TOYS:
-        scene.delete(scene.body(toy))
-    return scene.compile()
-
-
-def landed(model: mujoco.MjModel, pose: str, posed: mujoco.MjModel) -> np.ndarray:
-    """Return positions of MIMo shortly after it was put into a pose of mimoc's, whose joints have the same names."""
-    data, key = mujoco.MjData(model), posed.key(pose).qpos
-    data.qpos[:7] = key[:7]
-    for number in range(1, model.njnt):
-        joint = model.joint(number)
-        with_same_name = mujoco.mj_name2id(posed, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
-        if with_same_name >= 0:
-            data.qpos[joint.qposadr] = key[posed.jnt_qposadr[with_same_name]]
-    mujoco.mj_step(model, data, LANDING_STEPS)
-    return data.qpos
-
-
 def open_mimoc(hands: str, pose: str, senses: str, pixels: int) -> Any:
     """Return mimoc's environment."""
+    return mimoc.make(mimoc.build(infant(hands, pose, senses_of(senses, pixels)))).unwrapped
+
+
+def senses_of(senses: str, pixels: int) -> dict:
+    """Return the senses of a spec, by the name of what is measured."""
     wanted = {"proprioception": {}, "vestibular": {}}
     if senses == "touch":
         wanted["touch"] = {}
     if senses == "eyes":
         wanted["vision"] = {"width_px": pixels, "height_px": pixels, "acuity": "off"}
-    return mimoc.make(mimoc.build(infant(hands, pose, wanted))).unwrapped
+    return wanted
 
 
-def infant(hands: str, pose: str, senses: dict) -> mimoc.InfantSpec:
+def infant(hands: str, pose: str, senses: dict, *, chest_joint: bool = False) -> mimoc.InfantSpec:
     """Return the spec of an infant on a floor."""
-    spec = {"mimoc": 1, "name": "infant", "age_months": 18, "body": {"hands": hands}}
+    body = {"hands": hands, "chest_joint": chest_joint}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 18, "body": body}
     return mimoc.InfantSpec.model_validate(spec | {"senses": senses, "scene": {"kind": "flat", "pose": pose}})
-
-
-def bare(env, commands: np.ndarray) -> None:
-    """Run an episode with nothing but MuJoCo after the reset."""
-    env.reset(seed=0)
-    model, data = env.model, env.data
-    for command in commands:
-        data.ctrl[:] = command
-        mujoco.mj_step(model, data)
-        mujoco.mj_step(model, data)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 import os
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 
 def cpu_medians_s(candidates: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
@@ -15,6 +16,13 @@ def cpu_medians_s(candidates: Mapping[str, Callable[[], object]], rounds: int) -
             call()
             times[name].append(time.process_time() - start)
     return {name: statistics.median(taken[1:]) for name, taken in times.items()}
+
+
+def felt(env: Any, commands: Iterable[Any]) -> None:
+    """Run an episode of a Gymnasium environment."""
+    env.reset(seed=0)
+    for command in commands:
+        env.step(command)
 
 
 def command_medians_s(commands: Mapping[str, Sequence[str]], rounds: int) -> dict[str, float]:

@@ -15,7 +15,7 @@ from pathlib import Path
 import gymnasium
 import mujoco
 import numpy as np
-from measuring import cpu_medians_s
+from measuring import cpu_medians_s, felt
 
 import mimoc
 
@@ -49,13 +49,6 @@ def main() -> None:
         numbers = gymnasium.spaces.flatdim(env.observation_space)
         ratio = step_us["mimoc"] / step_us["bare"]
         print(f"{config.stem:17} {numbers:8} {step_us['mimoc']:11.1f} {step_us['bare']:10.1f} {ratio:6.2f}", flush=True)
-
-
-def felt(env: gymnasium.Env, commands: np.ndarray) -> None:
-    """Run an episode in the environment."""
-    env.reset(seed=0)
-    for command in commands:
-        env.step(command)
 
 
 def bare(model: mujoco.MjModel, data: mujoco.MjData, start: int, driven: np.ndarray, commands: np.ndarray) -> None:

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from measuring import cpu_medians_s
-from step import CONTROL_STEPS, bare, felt
+from measuring import cpu_medians_s, felt
+from step import CONTROL_STEPS, bare
 
 import mimoc
 from mimoc.senses.touch.run import bind

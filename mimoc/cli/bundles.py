@@ -15,7 +15,10 @@ def build(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing bundle.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Random seed of the scene; default: the spec's.")] = None,
     target: Annotated[
-        str | None, typer.Option("--for", help="Write a model for other code to load: mimo (MIMo's code).")
+        str | None,
+        typer.Option(
+            "--for", help="Write a model for other code to load: mimo (MIMo to v2, BabyBench) or mimo3 (MIMo 3)."
+        ),
     ] = None,
 ) -> None:
     """Compile SPEC into a bundle: MuJoCo XML, textures, manifest, and the provenance of every number."""

@@ -106,7 +106,7 @@ class Builder:
         spec, tree, manifest = self.spec, self.tree, self.manifest
         of_body = trace_body(self.grown, tree, _scaled_parts(spec, tree))
         written = replace(self.actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
-        return {
+        entries = {
             **trace_actuation(spec.actuation.model, tree, written, of_body),
             **dict(trace_delays(spec, manifest.delays)),
             **dict(trace_noise(spec, manifest.noise)),
@@ -115,6 +115,7 @@ class Builder:
             **trace_plugins(manifest.plugins),
             **dict(trace_child(tree, manifest.child)),
         }
+        return find_target(self.target).origins(tree, entries)
 
     def __repr__(self) -> str:
         """Return name and age of its infant."""
@@ -208,6 +209,8 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     compatibility = find_target(target)
     if younger is None:
         spec = validated(spec)
+        if compatibility.chest_joint and "chest_joint" not in spec.body.model_fields_set:
+            spec = spec.with_(body={"chest_joint": True})
         check_available(spec)
     grown = child_of(spec, younger and younger.grown.reference)
     tree = compatibility.body(grown.tree)

@@ -9,6 +9,7 @@ from typing import Any
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.base.kinds import Kinds
+from mimoc.mjcf.mimo import find_target
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import dotted
@@ -68,6 +69,8 @@ def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> Itera
 def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: str | None = None) -> tuple[str, ...]:
     """Return the notes of a bundle for README and manifest; *target* is the software that it is built for, if any."""
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
+    if find_target(target).chest_joint and not spec.body.chest_joint:
+        built_for += (f"'body.chest_joint' is false: {target}'s own infants have two joints and commands more",)
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))
     return (*built_for, *_plugin_notes(plugins), *on_spec, *of_toys)

@@ -1,18 +1,19 @@
 """A model in which code that was written for MIMo finds all that it looks for.
 
 This is what MIMo (1.1), BabyBench (its starter kit of 2025) and Lucignolo (0.1) look up by name or by place, beyond
-what every bundle has. `docs/compatibility.md` says what was tried.
+what every bundle has, and in a model of its own what MIMo 3 does. `docs/compatibility.md` says what was tried.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 from mimoc.base.errors import check_name
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.tree import Body, BodyTree
-from mimoc.mjcf.elements import Actuator, Camera, Node, Site
+from mimoc.mjcf.elements import Actuator, Camera, Node, Sensor, Site
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import Mark
 
@@ -143,6 +144,48 @@ def at_once(defaults: Settings) -> Settings:
     return tuple((name, "none" if name == "dyntype" else value) for name, value in kept)
 
 
+GEOM = "geom:"
+"""MIMo 3's prefix of geoms that are numbered after their body."""
+CHEST_SENSOR, TRUNK_SENSOR = "proprio:chest", "proprio:trunk_upper"
+Entries = Mapping[str, dict[str, Any]]
+"""Provenance of numbers, by key."""
+
+
+def name_geom(body: str, geom: str) -> str:
+    """Return MIMo 3's name of a geom: `geom:left_hand1` for `left_hand1`, but `left_uarm1` and `head` as they are."""
+    return GEOM + geom if geom.removeprefix(body).isdigit() else geom
+
+
+def with_named_geoms(node: Node) -> Node:
+    """Return a body and all that hangs on it with MIMo 3's names of geoms."""
+    geoms = (replace(geom, name=name_geom(node.name, geom.name)) for geom in node.geoms)
+    return replace(node, geoms=tuple(geoms), children=tuple(map(with_named_geoms, node.children)))
+
+
+def trace_named_geoms(tree: BodyTree, entries: Entries) -> Entries:
+    """Return the provenance of a body's numbers with MIMo 3's names of geoms."""
+    names = {geom.name: name_geom(body.name, geom.name) for body in tree.bodies for geom in body.geoms}
+    keys = {
+        f"geom.{old}.{what}": f"geom.{new}.{what}" for old, new in names.items() for what in ("size", "pos", "mass")
+    }
+
+    def renamed(key: str, entry: dict[str, Any]) -> dict[str, Any]:
+        name = key.partition(".")[2].rpartition(".")[0]
+        sources = {"from": [keys.get(source, source) for source in entry["from"]]} if "from" in entry else {}
+        place = {"xml": entry["xml"].replace(f"'{name}'", f"'{names[name]}'")} if key in keys else {}
+        return entry | sources | place
+
+    return {keys.get(key, key): renamed(key, entry) for key, entry in entries.items()}
+
+
+def chest_before_trunk(sensors: Sequence[Sensor]) -> tuple[Sensor, ...]:
+    """Return the sensors with that of the chest, if there is one, where MIMo 3 has it."""
+    chest = [sensor for sensor in sensors if sensor.name == CHEST_SENSOR]
+    others = [sensor for sensor in sensors if sensor.name != CHEST_SENSOR]
+    place = next((number for number, sensor in enumerate(others) if sensor.name == TRUNK_SENSOR), len(others))
+    return (*others[:place], *chest, *others[place:])
+
+
 LOCATION = "mimo_location"
 """The body that the infant is in; its free joint has the same name."""
 _AT_IT = (("mode", "targetbody"), ("target", LOCATION))
@@ -162,17 +205,28 @@ MARKS = {"head": (0.8, 0.0, 0.0, 1.0), "left_hand": (0.0, 0.8, 0.0, 1.0), "right
 
 
 def fit_infant(infant: SceneTree, model: str) -> SceneTree:
+    """Return an infant, in no world yet, for MIMo's code, BabyBench and Lucignolo."""
+    return located(replace(infant, roots=tuple(map(with_effectors, infant.roots))), model)
+
+
+def fit_mimo3_infant(infant: SceneTree, model: str) -> SceneTree:
+    """Return an infant, in no world yet, for MIMo 3's code."""
+    roots = tuple(map(with_named_geoms, infant.roots))
+    return located(replace(infant, roots=roots, sensors=chest_before_trunk(infant.sensors)), model)
+
+
+def located(infant: SceneTree, model: str) -> SceneTree:
     """Return an infant, in no world yet, in a body of its own: servos take angles, motors have no activation."""
-    located = replace(infant, roots=tuple(map(_located, infant.roots)))
+    within = replace(infant, roots=tuple(map(_located, infant.roots)))
     if model == "torque":
-        return replace(located, actuator_defaults=at_once(infant.actuator_defaults))
+        return replace(within, actuator_defaults=at_once(infant.actuator_defaults))
     if model != "position":
-        return located
+        return within
     nodes = (node for root in infant.roots for node in root.subtree())
     of_joint = {joint.name: joint.range_rad for node in nodes for joint in node.joints}
     ranges_rad = [of_joint[servo.joint] for servo in infant.actuators]
     return replace(
-        located,
+        within,
         actuators=tuple(map(by_angle, infant.actuators, ranges_rad)),
         keyframes=tuple(pose_by_angle(keyframe, ranges_rad) for keyframe in infant.keyframes),
     )
@@ -194,7 +248,7 @@ def _located(root: Node) -> Node:
         pos_m=root.pos_m,
         euler_rad=root.euler_rad,
         free_joints=root.free_joints,
-        children=(replace(with_effectors(root), pos_m=(0.0, 0.0, 0.0), euler_rad=(0.0, 0.0, 0.0), free_joints=()),),
+        children=(replace(root, pos_m=(0.0, 0.0, 0.0), euler_rad=(0.0, 0.0, 0.0), free_joints=()),),
     )
 
 
@@ -202,18 +256,25 @@ def _located(root: Node) -> Node:
 class CompatibilityTarget:
     """What has to be different in a model that some other software is to read."""
 
-    body: Callable[[BodyTree], BodyTree]
+    body: Callable[[BodyTree], BodyTree] = lambda tree: tree
     """Changes the body: its parts and their order."""
-    infant: Callable[[SceneTree, str], SceneTree]
+    infant: Callable[[SceneTree, str], SceneTree] = lambda infant, model: infant
     """Changes the infant, before it is placed in a world; the other argument is its actuation model."""
-    world: Callable[[SceneTree], SceneTree]
+    world: Callable[[SceneTree], SceneTree] = lambda scene: scene
     """Changes the scene it is placed in."""
+    origins: Callable[[BodyTree, Entries], Entries] = lambda tree, entries: entries
+    """Changes the provenance of the infant's numbers, by key."""
+    chest_joint: bool = False
+    """Whether infants have the joints of the chest, if their spec does not say."""
 
 
-UNCHANGED = CompatibilityTarget(lambda tree: tree, lambda infant, model: infant, lambda scene: scene)
+UNCHANGED = CompatibilityTarget()
 """For mimoc alone."""
 TARGETS: Mapping[str, CompatibilityTarget] = MappingProxyType(
-    {"mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world)}
+    {
+        "mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world),
+        "mimo3": CompatibilityTarget(infant=fit_mimo3_infant, origins=trace_named_geoms, chest_joint=True),
+    }
 )
 """By the name that users know."""
 

@@ -1,9 +1,11 @@
 """Code written for MIMo finds what it looks for; a bundle for it is the same infant, and one of mimoc's as any other.
 
 `tests/reference/*/lookups.csv` has the names that MIMo 1.1 looks up in its own models, in the order they have there.
+MIMo 3 has the same ones, two joints of a chest besides, its head after the arms, and other names of geoms.
 """
 
 import csv
+import json
 import pickle
 from contextlib import closing
 from pathlib import Path
@@ -11,6 +13,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+import yaml
 from gymnasium.spaces import Box
 from support import store
 from support.full import full_but
@@ -21,6 +24,8 @@ from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import load_model
 from mimoc.cli.commands import app
 from mimoc.compiler.building import builder
+from mimoc.compiler.explain import entries_of
+from mimoc.compiler.validation.measuring import measure_body
 from mimoc.mjcf.mimo import TARGETS
 from mimoc.runtime.check import check_stability
 
@@ -34,6 +39,7 @@ OBJECTS = {
     "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
     "equality": mujoco.mjtObj.mjOBJ_EQUALITY,
     "body": mujoco.mjtObj.mjOBJ_BODY,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
     "texture": mujoco.mjtObj.mjOBJ_TEXTURE,
     "camera": mujoco.mjtObj.mjOBJ_CAMERA,
     "material": mujoco.mjtObj.mjOBJ_MATERIAL,
@@ -49,6 +55,7 @@ def names(model: mujoco.MjModel, kind: str) -> list[str]:
     """Return the names of all objects of a kind, in the order of the model; those without one are left out."""
     count = {"sensor": model.nsensor, "actuator": model.nu, "equality": model.neq, "texture": model.ntex}
     sizes = {**count, "joint": model.njnt, "body": model.nbody, "camera": model.ncam, "material": model.nmat}
+    sizes["geom"] = model.ngeom
     found = (mujoco.mj_id2name(model, OBJECTS[kind], i) for i in range({**sizes, "site": model.nsite}[kind]))
     return [name for name in found if name]
 
@@ -188,6 +195,85 @@ def test_effectors_look_out_of_face_eyes_and_palms(hands):
         assert model.body(mark).mocapid[0] >= 0
 
 
+# What a bundle for MIMo 3 has.
+
+
+@pytest.fixture(scope="module", params=["mitten", "five_finger"])
+def third(request) -> tuple[mimoc.Bundle, mimoc.Bundle]:
+    """Return the bundle of an infant whose chest has joints, and that for MIMo 3 of one whose spec does not say."""
+    senses = {"proprioception": {}, "vestibular": {}}
+    plain = spec(body={"hands": request.param, "chest_joint": True}, senses=senses)
+    return mimoc.build(plain), mimoc.build(spec(body={"hands": request.param}, senses=senses), "mimo3")
+
+
+def hands_of(bundle: mimoc.Bundle) -> str:
+    return mimoc.InfantSpec.model_validate(yaml.safe_load(bundle.files["resolved.yaml"])).body.hands
+
+
+def test_mimo_3_finds_its_motors_and_an_observation_of_its_length(third):
+    for bundle in third:
+        with closing(mimoc.InfantEnv(bundle)) as env:
+            observation, _ = env.reset(seed=0)
+            assert observation["proprioception"].shape == ({46: 305, 90: 621}[env.model.nu],)
+
+
+def test_names_come_in_the_order_of_mimo_3(third):
+    """They are MIMo's, in MIMo's order, but the head's joints come after the arms', and there are those of a chest."""
+    model = load_model(third[1])
+    theirs = looked_up(hands_of(third[1]))
+    for kind in ("actuator", "sensor"):
+        assert [name for name in names(model, kind) if "chest" not in name] == theirs[kind]
+    hinges = names(model, "joint")[1:]
+    head = [name for name in theirs["joint"] if "head" in name or "eye" in name]
+    rest = [name for name in theirs["joint"] if name not in head]
+    legs = next(number for number, name in enumerate(rest) if name == "robot:right_hip1")
+    assert hinges[6:8] == ["robot:chest_lean", "robot:chest_rot"]
+    assert [*hinges[:6], *hinges[8:]] == [*rest[:legs], *head, *rest[legs:]]
+    assert names(model, "actuator")[3:5] == ["act:chest_twist", "act:chest_lean"]
+    assert names(model, "sensor")[4:7] == ["proprio:right_eye", "proprio:chest", "proprio:trunk_upper"]
+
+
+def test_parts_of_mimo_3_are_there(third):
+    model = load_model(third[1])
+    theirs = looked_up(hands_of(third[1]))
+    assert names(model, "joint")[0] == names(model, "body")[1] == "mimo_location"
+    assert model.body("hip").parentid[0] == model.body("mimo_location").id
+    assert {*theirs["body"], *theirs["skin"], "chest"} <= set(names(model, "body"))
+    for kind in ("texture", "material"):
+        assert set(theirs[kind]) <= set(names(model, kind))
+    assert set(theirs["equality"]) | {"robot:chest_lean", "robot:chest_rot"} <= set(names(model, "equality"))
+    assert [name for name in names(model, "site") if name.startswith("eef:")] == []
+
+
+def test_geoms_that_are_numbered_after_their_body_have_the_prefix_of_mimo_3(third):
+    plain, other = map(load_model, third)
+    unnumbered = {"lb", "cb", "ub1", "ub2", "ub3", "neck", "head"}
+    unnumbered |= {f"{side}_{part}" for side in ("left", "right") for part in ("uarm1", "larm", "ear")} | {
+        "nose",
+        "floor",
+    }
+    for old, new in zip(names(plain, "geom"), names(other, "geom"), strict=True):
+        assert new == (old if old in unnumbered else f"geom:{old}")
+
+
+def test_a_chest_that_is_to_be_rigid_stays_rigid_for_mimo_3():
+    bundle = mimoc.build(spec(body={"chest_joint": False}), "mimo3")
+    model = load_model(bundle)
+    assert model.nu == 44
+    assert "'body.chest_joint' is false" in bundle.manifest.notes[1]
+    assert "chest" in names(model, "body")
+
+
+def test_provenance_names_the_elements_of_a_bundle_for_mimo_3(third):
+    bundle = third[1]
+    model, entries = load_model(bundle), entries_of(bundle)
+    places = [entry["xml"] for entry in entries.values() if "geom[@name='" in entry.get("xml", "")]
+    assert {place.split("'")[1] for place in places} <= set(names(model, "geom"))
+    assert any("'geom:left_hand1'" in place for place in places)
+    assert all(source in entries for entry in entries.values() for source in entry.get("from", ()))
+    assert "geom:left_hand1" not in json.dumps(list(entries_of(third[0])))
+
+
 # The same infant.
 
 
@@ -214,10 +300,19 @@ def test_it_is_the_same_infant(pair):
             assert after.geom(name).xpos == pytest.approx(before.geom(name).xpos, abs=1e-7)
 
 
-def test_servos_for_mimo_push_as_mimocs_do():
+@pytest.mark.parametrize("target", TARGETS)
+def test_it_measures_the_same(target):
+    """A report has the same measurements, whatever the names of geoms and whoever moves freely."""
+    wanted = spec(body={"hands": "five_finger", "chest_joint": True})
+    plain, other = (measure_body(load_model(mimoc.build(wanted, name))) for name in (None, target))
+    assert other == pytest.approx(plain, abs=1e-7)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_servos_for_mimo_push_as_mimocs_do(target):
     """Towards the same angles, from the same angles, whatever the command: theirs is the angle itself, in radians."""
-    wanted = spec(actuation={"model": "position"}, scene={"kind": "empty"})
-    plain, other = (mimoc.InfantEnv(mimoc.build(wanted, convention)) for convention in (None, "mimo"))
+    wanted = spec(actuation={"model": "position"}, scene={"kind": "empty"}, body={"chest_joint": False})
+    plain, other = (mimoc.InfantEnv(mimoc.build(wanted, convention)) for convention in (None, target))
     assert isinstance(other.action_space, Box)
     limits = other.model.jnt_range[other.model.actuator_trnid[:, 0]]
     assert np.column_stack([other.action_space.low, other.action_space.high]) == pytest.approx(limits, abs=1e-6)
@@ -244,6 +339,13 @@ def test_a_bundle_for_mimo_is_calm_and_says_what_it_is(pair):
     assert all(check.passed for check in check_stability(bundle))
 
 
+def test_a_bundle_for_mimo_3_is_calm_and_says_what_it_is(third):
+    bundle = third[1]
+    assert bundle.manifest.notes[0].startswith("built for mimo3")
+    assert bundle.manifest.root_body == "mimo_location"
+    assert all(check.passed for check in check_stability(bundle))
+
+
 def test_mimoc_runs_a_bundle_for_mimo():
     wanted = spec(
         senses={"proprioception": {}, "vestibular": {}, "touch": {}},
@@ -261,22 +363,24 @@ def test_mimoc_runs_a_bundle_for_mimo():
         assert env.data.body("upper_body").xpos == pytest.approx(held, abs=0.005)
 
 
-def test_a_builder_takes_its_convention_along():
-    compiler = builder(spec(), "mimo")
-    assert pickle.loads(pickle.dumps(compiler))(0).files == compiler(0).files == mimoc.build(spec(), "mimo").files
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_builder_takes_its_convention_along(target):
+    compiler = builder(spec(), target)
+    assert pickle.loads(pickle.dumps(compiler))(0).files == compiler(0).files == mimoc.build(spec(), target).files
 
 
-def test_the_command_builds_for_mimo_and_for_nobody_else(tmp_path):
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_command_builds_for_mimo_and_for_nobody_else(tmp_path, target):
     config, out = str(ROOT / "configs" / "newborn.yaml"), tmp_path / "out"
-    done = CliRunner().invoke(app, ["build", config, "-o", str(out), "--for", "mimo"])
+    done = CliRunner().invoke(app, ["build", config, "-o", str(out), "--for", target])
     assert done.exit_code == 0
-    assert mimoc.read_bundle(out).files == mimoc.build(mimoc.load_spec(config), "mimo").files
+    assert mimoc.read_bundle(out).files == mimoc.build(mimoc.load_spec(config), target).files
     refused = CliRunner().invoke(app, ["build", config, "-o", str(tmp_path / "no"), "--for", "mino"])
-    assert "'mino' is not a system to build for; did you mean 'mimo'?" in str(refused.exception)
+    assert "'mino' is not a system to build for; did you mean 'mimo' or 'mimo3'?" in str(refused.exception)
     assert not (tmp_path / "no").exists()
 
 
 def test_the_known_conventions_are_named_where_one_is_unknown():
-    assert set(TARGETS) == {"mimo"}
-    with pytest.raises(UnknownNameError, match="'nobody' is not a system to build for; choose from mimo"):
+    assert set(TARGETS) == {"mimo", "mimo3"}
+    with pytest.raises(UnknownNameError, match="'nobody' is not a system to build for; choose from mimo, mimo3"):
         mimoc.build(spec(), "nobody")

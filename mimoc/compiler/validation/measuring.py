@@ -24,6 +24,7 @@ from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
 from mimoc.mjcf import printing
+from mimoc.mjcf.mimo import GEOM
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
@@ -64,7 +65,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
 
 def own_solids(model: mujoco.MjModel) -> IntArray:
     """Return the indices of the solids of an infant's body, shape (n,): no clothes, toys or floor."""
-    is_infants = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
+    is_infants = model.body_rootid[model.geom_bodyid] == model.body_rootid[model.body(ROOT).id]
     return np.flatnonzero(is_infants & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
 
 
@@ -152,7 +153,12 @@ class Figure:
 
     def geoms(self, *names: str) -> Solids:
         """Return some geoms."""
-        return self._of(np.array([self.model.geom(name).id for name in names]))
+        return self._of(np.array([self.geom(name) for name in names]))
+
+    def geom(self, name: str) -> int:
+        """Return the index of a geom; in a model for MIMo 3 it may have another name."""
+        number = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, GEOM + name)
+        return number if number >= 0 else self.model.geom(name).id
 
     def limb(self, *roots: str) -> Solids:
         """Return the solids of some bodies and of all that is attached to them."""
@@ -161,7 +167,11 @@ class Figure:
 
     def centre(self, geom: str) -> FloatArray:
         """Return the centre of a geom, shape (3,)."""
-        return self.data.geom(geom).xpos
+        return self.data.geom_xpos[self.geom(geom)]
+
+    def directions(self, geom: str) -> FloatArray:
+        """Return the axes of a geom, one in each row, shape (3, 3)."""
+        return self.data.geom_xmat[self.geom(geom)].reshape(3, 3).T
 
     def anchor(self, joint: str) -> FloatArray:
         """Return the anchor of a joint, shape (3,)."""
@@ -185,8 +195,8 @@ def _girth_of(geom: str) -> Measure:
 
     def measure(figure: Figure, side: str) -> float:
         name = geom.format(side=side)
-        axis = figure.data.geom(name).xmat.reshape(3, 3)[:, 2]
-        body = figure.model.body(figure.model.geom_bodyid[figure.model.geom(name).id]).name
+        axis = figure.directions(name)[2]
+        body = figure.model.body(figure.model.geom_bodyid[figure.geom(name)]).name
         return figure.solids(body).girth(axis, float(axis @ figure.centre(name)))
 
     return measure
@@ -266,7 +276,7 @@ def _head_extent(direction: FloatArray) -> Measure:
 
 def _diameter(geom: str) -> Measure:
     return lambda figure, side: _length(
-        figure.geoms(geom.format(side=side)).span(figure.data.geom(geom.format(side=side)).xmat.reshape(3, 3)[:, 0])
+        figure.geoms(geom.format(side=side)).span(figure.directions(geom.format(side=side))[0])
     )
 
 
