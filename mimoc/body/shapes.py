@@ -165,18 +165,17 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
+    is_published, before = anatomy.development == "published", child.unreplaced
+    volumes_m3 = {} if is_published else _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
+    usual, usual_m3 = None, volumes_m3.get("")
+    if not is_published and (scales or before is not child):
+        usual_m3, usual = mimos_m3(before, NO_SCALES, ""), built(before, NO_SCALES, "")
     dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
         _check_limbs(dimensions[""])
-    if anatomy.development == "published":
+    if is_published:
         volumes_m3 = _of_sides(lambda side: mimos_volumes(dimensions[side], anatomy), alike=alike)
-        return Shapes(dimensions, volumes_m3, dimensions[""], volumes_m3[""])
-    volumes_m3 = _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
-    before = child.unreplaced
-    changed = bool(scales) or before is not child
-    usual_m3 = mimos_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
-    usual = built(before, NO_SCALES, "") if changed else dimensions[""]
-    return Shapes(dimensions, volumes_m3, usual, usual_m3)
+    return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3 or volumes_m3[""])
 
 
 def _shape(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
