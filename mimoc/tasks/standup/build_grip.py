@@ -50,8 +50,13 @@ STEP_RAD = 1e-6
 
 
 def curled(tree: BodyTree, side: Side) -> dict[str, float]:
-    """Return the angles of the fingers of a hand that is closed around a bar, in [rad]."""
-    return {f"robot:{side}_{name}": deg_to_rad(angle) for name, angle in CURLED_DEG[tree.hands].items()}
+    """Return the angles of the fingers of a hand that is closed around a bar, in [rad].
+
+    By the published law, little fingers begin half a palm nearer to the wrist, where the bar is, and stay open.
+    """
+    opened = ("lf_knuckle",) if tree.development == "published" else ()
+    curled = {name: 0.0 if name in opened else angle for name, angle in CURLED_DEG[tree.hands].items()}
+    return {f"robot:{side}_{name}": deg_to_rad(angle) for name, angle in curled.items()}
 
 
 def grip_point(tree: BodyTree, side: Side, radius_m: float) -> Vec3:
