@@ -66,6 +66,10 @@ class Learner:
         """Return the median of a property of the movements after training; NaN if it is known of none."""
         return _of_known(np.median, np.array([getattr(movement_of(reach), measure) for reach in self.reaches]))
 
+    def mean(self, measure: str) -> float:
+        """Return the mean of a property of the movements after training; NaN if it is known of none."""
+        return _of_known(np.mean, np.array([getattr(movement_of(reach), measure) for reach in self.reaches]))
+
     def check_times_s(self) -> dict[int, float]:
         """Return the mean time to touch at each checkpoint, by the control steps of training."""
         return {steps: fmean(reach.duration_s for reach in reaches) for steps, reaches in self.checks.items()}

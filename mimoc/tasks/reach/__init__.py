@@ -1,8 +1,12 @@
 """Touch a ball that hangs within reach."""
 
+from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
+
 from mimoc.base.kinds import TaskKind
+from mimoc.geometry.rotations import FloatArray, direction
 from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers
 from mimoc.tasks.spec_base import BallEntry, GazeEntry, TaskEntry, TaskSpec
 
@@ -14,6 +18,8 @@ class ReachSpec(TaskSpec):
     """Name of the task."""
     hand: Literal["right", "left"] | None = None
     """The hand that reaches; by default, the right one."""
+    ball: Literal["near", "mimo"] = "near"
+    """Where the ball hangs: `near`, .65 to .95 of the arm's length away, or as far as in MIMo's scene, .87 to 1.48."""
 
 
 class ReachEntry(TaskEntry):
@@ -35,12 +41,26 @@ class ReachEntry(TaskEntry):
     """Range of the ball's azimuth; left of forward is positive."""
     elevation_rad: Numbers
     """Range of the ball's elevation; above forward is positive."""
+    box_m: tuple[Numbers, Numbers, Numbers] | None = None
+    """Ranges of the ball's place from the shoulder along the axes of the trunk, in place of these, if given."""
     moved_m: Amount = 0.01
     """Distance that the ball must be moved for a touch to count (MIMo)."""
     success_reward: Number = 100.0
     """Reward for touching the ball (MIMo)."""
     gaze: tuple[GazeEntry, ...]
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
+
+    def place_m(self, choose: Callable[[float, float], float]) -> FloatArray:
+        """Return a place of the ball from the shoulder, in the frame of the trunk, shape (3,), [m].
+
+        Args:
+            choose: Returns a number of each range, such as one drawn evenly from it.
+        """
+        if self.box_m is not None:
+            return np.array([choose(*ends) for ends in self.box_m])
+        ranges = (self.distance_m, self.azimuth_rad, self.elevation_rad)
+        distance_m, azimuth, elevation = (choose(*ends) for ends in ranges)
+        return distance_m * direction(azimuth, elevation)
 
 
 KIND = TaskKind("reach", ReachSpec, ReachEntry, "mimoc.tasks.reach.build", "mimoc.tasks.reach.run")

@@ -15,7 +15,6 @@ from mimoc.base.model_fields import ModelField
 from mimoc.base.mujoco_layout import LOCK_ANGLE
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
-from mimoc.geometry.rotations import direction
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
@@ -171,12 +170,9 @@ class ReachTask(Task):
         mujoco.mj_forward(self._model, data)
 
     def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
-        """Return a place before the infant, shape (3,), [m]: evenly by distance and angles from the shoulder."""
-        entry = self._entry
-        ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
-        distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+        """Return a place before the infant, shape (3,), [m]."""
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
+        return data.xpos[self._shoulder] + trunk @ self._entry.place_m(generator.uniform)
 
 
 bind = ReachTask
