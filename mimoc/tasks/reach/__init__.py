@@ -1,12 +1,8 @@
 """Touch a ball that hangs within reach."""
 
-from collections.abc import Callable
 from typing import Literal
 
-import numpy as np
-
 from mimoc.base.kinds import TaskKind
-from mimoc.geometry.rotations import FloatArray, direction
 from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers
 from mimoc.tasks.spec_base import BallEntry, GazeEntry, TaskEntry, TaskSpec
 
@@ -49,18 +45,6 @@ class ReachEntry(TaskEntry):
     """Reward for touching the ball (MIMo)."""
     gaze: tuple[GazeEntry, ...]
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
-
-    def place_m(self, choose: Callable[[float, float], float]) -> FloatArray:
-        """Return a place of the ball from the shoulder, in the frame of the trunk, shape (3,), [m].
-
-        Args:
-            choose: Returns a number of each range, such as one drawn evenly from it.
-        """
-        if self.box_m is not None:
-            return np.array([choose(*ends) for ends in self.box_m])
-        ranges = (self.distance_m, self.azimuth_rad, self.elevation_rad)
-        distance_m, azimuth, elevation = (choose(*ends) for ends in ranges)
-        return distance_m * direction(azimuth, elevation)
 
 
 KIND = TaskKind("reach", ReachSpec, ReachEntry, "mimoc.tasks.reach.build", "mimoc.tasks.reach.run")

@@ -8,7 +8,7 @@ from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, poses_of, resting_state
 from mimoc.body.tree import BodyTree
-from mimoc.geometry.rotations import Vec3
+from mimoc.geometry.rotations import Vec3, direction
 from mimoc.schema.entries import Numbers
 from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec
@@ -86,5 +86,8 @@ def _middle(tree: BodyTree, entry: ReachEntry, start: tuple[float, ...]) -> Vec3
     """Return the middle of the ball's places."""
     placed = frames_in_world(tree, start)
     origin, (_, trunk) = placed[entry.shoulder][0], placed[entry.trunk]
-    x, y, z = (origin + trunk @ entry.place_m(lambda low, high: (low + high) / 2)).tolist()
+    ranges = entry.box_m or (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
+    first, second, third = (sum(ends) / 2 for ends in ranges)
+    away_m = np.array([first, second, third]) if entry.box_m else first * direction(second, third)
+    x, y, z = (origin + trunk @ away_m).tolist()
     return x, y, z

@@ -15,6 +15,7 @@ from mimoc.base.model_fields import ModelField
 from mimoc.base.mujoco_layout import LOCK_ANGLE
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
+from mimoc.geometry.rotations import direction
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
@@ -172,7 +173,13 @@ class ReachTask(Task):
     def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
         """Return a place before the infant, shape (3,), [m]."""
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ self._entry.place_m(generator.uniform)
+        if self._entry.box_m:
+            away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])
+        else:
+            ranges = (self._entry.distance_m, self._entry.azimuth_rad, self._entry.elevation_rad)
+            distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+            away_m = distance_m * direction(azimuth, elevation)
+        return data.xpos[self._shoulder] + trunk @ away_m
 
 
 bind = ReachTask
