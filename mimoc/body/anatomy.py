@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import PartKind
 from mimoc.body.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
-from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
-from mimoc.body.parts.trunk import CHEST_JOINTS, CHEST_MOTORS
+from mimoc.body.parts import ARM, EYES, FLAT_FEET, HEAD, LEG, PARTS, TRUNK, feet_of
+from mimoc.body.parts.trunk import CHEST_JOINTS, CHEST_MOTORS, FOLDING, MIMOS_PAIRS
+from mimoc.body.published_figures import published_part
 
 Sided = tuple[tuple[str, ReferencePart], ...]
 """Side (empty for the middle) and part."""
@@ -52,6 +53,8 @@ class Anatomy:
     """Side and motor, in MIMo's order."""
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
+    frictionless: tuple[tuple[str, str], ...] = ()
+    """Pairs of geoms that slide on each other."""
 
     def __repr__(self) -> str:
         """Return what it was assembled from."""
@@ -115,20 +118,28 @@ def assemble(
         "extra": tuple(item for kind in others for item in on_named_sides(kind.parts)),
     }
     kinds = (TRUNK, ARM, hand, HEAD, EYES, LEG, right_foot, *others)
-    all_parts = sum(sections.values(), ())
     masses_kg = {name: mass_kg for kind in kinds for name, mass_kg in kind.masses_kg.items()}
+    if development == "published":
+        masses_kg.pop("ub3", None)  # The published masses of both bodies' shoulder girdles are the same.
+        two_toed = right_foot is not FLAT_FEET[0]
+        for name, sided in sections.items():
+            sections[name] = tuple((side, published_part(part, two_toed)) for side, part in sided)
+    all_parts = sum(sections.values(), ())
     parts = mimos_parts = _parents_first(all_parts, masses_kg)
     if len(parts) < len(all_parts):
         lost = next(part for _, part in all_parts if part.name not in {part.name for _, part in parts})
         raise KindError(f"'{lost.name}' is on '{lost.parent}', which a body with {hands} hands does not have")
     excluded = [pair for kind in kinds for pair in _excluded(kind)]
-    if development == "maturing":
+    if development == "published":
+        excluded.remove(FOLDING)
+    else:
         feet = {part.name for part in right_foot.parts}
         parts, excluded = _maturing(mimos_parts, feet), [*excluded, *_ankles(right_foot)]
     motors = tuple(
         (side, motor) for section in IN_ORDER_OF_MOTORS for side, part in sections[section] for motor in part.motors
     )
-    return Anatomy(hands, tuple(extra), development, kinds, right_foot, parts, mimos_parts, motors, tuple(excluded))
+    pairs = tuple(excluded), MIMOS_PAIRS if development == "published" else ()
+    return Anatomy(hands, tuple(extra), development, kinds, right_foot, parts, mimos_parts, motors, *pairs)
 
 
 def _maturing(parts: Sided, feet: Collection[str]) -> Sided:

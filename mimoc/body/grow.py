@@ -6,6 +6,7 @@ development differ, `published` and `maturing`, they are two functions in the fi
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 
 from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.body.dimensions import BodyGeometry, mirror, mirror_turn
@@ -15,7 +16,8 @@ from mimoc.body.maturation import maturation, relative_volumes
 from mimoc.body.measurements import measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
-from mimoc.body.reference import Reference, reference_body
+from mimoc.body.published import standing_height
+from mimoc.body.reference import CURVES, HEIGHT, Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
 from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, remove_parts
@@ -64,7 +66,10 @@ def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
     """
     anatomy = reference.anatomy
     return measure_individual(
-        spec, lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(anatomy)
+        spec,
+        measure(spec.age_months, CURVES[spec.development]),
+        weigh=lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(anatomy),
+        height=standing_height if spec.development == "published" else itemgetter(HEIGHT),
     )
 
 
@@ -96,7 +101,7 @@ def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES)
 
 def grow_average(age_months: float, anatomy: Anatomy) -> BodyTree:
     """Return the body of the average child of an age."""
-    return grow_tree(measure(age_months), anatomy)
+    return grow_tree(measure(age_months, CURVES[anatomy.development]), anatomy)
 
 
 def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> tuple[BodyTree, Masses]:
@@ -115,6 +120,7 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
         motors=motors,
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
+        frictionless=anatomy.frictionless,
         extra=anatomy.extra,
         development=anatomy.development,
         growth=growth,
@@ -124,7 +130,7 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
 
 def _average(reference: Reference) -> BodyTree:
     """Return the body of the average child of an age."""
-    return _grow(measure(reference.age_months), reference)[0]
+    return _grow(measure(reference.age_months, CURVES[reference.anatomy.development]), reference)[0]
 
 
 def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:

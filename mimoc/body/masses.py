@@ -71,7 +71,7 @@ def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
     """Return the masses of a child's parts, by its law of development."""
     if reference.anatomy.development == "maturing":
         return _maturing(shapes, reference)
-    published_kg = shapes.of_sides(lambda side: _published_kg(reference, shapes.published_m3[side]))
+    published_kg = shapes.of_sides(lambda side: _published_kg(reference, shapes.mimos_m3[side]))
     return Masses(published_kg, reference.densities_kg_m3)
 
 
@@ -90,7 +90,7 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
     left = 1 - ((gain - 1) * usual_kg["head"] + 2 * foot_kg) / trunk_kg
 
     def of_side(side: str) -> dict[str, float]:
-        published_kg = _published_kg(reference, shapes.published_m3[side])
+        published_kg = _published_kg(reference, shapes.mimos_m3[side])
         head_kg = gain * published_kg["head"]
         return {
             **published_kg,

@@ -42,7 +42,7 @@ class Decay:
 def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
     """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
     at_18 = reference.volumes_m3
-    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
+    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.mimos_m3[side].items()})
 
 
 def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
@@ -66,7 +66,7 @@ def maturation(
     """Return what strength and joints mature with besides age; None by the published law, by which nothing does."""
     if reference.anatomy.development == "published":
         return None
-    length = child.published[HEIGHT] / reference.length_m
+    length = child.paper_law[HEIGHT] / reference.length_m
     return MaturationFactors(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
 
 

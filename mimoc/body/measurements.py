@@ -5,15 +5,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 
-from mimoc.base.errors import IndividualError
+from mimoc.base.errors import GeometryError, IndividualError
 from mimoc.base.units import cm_to_m, m_to_cm
-from mimoc.fits import Measured, Measurements, load_tables, measure
+from mimoc.fits import Measured, Measurements, load_tables
 from mimoc.fits.who import Sex
 from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 
 Weigh = Callable[[Measurements], float]
+"""Returns the mass of a child with some measurements, in [kg]."""
+Height = Callable[[Measurements], float]
+"""Returns the standing height of a child with some measurements: a sum of multiples of these and a constant, in [m]."""
 Bounds = tuple[float, float]
 
 SIZES: Bounds = (0.75, 1.25)
@@ -23,6 +26,8 @@ BUILDS: Bounds = (0.65, 1.45)
 HEADS: Bounds = (0.75, 1.4)
 """Range of head over length, both relative to the average child's; WHO's percentiles combine to .79 to 1.33."""
 HEAD = ("head_circumference", "head_breadth", "head_length")
+EDGE = 1e-3
+"""Precision of the limit of possible factors."""
 _PRECISION = 1e-12
 """Precision of a factor, such that no digit in a file depends on the root finding."""
 
@@ -58,16 +63,14 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
     )
 
 
-def measure_individual(spec: InfantSpec, weigh: Weigh) -> Measurements:
-    """Return the measurements of a spec's child; *weigh* returns the mass of a body with some measurements, in [kg].
+def measure_individual(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Measurements:
+    """Return the measurements of a spec's child, which has those of the average child unless its spec says more.
 
     Raises:
         IndividualError: If no child matches the requested individual.
     """
-    measurements = measure(spec.age_months)
-    if spec.body.individual:
-        measurements = individualise(measurements, spec.body.individual, weigh)
-    return replace_given(measurements, spec)
+    individual = spec.body.individual
+    return replace_given(individualise(average, individual, weigh, height) if individual else average, spec)
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
@@ -81,7 +84,7 @@ def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
     return measurements.replaced(given) if given else measurements
 
 
-def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh) -> Measurements:
+def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh, height: Height) -> Measurements:
     """Return the measurements of an individual child.
 
     Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
@@ -93,31 +96,53 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     """
     wanted = targets(individual, measurements.age_months)
     keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None)
-    length = _factor(wanted.length_m, measurements["crown_sole_length"], SIZES, LENGTHS_CM, "this age is not {} long")
+    length = _factor(wanted.length_m, height(measurements), SIZES, LENGTHS_CM, "this age is not {} long")
     of_size = f"{m_to_cm(wanted.length_m):.1f} cm" if wanted.length_m else "this age"
     heads = _times(HEADS, length or 1.0)
     _factor(wanted.head_m, measurements["head_circumference"], heads, HEADS_CM, of_size + " has no head of {}")
 
     alone = replace(measurements, paper=None)
 
-    def thick(girth: float) -> Measurements:
-        """Return the measurements with this factor on girths."""
-        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys)
-        return replace(_scaled(alone, wanted, girth, keys), paper=paper)
+    def thick(girth: float | None) -> Measurements:
+        """Return the measurements with this factor on girths; None is the factor on lengths."""
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, height)
+        return replace(_scaled(alone, wanted, girth, keys, height), paper=paper)
 
     if wanted.weight_kg is None:
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
-        return thick(length or head or 1.0)
-    bounds = SIZES if length is None else _times(BUILDS, length)
+        return thick(None if length else head or 1.0)
+    least, most = SIZES if length is None else _times(BUILDS, length)
+
+    def is_possible(girth: float) -> bool:
+        try:
+            weigh(thick(girth))
+        except GeometryError:
+            return False
+        return True
+
+    bounds = _possible(least, length or 1.0, is_possible), _possible(most, length or 1.0, is_possible)
     return thick(_solve(lambda girth: weigh(thick(girth)), wanted.weight_kg, bounds, of_size))
 
 
-def _scaled(average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...]) -> Measurements:
-    """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
-    length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
-    head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
-    factors = {name: head if name in HEAD else length if name.endswith("_length") else girth for name in average}
-    return average.scaled(factors, "for this child", keys)
+def _scaled(
+    average: Measurements, wanted: Targets, girth: float | None, keys: tuple[str, ...], height: Height
+) -> Measurements:
+    """Return the measurements of a child of the requested length and head, with the given factor on its girths.
+
+    The factor on lengths is what the head, and where the height also follows girths these, leave of the height.
+    """
+
+    def scaled(length: float) -> Measurements:
+        across = length if girth is None else girth
+        head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
+        factors = {name: head if name in HEAD else length if name.endswith("_length") else across for name in average}
+        return replace(average.scaled(factors, "for this child", keys), slenderness=length / across if across else 1.0)
+
+    length = girth or 1.0
+    if wanted.length_m:
+        without_m = height(scaled(0.0))
+        length = (wanted.length_m - without_m) / (height(scaled(1.0)) - without_m)
+    return scaled(length)
 
 
 def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm: Bounds, child: str) -> float | None:
@@ -133,6 +158,17 @@ def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm:
         possible = _range(_times(bounds, m_to_cm(average_m)), limits_cm, "cm")
         raise IndividualError(f"a child of {child.format(f'{m_to_cm(wanted_m):.1f} cm')}; {possible}")
     return wanted_m / average_m
+
+
+def _possible(factor: float, usual: float, is_possible: Callable[[float], bool]) -> float:
+    """Return the factor, or the one nearest to it with which there is a body, as there is with the *usual* one."""
+    if is_possible(factor) or not is_possible(usual):
+        return factor
+
+    def sign(share: float) -> float:
+        return -1.0 if is_possible(usual + share * (factor - usual)) else 1.0
+
+    return usual + (root(sign, 0.0, 1.0, EDGE, "bisect") - EDGE) * (factor - usual)
 
 
 def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, child: str) -> float:

@@ -102,6 +102,8 @@ class ReferenceMotor:
     """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
     driven_geom: str
     """The geom whose volume its gear grows with."""
+    fmax: tuple[float, ...] = ()
+    """FMAX of the muscles in its place, towards negative and positive angles, if it does not follow from the gear."""
 
 
 @dataclass(frozen=True, slots=True)

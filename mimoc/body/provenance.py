@@ -7,9 +7,10 @@ from mimoc.body.grow import GrownBody
 from mimoc.body.joints import joint_origins
 from mimoc.body.origins import Entry, Origin
 from mimoc.body.part import ReferencePart
+from mimoc.body.published_figures import as_published
 from mimoc.body.strength import motor_origins
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
-from mimoc.fits import Measurements
+from mimoc.fits import Measurements, load_tables
 from mimoc.schema.names import SIDES
 
 
@@ -28,6 +29,9 @@ def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str,
     at_18 = {motor.name.format(side=side): motor for side, motor in anatomy.motors}
     motors, groups = {motor.joint: motor.name for motor in tree.motors}, anatomy.groups
     entries = dict(_trace_measurements(child))
+    if anatomy.development == "published":
+        for name in load_tables().published:
+            entries[f"measurements.{name}_cm"]["rule"] += as_published("curves")
     for body in tree.bodies:
         side, part = parts[body.name]
         movers = _moving(body, part, scaled)

@@ -19,13 +19,16 @@ from operator import or_
 from mimoc.base.kinds import PartKind, function_of
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import BodyGeometry
-from mimoc.body.part import REFERENCE_AGE_MONTHS
+from mimoc.body.part import REFERENCE_AGE_MONTHS, Development
 from mimoc.body.parts.checking import check_dimensions
+from mimoc.body.published import published_dimensions
 from mimoc.body.segments import Proportions, proportions
-from mimoc.fits import Measurements, measure
+from mimoc.fits import Curves, Measurements, measure
 from mimoc.geometry.primitives import volume
 
 HEIGHT = "crown_sole_length"
+CURVES: Mapping[Development, Curves] = {"maturing": "count", "published": "published"}
+"""The growth curves that a body's measurements follow."""
 
 ADULT_SHARE, NEWBORN_EXCESS, DECAY_MONTHS = 0.20, 0.10, 18.0
 """Share of the body's mass in head and neck: .300 at birth, .272 at 6 months, .251 at 12, .237 at 18 (D), between the Q
@@ -47,7 +50,8 @@ class Reference:
 
     anatomy: Anatomy
     volumes_m3: Mapping[str, float]
-    """Of MIMo's geoms at 18 months, by name with `{side}`."""
+    """At which motors have MIMo's torques, by geom with `{side}`: of MIMo's geoms at 18 months; by the published law,
+    of the reference body's, which are not quite those of that age."""
     densities_kg_m3: Mapping[str, float]
     """Likewise; 0 for geoms without mass."""
     length_m: float
@@ -72,15 +76,18 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
     Raises:
         KindError: If the shape of somebody else's parts says too little.
     """
-    average = measure(REFERENCE_AGE_MONTHS).published
+    average = measure(REFERENCE_AGE_MONTHS, CURVES[anatomy.development]).paper_law
     dimensions = mimos_dimensions(average, "", anatomy)
     for kind in anatomy.kinds:
         check_dimensions(kind, dimensions)
     volumes_m3 = mimos_volumes(dimensions, anatomy)
-    densities_kg_m3 = {
-        name: figures.mass_kg / (volume(figures.type, figures.mass_at_m) if figures.mass_at_m else volumes_m3[name])
+    weighed_m3 = {
+        name: volume(figures.type, figures.mass_at_m) if figures.mass_at_m else volumes_m3[name]
         for name, figures in anatomy.geoms.items()
     }
+    densities_kg_m3 = {name: figures.mass_kg / weighed_m3[name] for name, figures in anatomy.geoms.items()}
+    if anatomy.development == "published":
+        volumes_m3 = weighed_m3
     return Reference(anatomy, volumes_m3, densities_kg_m3, average[HEIGHT], REFERENCE_AGE_MONTHS).at(age_months)
 
 
@@ -94,8 +101,17 @@ def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> BodyGeometry:
 
 
 def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> BodyGeometry:
-    """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty."""
-    return dimensions_of(proportions(child.of_side(side), child.base_m, published=True), anatomy.kinds)
+    """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty.
+
+    By the published law they are its very shapes, and otherwise MIMo's in proportion to more measurements.
+    """
+
+    def in_proportion(*kinds: PartKind) -> BodyGeometry:
+        return dimensions_of(proportions(child.of_side(side), child.base_m, mimos=True), kinds)
+
+    if anatomy.development == "published":
+        return published_dimensions(child, side, anatomy.kinds, in_proportion)
+    return in_proportion(*anatomy.kinds)
 
 
 def mimos_volumes(dimensions: BodyGeometry, anatomy: Anatomy) -> dict[str, float]:
@@ -110,7 +126,7 @@ def head_share(age_months: float) -> float:
 
 def _head_gain(reference: Reference) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
-    average, anatomy = measure(reference.age_months).published, reference.anatomy
+    average, anatomy = measure(reference.age_months).paper_law, reference.anatomy
     volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy), anatomy)
     published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
     body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)

@@ -14,12 +14,12 @@ from mimoc.body.sections import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing, meas
 from mimoc.geometry.ellipsoids import ellipse_perimeter
 
 
-def _published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
-    """Return the published trunk: widths from breadths, depths from girths, height from crown-rump length and head.
+def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
+    """Return MIMo's trunk: widths from breadths, depths from girths, height from crown-rump length and head.
 
-    It is that of MIMo v2 with its growth corrected: as deep as girths are in proportion to MIMo's, and with shoulder
-    joints as far apart as shoulders are broad. Strength follows the volumes of these shapes by the published law, and
-    masses as well; bodies have other shapes (`measured_trunk`), which have the measured girths, breadths and lengths.
+    It is MIMo's with its growth corrected: as deep as girths are in proportion to MIMo's, and with shoulder joints as
+    far apart as shoulders are broad. By the law `maturing`, strength and masses follow the volumes of these shapes;
+    bodies have other ones (`measured_trunk`), which have the measured girths, breadths and lengths.
     """
     pelvis_radius_m = 0.048 * _share(m, "hip_circumference")
     belly_scale = _share(m, "chest_circumference")
@@ -43,16 +43,16 @@ def _published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m:
     )
 
 
-def _published_arm(m: Mapping[str, float]) -> tuple[float, float]:
-    """Return the published lengths of upper arm and forearm, in the reference body's proportion to measured ones."""
+def _mimos_arm(m: Mapping[str, float]) -> tuple[float, float]:
+    """Return the lengths of MIMo's upper arm and forearm, in the reference body's proportion to measured ones."""
     to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
     return 0.1076 * _share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
 
 
-def _published_leg(
+def _mimos_leg(
     m: Mapping[str, float], base: Mapping[str, float], leg_m: float, foot_height_m: float
 ) -> tuple[float, float]:
-    """Return the published lengths of thigh and shank, which add up to *leg_m*; *foot_height_m* is half of the height.
+    """Return the lengths of MIMo's thigh and shank, which add up to *leg_m*; *foot_height_m* is half of the height.
 
     They are in proportion to rump-knee and knee-sole length, as in the reference body; if one of these was replaced,
     its segment changes in the same proportion.
@@ -76,13 +76,18 @@ REFERENCE_M: Mapping[str, float] = {
     "elbow_hand_length": 0.207,
     "foot_breadth": 0.050,
     "foot_length": 0.119,
+    "forearm_circumference": 0.145,
     "hand_breadth": 0.046,
     "hand_length": 0.093,
+    "head_circumference": 0.468,
     "hip_breadth": 0.171,
     "hip_circumference": 0.477,
     "knee_sole_length": 0.216,
+    "maximum_fist_breadth": 0.055,
+    "mid_thigh_circumference": 0.244,
     "rump_knee_length": 0.213,
     "shoulder_elbow_length": 0.154,
+    "upper_arm_circumference": 0.147,
     "waist_circumference": 0.431,
 }
 """The reference child, about 18 months old (AnthroKids, 16-19 completed months)."""
@@ -153,14 +158,14 @@ class Proportions:
 
 
 def proportions(
-    m: Mapping[str, float], base: Mapping[str, float], published: bool = False, foot_height: float = 1.0
+    m: Mapping[str, float], base: Mapping[str, float], mimos: bool = False, foot_height: float = 1.0
 ) -> Proportions:
     """Return the proportions of a child, or of one of its sides.
 
     Args:
         m: Measurements in [m], by AnthroKids name.
         base: The same before any of them was replaced: the reference for replaced lengths of the leg.
-        published: Whether trunk and limbs are those whose volumes strength and masses follow.
+        mimos: Whether trunk and limbs are those whose volumes strength and masses follow.
         foot_height: Height of the feet relative to MIMo's; the legs are as much shorter.
 
     Raises:
@@ -168,10 +173,10 @@ def proportions(
     """
     head_radius_m = _radius(m["head_circumference"])
     arm_radius_m, foot = _radius(m["upper_arm_circumference"]), _foot(m, foot_height)
-    if published:
-        trunk = _published_trunk(m, head_radius_m, arm_radius_m)
-        upper_arm_m, forearm_m = _published_arm(m)
-        thigh_m, shank_m = _published_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
+    if mimos:
+        trunk = _mimos_trunk(m, head_radius_m, arm_radius_m)
+        upper_arm_m, forearm_m = _mimos_arm(m)
+        thigh_m, shank_m = _mimos_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
     else:
         trunk = measured_trunk(m, base, head_radius_m, arm_radius_m)
         upper_arm_m, forearm_m = _arm(m)

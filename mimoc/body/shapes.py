@@ -130,8 +130,9 @@ class Shapes:
 
     built: Mapping[str, BodyGeometry]
     """As they are built, by the child's law of development."""
-    published_m3: Mapping[str, Volumes]
-    """Of MIMo's solids with the child's measurements, by the growth law of the paper. They are never built."""
+    mimos_m3: Mapping[str, Volumes]
+    """Of MIMo's solids with the child's measurements, by the growth law of the paper: only the published law builds
+    them."""
     usual: BodyGeometry
     """As they would be built if the spec replaced no measurement and scaled no part, of the middle and both sides."""
     usual_m3: Volumes
@@ -150,8 +151,8 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     """
     anatomy, alike = reference.anatomy, child.symmetric and not scales
 
-    def published_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
-        dimensions = mimos_dimensions(child.published, side, anatomy)
+    def mimos_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
+        dimensions = mimos_dimensions(child.paper_law, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
     def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
@@ -159,10 +160,10 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
-    volumes_m3 = _of_sides(lambda side: published_m3(child, scales, side), alike=alike)
+    volumes_m3 = _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
     before = child if anatomy.development == "published" else child.unreplaced
     changed = bool(scales) or before is not child
-    usual_m3 = published_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
+    usual_m3 = mimos_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
     usual = built(before, NO_SCALES, "") if changed else None
     dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
@@ -171,10 +172,11 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
 
 
 def _shape(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
-    """Return shapes with the child's measurements: MIMo's head and feet, or by `maturing` an ellipsoid, higher feet."""
+    """Return shapes with the child's measurements: MIMo's very shapes, or by `maturing` measured ones."""
+    if reference.anatomy.development == "published":
+        return mimos_dimensions(child, side, reference.anatomy)
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
-    dimensions = dimensions_of(p, reference.anatomy.kinds)
-    return dimensions if reference.anatomy.development == "published" else dimensions | maturing_head_dimensions(p)
+    return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
 
 
 def _of_sides(function: Callable[[str], T], *, alike: bool) -> dict[str, T]:

@@ -70,7 +70,8 @@ def motor_torques(
         if growth:
             torque_nm, force_range = _maturing(torque_nm, figures, groups[joint], of_age, growth)
         name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
-        motors.append(Motor(name, joint, torque_nm, force_range, figures.vmax_lengths_per_s, driven_geom))
+        speed = figures.vmax_lengths_per_s
+        motors.append(Motor(name, joint, torque_nm, force_range, speed, driven_geom, figures.fmax))
     return tuple(motors)
 
 
@@ -108,15 +109,17 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
         name = group if group in strength else pair_of.get(group, "")
         if name in strength:
             factors = ((f"{STRENGTH_KEY}.{name}", strength[name]), *motor.factors)
-            motor = replace(motor, gear_nm=motor.gear_nm * strength[name], factors=factors)
+            fmax = tuple(force * strength[name] for force in motor.fmax)
+            motor = replace(motor, gear_nm=motor.gear_nm * strength[name], fmax=fmax, factors=factors)
         motors.append(motor)
     return replace(tree, motors=tuple(motors))
 
 
 def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
     """Return where the gear of a motor comes from, and its force range; *group* is what its strength matures with."""
+    whose = "the average child of 18 months" if tree.growth else "the reference body"
     rule = (
-        f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
+        f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of {whose}, "
         f"of the geom that moves the joint: {motor.driven_geom}"
     )
     gear, limits = Origin(rule, (f"geom.{motor.driven_geom}.size",)), Origin(CONSTANT)

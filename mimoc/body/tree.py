@@ -121,6 +121,8 @@ class BodyTree:
     tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
+    frictionless: tuple[tuple[str, str], ...] = ()
+    """Pairs of geoms that slide on each other."""
     extra: tuple[str, ...] = ()
     """Kinds of parts that it has besides MIMo's."""
     development: Development = "maturing"

@@ -58,6 +58,7 @@ def assemble_infant(
         else add_materials(expression, round_head=round_head),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         excluded=tree.excluded,
+        frictionless=tree.frictionless,
         actuator_defaults=actuation.defaults,
         actuators=actuation.actuators,
         sensors=(

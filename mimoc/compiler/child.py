@@ -9,7 +9,7 @@ from mimoc.base.units import m_to_cm
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import GrownBody, grow_body, grow_child, measure_child, reference_of
 from mimoc.body.measurements import replace_given
-from mimoc.body.reference import Reference
+from mimoc.body.reference import CURVES, Reference
 from mimoc.fits import measure
 from mimoc.geometry.solvers import root
 from mimoc.schema.base import KeyPath
@@ -53,11 +53,11 @@ def check_available(spec: InfantSpec) -> None:
 def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
     """Yield a problem for each measurement that this body does not follow, or that no child of its age has."""
     anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
-    written, average = as_written(spec), measure(spec.age_months)
+    written, average = as_written(spec), measure(spec.age_months, CURVES[spec.development])
     for key, value_cm in spec.body.measurements.items():
         path, average_cm = ("body", "measurements", key), m_to_cm(average[unsided(key)])
         if unsided(key) not in anatomy.follows:
-            what = f"a {spec.body.hands} body that follows this is not available in this version of mimoc; leave it out"
+            what = f"no part of a {spec.body.hands} body follows it by the law '{spec.development}'; leave it out"
             yield written.problem(path, what, at="key")
         if not LEAST <= value_cm / average_cm <= LARGEST:
             least_cm, largest_cm = math.ceil(10 * LEAST * average_cm) / 10, math.floor(10 * LARGEST * average_cm) / 10

@@ -41,10 +41,12 @@ class Measurements(Mapping[str, float]):
     base: Mapping[str, Measured]
     """The same child before its spec replaced any single measurement."""
     paper: "Measurements | None" = None
-    """The same child by the growth law of the paper, which published strength and masses follow; None is itself."""
+    """The same child by the growth law of the paper, which strength and masses follow; None is itself."""
+    slenderness: float = 1.0
+    """Lengths over girths, relative to the average child: trunks by the published law have no measured height."""
 
     @property
-    def published(self) -> "Measurements":
+    def paper_law(self) -> "Measurements":
         """The same child by the growth law of the paper."""
         return self.paper or self
 

@@ -14,8 +14,11 @@ from mimoc.fits.tables import GroupMean, GrowthTables, load_tables
 Placement = Literal["middle", "published"]
 """Where an age group stands on the age axis: in the middle of its months, or where MIMo v2 puts it."""
 
+Curves = Literal["count", "paper", "published"]
+"""Growth curves: Count's, with a steady part, which bodies grow by; the paper's law (eq. 1), fitted to the same points,
+which their strength follows; and the curves of MIMo v2 itself: its coefficients, as published."""
 Law = Literal["count", "paper"]
-"""Whether a curve has a steady part: those of bodies have, those that the paper's strength follows have not."""
+"""The laws that curves are fitted by."""
 
 POINTS: Mapping[Law, int] = {"paper": 4, "count": 5}
 """Least number of points of a curve, one of them at birth."""
@@ -34,23 +37,27 @@ Fit = tuple[LogCurve, tuple[DataPoint, ...]]
 
 
 @lru_cache(maxsize=64)
-def measure(age_months: float) -> Measurements:
-    """Return the measurements of the average child of *age_months*, 0 to 24.
+def measure(age_months: float, curves: Curves = "count") -> Measurements:
+    """Return the measurements of the average child of *age_months*, 0 to 24, by one kind of growth curves.
 
-    The two finger diameters have no group means to fit; their published coefficients stand in.
+    Finger diameters have no group means to fit; their published coefficients stand in. MIMo v2 published coefficients
+    of 18 measurements; the others stand beside them by the paper's law.
     """
-    published = _read_all(age_months, "paper")
+    if curves != "count":
+        table = _read_all(age_months, "paper", preferred=curves == "published")
+        return Measurements(age_months, table, table)
     table = _read_all(age_months, "count")
-    return Measurements(age_months, table, table, Measurements(age_months, published, published))
+    return Measurements(age_months, table, table, measure(age_months, "paper"))
 
 
-def _read_all(age_months: float, law: Law) -> Mapping[str, Measured]:
+def _read_all(age_months: float, law: Law, *, preferred: bool = False) -> Mapping[str, Measured]:
+    """Return all measurements; by published coefficients where these are *preferred*, or nothing else is known."""
     table = {
         name: Measured(cm_to_m(curve(age_months)), f"anthrokids.csv: {name}, log fit", curve, points)
         for name, (curve, points) in _shipped_fits(law).items()
     }
     for name, curve in load_tables().published.items():
-        if name not in table:
+        if preferred or name not in table:
             origin = f"anthrokids_published_fits.csv: {name}"
             table[name] = Measured(cm_to_m(curve(age_months)), origin, curve)
     return MappingProxyType(table)

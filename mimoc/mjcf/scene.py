@@ -49,6 +49,8 @@ class SceneTree:
     appearance: Appearance
     tendons: tuple[PrintedTendon, ...]
     excluded: tuple[tuple[str, str], ...]
+    frictionless: tuple[tuple[str, str], ...]
+    """Pairs of geoms that slide on each other."""
     actuator_defaults: tuple[tuple[str, str], ...]
     """Attributes that all actuators have in common."""
     actuators: tuple[Actuator, ...]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from mimoc.base.units import deg_to_rad
 from mimoc.body.head_surface import as_on_mimos_head
+from mimoc.body.published_figures import SIZES_M
 from mimoc.body.sections import BUTTOCKS, RUMP
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
@@ -70,13 +71,17 @@ def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
 
 
 def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camera, ...]]:
-    """Return the camera of each eye: on the front of the eyeball, looking along +x, up along +z."""
-    euler_rad = (deg_to_rad(90), deg_to_rad(-90), 0.0)
-    return {
-        f"{side}_eye": (Camera(f"eye_{side}", (tree.geoms[f"{side}_eye1"].size_m[0], 0.0, 0.0), euler_rad, fovy_deg),)
-        for side in ("left", "right")
-        if f"{side}_eye" in {body.name for body in tree.bodies}
-    }
+    """Return the camera of each eye, looking along +x, up along +z.
+
+    It is on the front of the eyeball; by the published law where it is at 18 months (`published_figures.DEFECTS`).
+    """
+    euler_rad, geoms = (deg_to_rad(90), deg_to_rad(-90), 0.0), tree.geoms
+    cameras: dict[str, tuple[Camera, ...]] = {}
+    for side in ("left", "right"):
+        if eye := geoms.get(f"{side}_eye1"):
+            (front_m,) = SIZES_M["{side}_eye1"] if tree.development == "published" else eye.size_m
+            cameras[f"{side}_eye"] = (Camera(f"eye_{side}", (front_m, 0.0, 0.0), euler_rad, fovy_deg),)
+    return cameras
 
 
 PREFIX = "BODY_25:"

@@ -118,8 +118,8 @@ def test_the_papers_law_has_no_steady_part_and_bodies_have():
         assert all(bool(curve.d) == has for curve, _ in fit_growth(load_tables(), law=law).values())
     child = measure(4)
     assert child.table["foot_length"].curve.d != 0
-    assert child.published.table["foot_length"].curve.d == 0
-    assert child.published.published is child.published
+    assert child.paper_law.table["foot_length"].curve.d == 0
+    assert child.paper_law.paper_law is child.paper_law
 
 
 def test_with_a_steady_part_every_group_but_one_is_within_four_percent():

@@ -8,6 +8,7 @@ from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
+from mimoc.body.published_figures import published_fmax
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 
@@ -58,25 +59,31 @@ def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
     """Return VMAX and both FMAX of the muscles in a motor's place, as MIMo's own muscle model wants them.
 
     VMAX is in optimal lengths a second. FMAX, of the muscle towards negative angles and of the other, is torque by
-    moment arm, which in MIMo's model is the same all over the range of a joint: (LONGEST - SHORTEST) / range.
+    moment arm, which in MIMo's model is the same all over the range of a joint. By the published law it is MIMo's at
+    every age.
     """
-    low, high = map(deg_to_rad, joint.range_deg)
-    negative, positive = (
-        PEAK * motor.gear_nm * abs(share) * (high - low) / (LONGEST - SHORTEST) for share in motor.force_range
-    )
+    if motor.fmax:
+        negative, positive = motor.fmax
+    else:
+        negative, positive = (PEAK * motor.gear_nm * abs(share) / _moment_arm(joint) for share in motor.force_range)
     return motor.vmax_lengths_per_s, negative, positive
+
+
+def _moment_arm(joint: Joint) -> float:
+    """Return by how much the muscles of a joint shorten, in optimal lengths, when it turns by a radian."""
+    low, high = map(deg_to_rad, joint.range_deg)
+    return (LONGEST - SHORTEST) / (high - low)
 
 
 def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
-    negative, positive = motor.force_range
-    yield _muscle(motor, "negative", 1.0, (low, high), abs(negative))
+    _, negative, positive = (force * _moment_arm(joint) for force in parameters(motor, joint))
+    yield _muscle(motor, "negative", 1.0, (low, high), negative)
     yield _muscle(motor, "positive", -1.0, (-high, -low), positive)
 
 
-def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], share: float) -> Actuator:
+def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float) -> Actuator:
     """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
-    torque_nm = PEAK * motor.gear_nm * share
     curve = MuscleParameters(
         shortest=SHORTEST,
         longest=LONGEST,
@@ -113,15 +120,18 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     for name in tree.joints:
         yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo, by either law", (MODEL_KEY,))
         yield f"joint.{name}.damping", Origin(f"{DAMPING:g} x {damping}", (MODEL_KEY, *sources))
-    curve = (
-        f"lengths at the ends of the joint's range, largest isometric torque in N m = {PEAK:g} x gear x part of "
-        f"forcerange, MuJoCo's scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"
-    )
     motors = {motor.name: motor for motor in tree.motors}
     for muscle in muscles(tree):
         motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"
         strength = f"actuator.{motor.name}.gear", f"actuator.{motor.name}.forcerange"
-        yield f"{at}.gainprm", Origin(curve, strength)
-        yield f"{at}.biasprm", Origin(curve, strength)
+        torque = Origin(f"{PEAK:g} x gear x part of forcerange", strength)
+        if motor.fmax:
+            torque = published_fmax(motor, "FMAX")
+        curve = (
+            f"lengths at the ends of the joint's range, largest isometric torque in N m = {torque.rule}, MuJoCo's "
+            f"scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"
+        )
+        yield f"{at}.gainprm", Origin(curve, torque.sources)
+        yield f"{at}.biasprm", Origin(curve, torque.sources)
         length = "the range of its joint, as it pulls"
         yield f"{at}.lengthrange", Origin(length, (f"joint.{motor.joint}.range",), "rad")

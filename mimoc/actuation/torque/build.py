@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.body.origins import REFERENCE
+from mimoc.body.published_figures import published_fmax
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.elements import Actuator
 
@@ -44,4 +45,5 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     rule = f"VMAX ({REFERENCE}), both FMAX = {PEAK:g} x gear x part of forcerange x range of the joint / {stroke:g}"
     for motor in tree.motors:
         at = f"actuator.{motor.name}"
-        yield f"{at}.user", Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))
+        origin = Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))
+        yield f"{at}.user", published_fmax(motor, "VMAX, FMAX") if motor.fmax else origin

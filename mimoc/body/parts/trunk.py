@@ -165,16 +165,19 @@ TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
 )
 """Couplings of the lumbar joints and combined limits of the head: name, half range in [rad], factors."""
 
+FOLDING = ("hip", "upper_body")
+"""Pelvis and upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""
+MIMOS_PAIRS = (("lb", "ub1"),)
+"""Their geoms that slide on each other by the published law (MIMo)."""
 EXCLUDED = (
     ("left_eye", "upper_body"),
     ("right_eye", "upper_body"),
     ("left_eye", "chest"),
     ("right_eye", "chest"),
     ("chest", "head"),
-    ("hip", "upper_body"),
+    FOLDING,
 )
-"""Pairs of bodies without contacts. MIMo's eyes would collide with the chest now that it is a separate body. Pelvis and
-upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""
+"""Pairs of bodies without contacts. MIMo's eyes would collide with the chest now that it is a separate body."""
 
 
 def trunk_dimensions(p: Proportions) -> BodyGeometry:
