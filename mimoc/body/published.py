@@ -109,10 +109,10 @@ def _trunk(m: Mapping[str, float]) -> BodyGeometry:
 
 def _head(m: Mapping[str, float]) -> BodyGeometry:
     s = _share(m, "head_circumference")
-    eye_z_m = 0.067375 * s
+    eye_y_m = 0.0245 * s
     return BodyGeometry(
         shapes={"head": GeomShape((0.0735 * s,), (0.01 * s, 0.0, 0.0735 * s))},
-        anchors={"robot:head_tilt": (0.0, 0.0, eye_z_m / 2), "robot:head_tilt_side": (0.0, 0.0, eye_z_m)},
+        anchors={"robot:head_tilt": (0.0, 0.0, eye_y_m / 2), "robot:head_tilt_side": (0.0, 0.0, eye_y_m)},
     )
 
 

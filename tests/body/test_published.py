@@ -106,8 +106,8 @@ def test_joints_are_where_mimo_v2_has_them():
     head, eye = model.geom("head"), model.body("left_eye").pos
     assert model.joint("robot:hip_bend1").pos[2] == pytest.approx(-model.geom("cb").size[0])
     assert model.joint("robot:hip_rot2").pos[2] == pytest.approx(-model.geom("ub1").size[0])
-    assert model.joint("robot:head_tilt").pos[2] == pytest.approx(eye[2] / 2)
-    assert model.joint("robot:head_tilt_side").pos[2] == pytest.approx(eye[2])
+    assert model.joint("robot:head_tilt").pos[2] == pytest.approx(eye[1] / 2)
+    assert model.joint("robot:head_tilt_side").pos[2] == pytest.approx(eye[1])
     assert list(model.joint("robot:left_shoulder_horizontal").pos) == [0, 0, 0]
     assert model.joint("robot:left_foot1").pos[2] == pytest.approx(1.5 * model.geom("left_foot2").size[2])
     palm_m, hand = model.geom("left_hand1").size[2], model.body("left_hand").pos
