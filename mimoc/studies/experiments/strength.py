@@ -106,9 +106,8 @@ HEADING = "behaviour,age_months,strength_age_months,length_cm,start_deg,peak_deg
 def run(notebook: Notebook) -> Path:
     """Let infants of many ages lift the head and a leg, and return the path of the report."""
     by_age = [(age,) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
-    by_size = {(item, size): (age_of(item, size),) for item in BEHAVIOURS for size in SIZES[item.name]}
-    if notebook.law != "published":
-        by_size = {}
+    sizes = [(item, size) for item in BEHAVIOURS for size in SIZES[item.name] if notebook.law == "published"]
+    by_size = {key: (age,) for key in sizes if (age := age_of(*key)) is not None}
     muscles = [(age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
     count = notebook.counter(len(by_age) + len(by_size) + len(muscles))
     measure = cache(lambda trial: list(efforts(notebook.law, *trial)))
@@ -141,22 +140,25 @@ def run(notebook: Notebook) -> Path:
 def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:
     """Return what was measured of the paper's figures, by their names."""
     times: dict[str, float | str | None] = {
-        f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": effort.time_to_s(TARGET_DEG)
-        for (item, size), (effort,) in sized.items()
+        f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": (
+            sized[item, size][0].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"
+        )
+        for item in BEHAVIOURS
+        for size in SIZES[item.name]
     }
     faster = {item: yes(is_faster_with_age(_of(shown, item))) for item in BEHAVIOURS}
     return times | {f"{item.name}: older infants are faster": holds for item, holds in faster.items()}
 
 
-def age_of(behaviour: Behaviour, size: float) -> float:
-    """Return the age, in months, at which the body part moved by a behaviour has a relative size.
+def age_of(behaviour: Behaviour, size: float) -> float | None:
+    """Return the age, in months, at which the body part moved by a behaviour has a relative size; None if it is larger.
 
     The relative size is the cube root of the part's volume relative to that at 18 months; strength is proportional to
     the volume.
     """
     strengths_nm = [_strength_nm(behaviour, age_months) for age_months in MONTHS]
     sizes = np.cbrt(np.divide(strengths_nm, _strength_nm(behaviour, FULL_SIZE_MONTHS)))
-    return round(float(np.interp(size, sizes, MONTHS)), 3)
+    return round(float(np.interp(size, sizes, MONTHS)), 3) if size >= sizes[0] else None
 
 
 def _strength_nm(behaviour: Behaviour, age_months: float) -> float:

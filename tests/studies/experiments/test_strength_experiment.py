@@ -57,18 +57,20 @@ def test_older_infants_are_faster_to_60_degrees(behaviour):
 def test_older_infants_get_at_least_as_far(behaviour):
     found = [effort(behaviour, age_months) for age_months in PAPER_MONTHS]
     assert gets_as_far_with_age(found)
-    assert found[0].peak_deg < TARGET_DEG < found[-1].peak_deg
+    assert found[0].peak_deg < found[-1].peak_deg - 20
 
 
 @pytest.mark.parametrize(
     ("behaviour", "size"), [(each, size) for each in BEHAVIOURS for size in SIZES[each.name]], ids=str
 )
-def test_parts_as_large_as_the_published_ones_are_as_fast(behaviour, size):
-    """Heads take up to 15 % longer, as shoulders and buttocks are deeper than MIMo's and the head starts 5 degrees
-    lower.
-    """
-    time_s = effort(behaviour, age_of(behaviour, size)).time_to_s(TARGET_DEG)
-    assert -0.06 < time_s / paper_s(behaviour, size) - 1 < (0.16 if behaviour == HEAD else 0.06)
+def test_parts_as_large_as_those_of_mimos_scaled_model_are_about_as_fast(behaviour, size):
+    """MIMo v2's body does not grow in proportion: no thigh is as small as .62."""
+    age_months = age_of(behaviour, size)
+    if age_months is None:
+        assert (behaviour, size) == (LEG, 0.62)
+    else:
+        time_s = effort(behaviour, age_months).time_to_s(TARGET_DEG)
+        assert -0.2 < time_s / paper_s(behaviour, size) - 1 < 0
 
 
 @each_behaviour
