@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.units import ms_to_s
 from mimoc.compiler import pipeline
+from mimoc.control import GAIN_SETS
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
@@ -18,6 +20,8 @@ from mimoc.studies.experiments.sensed_reaching import REACH_SHARE, Reach, reach_
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)
 """Delays of the senses, the paper's."""
+MOTOR_MS = 5.0
+"""Delay of commands, the paper's."""
 AGE_MONTHS, STEP_MS = 18.0, 10.0
 OTHER_LAW: Mapping[Development, Development] = {"published": "maturing", "maturing": "published"}
 SEED = 1
@@ -82,7 +86,7 @@ def infant(variant: Variant, development: Development, delay_ms: float) -> Infan
         },
         "control": {"step_ms": variant.step_ms, "timestep_ms": 5.0},
         "senses": {"proprioception": {"include": ["velocity"]}},
-        "delays": {"sensory_ms": float(delay_ms), "motor_ms": 5.0},
+        "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
     }
     return InfantSpec.model_validate(spec)
@@ -156,7 +160,18 @@ def ataxia_text(reaches: Reaches, most_s: float) -> str:
         least_units=shortest["movement_units"],
         units=longest["movement_units"],
         ratio=longest["path_ratio"],
+        motor_ms=MOTOR_MS,
+        products=_products(DELAYS_MS[-1]),
+        middle_ms=DELAYS_MS[1],
+        middle_products=_products(DELAYS_MS[1]),
     )
+
+
+def _products(delay_ms: float) -> str:
+    """Return approach rate times delay of each controller, the largest first."""
+    late_s = ms_to_s(delay_ms + MOTOR_MS)
+    hands = [(name, gains.hands) for name, gains in GAIN_SETS.items()]
+    return ", ".join(f"{gain.strength / gain.viscosity_per_s * late_s:.2g} ({name})" for name, gain in hands[::-1])
 
 
 def _rows(reaches: Reaches) -> Iterator[tuple[str, ...]]:

@@ -16,7 +16,14 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.ataxia import DELAYS_MS, VARIANTS, ataxia_text, reach_with_variants, write_ataxia
+from mimoc.studies.experiments.ataxia import (
+    DELAYS_MS,
+    MOTOR_MS,
+    VARIANTS,
+    ataxia_text,
+    reach_with_variants,
+    write_ataxia,
+)
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.infant_reaches import DELAYS, infants_text, reach_at_ages, write_reaches
 from mimoc.studies.experiments.learner import (
@@ -33,7 +40,6 @@ from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
 from mimoc.tasks.reach import ReachEntry
 from mimoc.training import Episode, evaluate, load_policy
 
-MOTOR_MS = 5.0
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
 SETUPS: Mapping[str, Mapping[str, Any]] = {
     "mimo": {"task": FAR_BALL},
