@@ -42,22 +42,19 @@ def standing_height(m: Measurements) -> float:
     return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * _share(m, "knee_sole_length") + _foot_height(m)
 
 
-def published_dimensions(
-    child: Measurements, side: str, kinds: Iterable[PartKind], others: Callable[[PartKind], BodyGeometry]
-) -> BodyGeometry:
-    """Return the dimensions of one side of a child, or of its middle.
+def published_dimensions(child: Measurements, side: str, kinds: Iterable[PartKind]) -> BodyGeometry:
+    """Return the dimensions of MIMo's parts of one side of a child, or of its middle.
 
     Args:
         child: The child.
         side: `left`, `right`, or empty for the middle.
         kinds: What the body is assembled from.
-        others: Returns the dimensions of parts that are not MIMo's.
 
     Raises:
         GeometryError: If the measurements leave no room for a part.
     """
     m = child.of_side(side)
-    dimensions = reduce(or_, (FORMULAS[kind.name](m) if kind.name in FORMULAS else others(kind) for kind in kinds))
+    dimensions = reduce(or_, (FORMULAS[kind.name](m) for kind in kinds if kind.name in FORMULAS))
     for name, shape in dimensions.shapes.items():
         if min(shape.size_m) <= 0:
             part = name.removeprefix("{side}_")

@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mimoc.body.origins import LAW_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceGeom, ReferenceMotor, ReferencePart
-from mimoc.body.tree import Motor
 
 Sizes = Mapping[str, tuple[float, ...]]
 Names = tuple[str, ...]
@@ -16,6 +14,7 @@ SIZES_M: Sizes = {
     "ub1": (0.052, 0.035),
     "ub2": (0.048, 0.039),
     "ub3": (0.041, 0.047),
+    "neck": (1e-6, 1e-6),
     "head": (0.0735,),
     "{side}_eye1": (0.01125,),
     "{side}_uarm1": (0.024, 0.0536),
@@ -207,11 +206,3 @@ PLACES: Mapping[str, tuple[Names, str]] = {
     "{side}_foot": (("knee_sole_length",), ".176 m x knee_sole_length / 21.6 cm below the knee"),
 }
 """By part: the measurements that its place in its parent follows, and how."""
-
-
-def published_fmax(motor: Motor, what: str) -> Origin:
-    """Return where the strength of a motor's muscles comes from, which is the same at every age."""
-    factors = "".join(f" x {factor:.6g} ({key})" for key, factor in motor.factors)
-    return Origin(
-        f"{what} ({REFERENCE}){factors}{as_published('constant')}", (LAW_KEY, *(key for key, _ in motor.factors))
-    )

@@ -21,7 +21,7 @@ from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import BodyGeometry
 from mimoc.body.part import REFERENCE_AGE_MONTHS, Development
 from mimoc.body.parts.checking import check_dimensions
-from mimoc.body.published import published_dimensions
+from mimoc.body.published import FORMULAS
 from mimoc.body.segments import Proportions, proportions
 from mimoc.fits import Curves, Measurements, measure
 from mimoc.geometry.primitives import volume
@@ -76,18 +76,17 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
     Raises:
         KindError: If the shape of somebody else's parts says too little.
     """
+    is_published = anatomy.development == "published"
     average = measure(REFERENCE_AGE_MONTHS, CURVES[anatomy.development]).paper_law
-    dimensions = mimos_dimensions(average, "", anatomy)
-    for kind in anatomy.kinds:
+    kinds = [kind for kind in anatomy.kinds if not (is_published and kind.name in FORMULAS)]
+    dimensions = mimos_dimensions(average, "", kinds)
+    for kind in kinds:
         check_dimensions(kind, dimensions)
-    volumes_m3 = mimos_volumes(dimensions, anatomy)
-    weighed_m3 = {
-        name: volume(figures.type, figures.mass_at_m) if figures.mass_at_m else volumes_m3[name]
-        for name, figures in anatomy.geoms.items()
+    mimos_m3 = {name: volume(geom.type, geom.mass_at_m) for name, geom in anatomy.geoms.items() if geom.mass_at_m}
+    volumes_m3 = mimos_volumes(dimensions, anatomy) | (mimos_m3 if is_published else {})
+    densities_kg_m3 = {
+        name: figures.mass_kg / mimos_m3.get(name, volumes_m3[name]) for name, figures in anatomy.geoms.items()
     }
-    densities_kg_m3 = {name: figures.mass_kg / weighed_m3[name] for name, figures in anatomy.geoms.items()}
-    if anatomy.development == "published":
-        volumes_m3 = weighed_m3
     return Reference(anatomy, volumes_m3, densities_kg_m3, average[HEIGHT], REFERENCE_AGE_MONTHS).at(age_months)
 
 
@@ -97,26 +96,21 @@ def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> BodyGeometry:
     Raises:
         GeometryError: If a segment is wider than it is long.
     """
-    return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds))
+    return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds), BodyGeometry())
 
 
-def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> BodyGeometry:
-    """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty.
-
-    By the published law they are its very shapes, and otherwise MIMo's in proportion to more measurements.
-    """
-
-    def in_proportion(*kinds: PartKind) -> BodyGeometry:
-        return dimensions_of(proportions(child.of_side(side), child.base_m, mimos=True), kinds)
-
-    if anatomy.development == "published":
-        return published_dimensions(child, side, anatomy.kinds, in_proportion)
-    return in_proportion(*anatomy.kinds)
+def mimos_dimensions(child: Measurements, side: str, kinds: Iterable[PartKind]) -> BodyGeometry:
+    """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty."""
+    return dimensions_of(proportions(child.of_side(side), child.base_m, mimos=True), kinds)
 
 
 def mimos_volumes(dimensions: BodyGeometry, anatomy: Anatomy) -> dict[str, float]:
     """Return the volumes of MIMo's solids of some dimensions, by geom with `{side}`, in m³."""
-    return {name: volume(geom.type, dimensions.shapes[name].size_m) for name, geom in anatomy.geoms.items()}
+    return {
+        name: volume(geom.type, dimensions.shapes[name].size_m)
+        for name, geom in anatomy.geoms.items()
+        if name in dimensions.shapes
+    }
 
 
 def head_share(age_months: float) -> float:
@@ -127,7 +121,7 @@ def head_share(age_months: float) -> float:
 def _head_gain(reference: Reference) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
     average, anatomy = measure(reference.age_months).paper_law, reference.anatomy
-    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy), anatomy)
+    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
     published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
     body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
     return head_share(reference.age_months) * body_kg / published_kg["head"]

@@ -140,7 +140,9 @@ def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Secti
     return radius_m, arm_y_m - beside_m + radius_m
 
 
-def room_beside(outwards_m: float, above_m: float, behind_m: float, apart_m: float) -> float:
+def room_beside(
+    outwards_m: float, above_m: float, behind_m: float, apart_m: float, abduction_deg: float = REST_ABDUCTION_DEG
+) -> float:
     """Return how far an arm at rest can be moved towards the midline until its axis is so near that of the chest.
 
     Seen along the arm, its axis and the end of the chest's axis are points; the chest is the lower of the two.
@@ -150,8 +152,9 @@ def room_beside(outwards_m: float, above_m: float, behind_m: float, apart_m: flo
         above_m: How far it is above it.
         behind_m: How far it is behind it, or in front of it.
         apart_m: The distance of the axes that is kept.
+        abduction_deg: Angle between the arm and the vertical.
     """
-    tilt_rad = deg_to_rad(REST_ABDUCTION_DEG)
+    tilt_rad = deg_to_rad(abduction_deg)
     beside_m = outwards_m * math.cos(tilt_rad) + above_m * math.sin(tilt_rad)
     return beside_m - math.sqrt(max(apart_m**2 - behind_m**2, 0.0))
 

@@ -13,8 +13,9 @@ from mimoc.base.errors import GeometryError
 from mimoc.base.units import deg_to_rad
 from mimoc.body.anatomy import Sided
 from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
+from mimoc.body.part import ALONG_X, ALONG_Y, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
+from mimoc.body.published import FORMULAS, published_dimensions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.body.sections import room_beside
 from mimoc.body.segments import proportions
@@ -61,8 +62,11 @@ PRESSED = 0.5
 """How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
 
 
-def _clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
-    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
+def _clear_arms(dimensions: BodyGeometry, abduction_deg: float) -> BodyGeometry:
+    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`.
+
+    Hanging arms are that far from the vertical when all joints are at zero.
+    """
     arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
     x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
     chest_x_m, _, chest_z_m = dimensions.origins["chest"]
@@ -71,10 +75,11 @@ def _clear_arms(dimensions: BodyGeometry) -> BodyGeometry:
         above_m=z_m + chest_z_m - ribs.pos_m[2],
         behind_m=x_m + chest_x_m - ribs.pos_m[0],
         apart_m=ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0],
+        abduction_deg=abduction_deg,
     )
     if room_m >= 0:
         return dimensions
-    outwards_m = -room_m / math.cos(deg_to_rad(REST_ABDUCTION_DEG))
+    outwards_m = -room_m / math.cos(deg_to_rad(abduction_deg))
     return dimensions | BodyGeometry({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
@@ -152,7 +157,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     anatomy, alike = reference.anatomy, child.symmetric and not scales
 
     def mimos_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
-        dimensions = mimos_dimensions(child.paper_law, side, anatomy)
+        dimensions = mimos_dimensions(child.paper_law, side, anatomy.kinds)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
     def built(child: Measurements, scales: Scales, side: str) -> BodyGeometry:
@@ -160,21 +165,26 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
-    volumes_m3 = _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
-    before = child if anatomy.development == "published" else child.unreplaced
-    changed = bool(scales) or before is not child
-    usual_m3 = mimos_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
-    usual = built(before, NO_SCALES, "") if changed else None
     dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
         _check_limbs(dimensions[""])
-    return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)
+    if anatomy.development == "published":
+        volumes_m3 = _of_sides(lambda side: mimos_volumes(dimensions[side], anatomy), alike=alike)
+        return Shapes(dimensions, volumes_m3, dimensions[""], volumes_m3[""])
+    volumes_m3 = _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
+    before = child.unreplaced
+    changed = bool(scales) or before is not child
+    usual_m3 = mimos_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
+    usual = built(before, NO_SCALES, "") if changed else dimensions[""]
+    return Shapes(dimensions, volumes_m3, usual, usual_m3)
 
 
 def _shape(child: Measurements, side: str, reference: Reference) -> BodyGeometry:
     """Return shapes with the child's measurements: MIMo's very shapes, or by `maturing` measured ones."""
     if reference.anatomy.development == "published":
-        return mimos_dimensions(child, side, reference.anatomy)
+        kinds = reference.anatomy.kinds
+        foreign = [kind for kind in kinds if kind.name not in FORMULAS]
+        return published_dimensions(child, side, kinds) | mimos_dimensions(child, side, foreign)
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
     return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
 
@@ -191,4 +201,5 @@ def _scaled(dimensions: BodyGeometry, parts: Sided, scales: Scales, side: str) -
     for part in of_side:
         if part.name.format(side=side) in scales:
             dimensions = _scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
-    return _clear_arms(dimensions)
+    (arm,) = (part for part in of_side if part.name == "{side}_upper_arm") if side else (None,)
+    return _clear_arms(dimensions, 180 - arm.euler_deg[0]) if arm else dimensions

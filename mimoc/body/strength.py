@@ -20,6 +20,7 @@ from mimoc.body import origins
 from mimoc.body.maturation import NECK, Decay, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
+from mimoc.body.published_figures import as_published
 from mimoc.body.reference import Reference
 from mimoc.body.tree import BodyTree, MaturationFactors, Motor
 from mimoc.schema.names import PAIRED_GROUPS
@@ -139,6 +140,13 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     for key, factor in motor.factors:
         gear = gear.times(f" x {factor:.6g} ({key})", key)
     return gear, limits
+
+
+def published_fmax(motor: Motor, what: str) -> Origin:
+    """Return where the strength of a motor's muscles comes from by the published law, where no age changes it."""
+    factors = {key: factor for key, factor in motor.factors if key != AGE_KEY}
+    times = "".join(f" x {factor:.6g} ({key})" for key, factor in factors.items())
+    return Origin(f"{what} ({REFERENCE}){times}{as_published('constant')}", (LAW_KEY, *factors))
 
 
 def _row(group: str) -> str:

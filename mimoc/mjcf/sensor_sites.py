@@ -152,7 +152,8 @@ def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tu
     """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
     foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
     separate_toes = tree.hands == "five_finger"
-    long, wide = sole.size_m[0] / (0.030 if separate_toes else 0.035), sole.size_m[1] / 0.025
+    mimos_m = 0.030 if separate_toes and tree.development == "maturing" else 0.035
+    long, wide = sole.size_m[0] / mimos_m, sole.size_m[1] / 0.025
     yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
     yield letter + "Heel", foot, (-0.020 * long, 0.0, 0.0)
     if separate_toes:

@@ -154,7 +154,7 @@ def test_published_masses_and_gears_follow_the_volume_by_the_papers_growth_law()
     """A head's is the cube of its circumference."""
     mitten = assemble("mitten", False, "published")
     newborn, reference = (grow_average(age, mitten) for age in (0, 18))
-    heads_m = [measure(age).paper_law["head_circumference"] for age in (0, 18)]
+    heads_m = [measure(age, "published")["head_circumference"] for age in (0, 18)]
     share = (heads_m[0] / heads_m[1]) ** 3
     assert newborn.geoms["head"].mass_kg == pytest.approx(reference.geoms["head"].mass_kg * share, rel=1e-12)
     gears = [

@@ -1,4 +1,4 @@
-"""Masses and shapes of head, neck and feet by the law `maturing`, next to the published law and to real infants."""
+"""Masses and shapes of head, neck and feet by the law `maturing`, next to MIMo's solids and to real infants."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from support.papers_law import ByVolume, by_volume
 from support.segment_masses import (
     ARMS,
     DUMMIES,
@@ -35,23 +36,18 @@ kinds_of_hands = st.sampled_from(HANDS)
 SCALED = ("head_circumference", "crown_sole_length", "chest_circumference", "mid_thigh_circumference")
 
 
-def both(age_months: float, hands: str, **factors: float) -> tuple[BodyTree, BodyTree]:
-    """Return a child by both laws, whose measurements differ from the average child's by some factors."""
-    child = measure(age_months).scaled(factors, "", ())
-    published, maturing = (grow_tree(child, assemble(hands, False, law)) for law in ("published", "maturing"))
-    return published, maturing
+def both(age_months: float, hands: str, **factors: float) -> tuple[ByVolume, BodyTree]:
+    """Return what MIMo's solids weigh, and a child, whose measurements differ from the average child's by factors."""
+    child, anatomy = measure(age_months).scaled(factors, "", ()), assemble(hands, False)
+    return by_volume(child, anatomy), grow_tree(child, anatomy)
 
 
 def part(tree: BodyTree, name: str) -> Body:
     return next(body for body in tree.bodies if body.name == name)
 
 
-def is_lighter(body: Body) -> bool:
-    return body.region == "trunk"
-
-
-def is_heavier(body: Body) -> bool:
-    return body.name == "head" or "foot" in body.name or "toe" in body.name
+def is_heavier(name: str) -> bool:
+    return name == "head" or "foot" in name or "toe" in name
 
 
 @given(
@@ -60,13 +56,13 @@ def is_heavier(body: Body) -> bool:
     factors=st.fixed_dictionaries({name: st.floats(0.95, 1.05) for name in SCALED}),
 )
 def test_head_and_feet_gain_what_the_trunk_loses(age_months, hands, factors):
-    published, own = both(age_months, hands, **factors)
-    assert own.mass_kg == pytest.approx(published.mass_kg, rel=1e-12)
+    mimos, own = both(age_months, hands, **factors)
+    assert own.mass_kg == pytest.approx(sum(mimos.masses_kg.values()), rel=1e-12)
     shares = []
-    for body in published.bodies:
-        share = part(own, body.name).mass_kg / body.mass_kg
-        assert share > 1.1 if is_heavier(body) else is_lighter(body) or share == pytest.approx(1, rel=1e-12), body.name
-        shares += [share] if is_lighter(body) else []
+    for name, mass_kg in mimos.masses_kg.items():
+        share, is_lighter = part(own, name).mass_kg / mass_kg, mimos.regions[name] == "trunk"
+        assert share > 1.1 if is_heavier(name) else is_lighter or share == pytest.approx(1, rel=1e-12), name
+        shares += [share] if is_lighter else []
     assert max(shares) < 1
     assert shares == pytest.approx([shares[0]] * len(shares), rel=1e-12)
 
@@ -82,34 +78,35 @@ def test_the_average_childs_head_and_neck_have_their_share_of_its_mass(age_month
 @given(age_months=ages_months, factor=st.floats(0.9, 1.1))
 def test_a_larger_head_is_as_much_heavier_as_a_larger_ball(age_months, factor):
     factors = dict.fromkeys(("head_circumference", "head_length", "head_breadth"), factor)
-    published, own = (
-        (part(changed, "head").mass_kg / part(usual, "head").mass_kg)
-        for changed, usual in zip(both(age_months, "mitten", **factors), both(age_months, "mitten"), strict=True)
-    )
-    assert own == pytest.approx(published, rel=1e-9)
+    (mimos, own), (mimos_usual, usual) = both(age_months, "mitten", **factors), both(age_months, "mitten")
+    heavier = part(own, "head").mass_kg / part(usual, "head").mass_kg
+    assert heavier == pytest.approx(mimos.masses_kg["head"] / mimos_usual.masses_kg["head"], rel=1e-9)
 
 
 @given(age_months=ages_months, hands=kinds_of_hands)
 def test_a_foot_weighs_what_regressions_say_and_is_higher_not_broader(age_months, hands):
-    published, own = both(age_months, hands)
+    child, own = measure(age_months), both(age_months, hands)[1]
     assert segment_masses(own)[FOOT] == pytest.approx(0.062 + 0.0075 * age_months, rel=1e-9)
-    (_, broad, high), (_, as_broad, higher) = (tree.geoms["left_foot2"].size_m for tree in (published, own))
-    assert as_broad == broad
+    _, broad, higher = own.geoms["left_foot2"].size_m
+    high = 0.01 * (child["foot_length"] + child["foot_breadth"]) / 0.169
+    assert broad == child["foot_breadth"] / 2
     assert 1.4 * high < higher < 2.1 * high
 
 
 @given(age_months=ages_months, hands=kinds_of_hands)
-def test_the_infant_is_as_tall_and_its_head_as_round_as_by_the_published_law(age_months, hands):
-    published, own = map(stature, both(age_months, hands))
-    assert own == pytest.approx(published, rel=1e-9)
+def test_the_infant_is_as_tall_and_its_head_as_round_as_was_measured(age_months, hands):
+    child, own = measure(age_months), stature(both(age_months, hands)[1])
+    assert own["length_cm"] == pytest.approx(100 * child["crown_sole_length"], rel=1e-9)
+    assert own["head_circumference_cm"] == pytest.approx(100 * child["head_circumference"], rel=1e-9)
 
 
 @given(age_months=ages_months)
 def test_the_chin_is_below_the_joints_of_the_neck_and_the_crown_where_it_was(age_months):
-    published, own = both(age_months, "mitten")
-    ball, head = published.geoms["head"], own.geoms["head"]
-    assert head.pos_m[2] + head.size_m[2] == pytest.approx(ball.pos_m[2] + ball.size_m[0])
-    assert head.pos_m[2] - head.size_m[2] < -0.2 * ball.size_m[0]
+    own = both(age_months, "mitten")[1]
+    head = own.geoms["head"]
+    crown_m = measure(age_months)["head_circumference"] / np.pi
+    assert head.pos_m[2] + head.size_m[2] == pytest.approx(crown_m)
+    assert head.pos_m[2] - head.size_m[2] < -0.1 * crown_m
 
 
 @given(ages_months)

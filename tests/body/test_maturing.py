@@ -3,9 +3,10 @@
 from itertools import pairwise
 
 import pytest
+from support.papers_law import by_volume
 
 from mimoc.body.anatomy import assemble
-from mimoc.body.grow import grow_tree
+from mimoc.body.grow import grow_average, grow_tree
 from mimoc.body.joints import NEWBORN_REST_DEG
 from mimoc.fits import measure
 
@@ -22,15 +23,9 @@ def anatomy(request):
 
 
 @pytest.fixture(scope="module")
-def published(anatomy):
-    """Return the same parts by the published law."""
-    return assemble(anatomy.hands, CHEST[anatomy.hands], "published")
-
-
-@pytest.fixture(scope="module")
-def bodies(anatomy, published):
-    """Return the average child by age, by both laws: maturing, then published."""
-    return {age: (grow_tree(measure(age), anatomy), grow_tree(measure(age), published)) for age in (*AGES_MONTHS, 24)}
+def bodies(anatomy):
+    """Return the average child by age."""
+    return {age: grow_average(age, anatomy) for age in (*AGES_MONTHS, 24)}
 
 
 def of_neck(name: str) -> bool:
@@ -38,13 +33,13 @@ def of_neck(name: str) -> bool:
 
 
 def test_at_18_months_motors_and_joints_are_mimos_except_that_the_neck_bears_a_heavier_head(bodies, anatomy):
-    maturing, published = bodies[18]
+    maturing = bodies[18]
     assert maturing.growth is not None
     gain = maturing.growth.head_gain
-    for ours, mimos in zip(maturing.motors, published.motors, strict=True):
-        factor = gain if of_neck(ours.name) else 1
-        assert ours.gear_nm == (mimos.gear_nm * gain if factor != 1 else mimos.gear_nm), ours.name
+    for ours, (_, mimos) in zip(maturing.motors, anatomy.motors, strict=True):
+        assert ours.gear_nm == (mimos.gear_nm * gain if of_neck(ours.name) else mimos.gear_nm), ours.name
         assert ours.force_range == mimos.force_range
+    published = grow_average(18, assemble(anatomy.hands, CHEST[anatomy.hands], "published"))
     for name, mimos in published.joints.items():
         ours = maturing.joints[name]
         assert (ours.range_deg, ours.springref_deg) == (mimos.range_deg, mimos.springref_deg), name
@@ -54,32 +49,18 @@ def test_at_18_months_motors_and_joints_are_mimos_except_that_the_neck_bears_a_h
             assert factor != 1 or getattr(ours, attribute) == getattr(mimos, attribute), name
 
 
-def test_the_published_law_changes_no_joint_with_age(bodies):
-    for _, published in bodies.values():
-        assert published.joints.keys() == bodies[18][1].joints.keys()
-        for name, joint in published.joints.items():
-            at_18 = bodies[18][1].joints[name]
-            assert [getattr(joint, attribute) for attribute in (*PASSIVE, "range_deg", "springref_deg")] == [
-                getattr(at_18, attribute) for attribute in (*PASSIVE, "range_deg", "springref_deg")
-            ], name
-
-
 @pytest.mark.parametrize("age_months", LENGTHS)
-def test_strength_follows_length_besides_volume(bodies, anatomy, published, age_months):
+def test_strength_follows_length_besides_volume(bodies, anatomy, age_months):
     """Of the eyes, whose strength does not mature otherwise."""
-    average = measure(age_months)
-    maturing, usual = bodies.get(age_months) or (grow_tree(average, anatomy), grow_tree(average, published))
-    eyes = [
-        ours.gear_nm / mimos.gear_nm
-        for ours, mimos in zip(maturing.motors, usual.motors, strict=True)
-        if "eye" in ours.name
-    ]
+    maturing = bodies.get(age_months) or grow_average(age_months, anatomy)
+    usual_nm = by_volume(measure(age_months), anatomy).gears_nm
+    eyes = [motor.gear_nm / usual_nm[motor.name] for motor in maturing.motors if "eye" in motor.name]
     assert eyes == pytest.approx([LENGTHS[age_months]] * 6, abs=0.0006)
 
 
 def test_every_torque_grows_with_age(bodies):
     for younger, older in pairwise(sorted(bodies)):
-        for before, after in zip(bodies[younger][0].motors, bodies[older][0].motors, strict=True):
+        for before, after in zip(bodies[younger].motors, bodies[older].motors, strict=True):
             assert all(
                 abs(weak) * before.gear_nm < abs(strong) * after.gear_nm
                 for weak, strong in zip(before.force_range, after.force_range, strict=True)
@@ -89,7 +70,7 @@ def test_every_torque_grows_with_age(bodies):
 def test_strength_relative_to_load_grows_with_age(bodies):
     """The load of a joint grows by volume x length, that of the neck with the mass of the head besides."""
     for younger, older in pairwise(AGES_MONTHS):
-        young, old = bodies[younger][0], bodies[older][0]
+        young, old = bodies[younger], bodies[older]
         assert young.growth is not None
         assert old.growth is not None
         for before, after in zip(young.motors, old.motors, strict=True):
@@ -103,7 +84,7 @@ def test_strength_relative_to_load_grows_with_age(bodies):
 
 
 def test_the_front_of_the_neck_matures_apart_from_its_back(bodies):
-    at_six = next(motor for motor in bodies[6][0].motors if motor.name == "act:head_tilt")
+    at_six = next(motor for motor in bodies[6].motors if motor.name == "act:head_tilt")
     low, high = at_six.force_range
     assert low == -1
     assert high == pytest.approx(0.55 * 0.69 / 0.62, rel=0.02)
@@ -118,12 +99,12 @@ def test_the_front_of_the_neck_matures_apart_from_its_back(bodies):
     }.items(),
 )
 def test_newborns_do_not_straighten_their_joints(bodies, joint, upper_deg):
-    found = [bodies[age][0].joints[f"robot:left_{joint}"].range_deg[1] for age in (0, 2, 3, 6, 9, 12, 18)]
+    found = [bodies[age].joints[f"robot:left_{joint}"].range_deg[1] for age in (0, 2, 3, 6, 9, 12, 18)]
     assert found == pytest.approx(upper_deg, abs=0.6)
 
 
 def test_newborns_bend_their_ankles_up_rather_than_down(bodies):
-    ranges = [bodies[age][0].joints["robot:right_foot1"].range_deg for age in (0, 6, 18)]
+    ranges = [bodies[age].joints["robot:right_foot1"].range_deg for age in (0, 6, 18)]
     assert ranges[0] == (-26, 59)
     assert ranges[2] == (-63, 32)
     assert ranges[0][0] > ranges[1][0] > ranges[2][0]
@@ -131,11 +112,11 @@ def test_newborns_bend_their_ankles_up_rather_than_down(bodies):
 
 
 def test_joints_rest_where_tone_bends_them_and_within_their_range(bodies):
-    for maturing, _ in bodies.values():
+    for maturing in bodies.values():
         assert all(
             joint.range_deg[0] <= joint.springref_deg <= joint.range_deg[1] for joint in maturing.joints.values()
         )
-    newborn, month = bodies[0][0].joints, bodies[1][0].joints
+    newborn, month = bodies[0].joints, bodies[1].joints
     for name, rest_deg in NEWBORN_REST_DEG.items():
         joint = name.format(side="left")
         if joint in newborn:
@@ -145,7 +126,7 @@ def test_joints_rest_where_tone_bends_them_and_within_their_range(bodies):
 
 def test_passive_joints_grow_with_age_except_those_that_lose_their_tone(bodies):
     for younger, older in pairwise(AGES_MONTHS):
-        before, after = bodies[younger][0].joints, bodies[older][0].joints
+        before, after = bodies[younger].joints, bodies[older].joints
         for name in before:
             for attribute in PASSIVE[1:]:
                 small, large = getattr(before[name], attribute), getattr(after[name], attribute)
@@ -155,7 +136,7 @@ def test_passive_joints_grow_with_age_except_those_that_lose_their_tone(bodies):
 
 
 def test_heads_are_heavier_by_a_nearly_constant_factor(bodies):
-    gains = [maturing.growth.head_gain for maturing, _ in bodies.values()]
+    gains = [maturing.growth.head_gain for maturing in bodies.values()]
     assert gains == pytest.approx([1.45] * len(gains), rel=0.02)
 
 

@@ -14,7 +14,6 @@ from mimoc.compiler.validation.measuring import MEASURES, compile_infant, measur
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import SIDES, limb_bodies
 
-HEADS = {"head_breadth", "head_length"}
 """Of the published law, whose head is a sphere."""
 
 
@@ -23,16 +22,14 @@ def infant(age_months: float = 9, **changes) -> InfantSpec:
 
 
 @cache
-def report(hands: str, development: str = "published") -> MeasurementReport:
+def report(hands: str, development: str = "maturing") -> MeasurementReport:
     return compare_with_anthrokids(infant(0, development=development, body={"hands": hands}))
 
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_every_measurement_is_within_four_percent_of_the_mean_of_every_group(hands):
-    """But for length and breadth of a head that is a sphere."""
     assert report(hands).ages_months == [1.5, 4.5, 7.5, 10.5, 14, 18, 22]
-    outside = {row.measurement: row.deviation for row in report(hands).rows if row.outside}
-    assert outside.keys() <= HEADS, outside
+    assert not {row.measurement: row.deviation for row in report(hands).rows if row.outside}
 
 
 def test_all_26_measurements_are_taken_and_finger_diameters_where_there_are_fingers():

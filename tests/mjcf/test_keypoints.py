@@ -6,9 +6,8 @@ import pytest
 
 import mimoc
 from mimoc.body.anatomy import assemble
-from mimoc.body.grow import grow_body, grow_tree
+from mimoc.body.grow import grow_average, grow_body
 from mimoc.body.tree import BodyTree
-from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX, keypoint_sites
 
@@ -63,7 +62,7 @@ def test_every_keypoint_is_a_site_of_the_compiled_body(infants):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_at_18_months_they_are_where_mimo_has_them(hands):
     """On head and foot, in m; sk and so on are 1 there (growth.md, section 5)."""
-    placed = keypoint_sites(grow_tree(measure(18), assemble(hands, False, "published")))
+    placed = keypoint_sites(grow_average(18, assemble(hands, False, "published")))
     found = {site.name.removeprefix(PREFIX): (body, site.pos_m) for body, sites in placed.items() for site in sites}
     for name, pos_m in {
         "Nose": (0.0685, 0, 0.0435),

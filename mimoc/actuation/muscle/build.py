@@ -8,7 +8,7 @@ from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
 from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
-from mimoc.body.published_figures import published_fmax
+from mimoc.body.strength import published_fmax
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.body.origins import REFERENCE
-from mimoc.body.published_figures import published_fmax
+from mimoc.body.strength import published_fmax
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.elements import Actuator
 

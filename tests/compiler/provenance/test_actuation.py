@@ -3,6 +3,7 @@
 import re
 from graphlib import TopologicalSorter
 
+import numpy as np
 import pytest
 from lxml import etree
 from support import store
@@ -88,15 +89,26 @@ def test_a_servo_leads_back_to_the_gear(bundle, entries):
 
 def test_a_joint_says_why_it_is_harder_to_swing(bundle, entries):
     """Its arm is made two or three times as strong as that of 18 months."""
-    for side, factor in (("left", 3), ("right", 2)):
-        armature = entries[f"joint.robot:{side}_elbow.armature"]
-        assert armature["value"] == pytest.approx(factor * 0.002)
-        assert f"x {factor}, by which its motor is stronger" in armature["rule"]
+    for side in ("left", "right"):
+        armature, gear_nm = (
+            entries[f"joint.robot:{side}_elbow.armature"],
+            entries[f"actuator.act:{side}_elbow.gear"]["value"],
+        )
+        assert armature["value"] == pytest.approx(gear_nm / 3.6 * 0.002)
+        assert f"x {gear_nm / 3.6:.6g}, by which its motor is stronger" in armature["rule"]
         assert armature["from"] == ["spec.development", f"actuator.act:{side}_elbow.gear"]
 
 
-def test_a_muscle_leads_back_to_the_gear(bundle, entries):
+def test_a_muscle_leads_back_to_mimos_and_what_made_it_stronger(bundle, entries):
+    """Of the published law, by which it does not grow."""
     if bundle.manifest.actuation.model == "muscle":
-        flexor = entries["actuator.act:left_elbow_negative.gainprm"]
-        assert flexor["value"][2] == pytest.approx(1.07 * entries["actuator.act:left_elbow.gear"]["value"])
-        assert "actuator.act:left_elbow.gear" in flexor["from"]
+        flexor, range_rad = entries["actuator.act:left_elbow_negative.gainprm"], np.radians(146 + 5)
+        assert flexor["value"][2] == pytest.approx(3 * 35.43 * 0.3 / range_rad)
+        assert flexor["from"] == ["spec.development", "spec.actuation.strength.left_arm"]
+
+
+def test_a_muscle_that_matures_leads_back_to_the_gear():
+    entries = entries_of(store.built({"mimoc": 1, "name": "x", "age_months": 9, "actuation": {"model": "muscle"}}))
+    flexor = entries["actuator.act:left_elbow_negative.gainprm"]
+    assert flexor["value"][2] == pytest.approx(1.07 * entries["actuator.act:left_elbow.gear"]["value"])
+    assert "actuator.act:left_elbow.gear" in flexor["from"]
