@@ -15,7 +15,7 @@ class ReachSpec(TaskSpec):
     hand: Literal["right", "left"] | None = None
     """The hand that reaches; by default, the right one."""
     ball: Literal["near", "mimo"] = "near"
-    """Where the ball hangs: `near`, .65 to .95 of the arm's length away, or as far as in MIMo's scene, .87 to 1.48."""
+    """Where the ball hangs: `near`, .65 to .95 lengths of the arm away, or `mimo`, as in MIMo's scene, .87 to 1.48."""
 
 
 class ReachEntry(TaskEntry):
