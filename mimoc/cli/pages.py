@@ -48,11 +48,21 @@ def experiment(
         bool,
         typer.Option("--quick", help="Fewer ages, seeds or steps: takes seconds, or minutes for delays and growing."),
     ] = False,
+    development: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LAW",
+            help="Body of the infants: published (MIMo v2's; the report then has the paper's figures beside ours) or "
+            "maturing (mimoc's own). Default: published for strength, delays and inverse, maturing for growth, acuity "
+            "and rooms; development and growing have their own.",
+        ),
+    ] = None,
 ) -> None:
     """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""
     from mimoc.cli import console
     from mimoc.studies import experiments
 
+    law = experiments.check_experiment(name, development)
     with console.progress(name) as show, resumable():
-        page = experiments.run_experiment(name, out, quick=quick, progress=show)
+        page = experiments.run_experiment(name, out, quick=quick, development=law, progress=show)
     print(printable(page))

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mimoc.base.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
+from mimoc.base.errors import MimocError, MissingExtraError, SpecError
 from mimoc.cohorts.engines import find_engine
 from mimoc.cohorts.infants import CohortInfant, infants_of
 from mimoc.cohorts.job import Job, jobs_of
@@ -282,10 +282,9 @@ def _check(step: StepSpec) -> None:
     if isinstance(step, RunStep) and not step.policy.endswith(".zip"):
         POLICIES.find(step.policy)
     elif isinstance(step, ExperimentStep):
-        from mimoc.studies.experiments import EXPERIMENTS  # Takes time to import, in each process that does jobs.
+        from mimoc.studies.experiments import check_experiment  # Takes time to import, in each process that does jobs.
 
-        if step.name not in EXPERIMENTS:
-            raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
+        check_experiment(step.name, step.development)
     elif isinstance(step, TrainStep):
         from mimoc.training.settings import TrainingSettings
         from mimoc.training.vector_env import growth_settings  # Needs Stable-Baselines3.

@@ -123,7 +123,8 @@ def experiment(work: JobContext) -> Measures:
     """Run one of mimoc's experiments; its tables and its page are kept."""
     from mimoc.studies.experiments import run_experiment
 
-    run_experiment(work.job.options["name"], work.folder, quick=work.job.options["quick"])
+    options = work.job.options
+    run_experiment(options["name"], work.folder, quick=options["quick"], development=options["development"])
     return {}
 
 

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.names import Development
 from mimoc.schema.quantities import Whole
 from mimoc.schema.wording import got
 
@@ -133,6 +134,8 @@ class ExperimentStep(Model):
     """Name of the experiment."""
     quick: bool = False
     """Whether to run its smaller version."""
+    development: Development | None = None
+    """Law of development of its infants; by default that of `mimoc experiment`."""
 
 
 class PythonStep(Model):

@@ -14,12 +14,14 @@ from mimoc.quantities.child import AGE
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
 from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
 from mimoc.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
 from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.run import filters, perceive
+from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 
 WIDTH_PX, HEIGHT_PX = 8, 2048
@@ -83,6 +85,9 @@ MIDDLE_TIMES = 4
 """Magnification of the middle of the view in the last row."""
 COLOURS = 256
 """Number of colours of the figure, which makes its file a third as large."""
+FOVEATION = "strength of the foveation that is shown"
+"""Name of the paper's figure."""
+HALF = 0.5
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
 
@@ -92,7 +97,7 @@ def run(notebook: Notebook) -> Path:
     by_age = [count(list(transfers(age_months, acuity_at(age_months, PROFILE)))) for age_months in PAPER_MONTHS]
     measured = [item for items in by_age for item in items]
     size_px = QUICK_SIZE_PX if notebook.quick else SIZE_PX
-    notebook.write_picture("acuity.png", count(_sheet(size_px)))
+    notebook.write_picture("acuity.png", count(_sheet(notebook.law, size_px)))
     profiles = {profile: [acuity_at(age_months, profile) for age_months in HALF_MONTHS] for profile in PROFILES}
     heading = ",".join(("age_months", *(f"{profile}_cpd" for profile in profiles)))
     notebook.write_table("profiles.csv", heading, zip(HALF_MONTHS, *profiles.values(), strict=True))
@@ -104,15 +109,26 @@ def run(notebook: Notebook) -> Path:
     lines = tuple(Line(HALF_MONTHS, acuities_cpd, profile) for profile, acuities_cpd in profiles.items())
     by_profile = Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), lines, title="Acuity by age")
     notebook.write_plots("csf.png", [_csf_plot(by_age), by_profile])
-    return notebook.write_page(**_numbers(measured, size_px))
+    return notebook.write_page(_measured(measured), **_numbers(measured, size_px))
 
 
-def _sheet(size_px: int) -> bytes:
+def _measured(measured: Sequence[Transfer]) -> Measured:
+    """Return what was measured of the paper's figures, by their names."""
+    half = min(measured, key=lambda item: abs(item.frequency_cpd / item.acuity_cpd - HALF))
+    acuities = {
+        f"acuity at {age:g} month{'s' * (age != 1)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2")
+        for age in PAPER_MONTHS
+    }
+    return {**acuities, "contrast left at half the acuity": half.measured, FOVEATION: DEFAULT_FOVEATION}
+
+
+def _sheet(development: Development, size_px: int) -> bytes:
     """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
     spec = {
         "mimoc": 1,
         "name": "onlooker",
         "age_months": 10,
+        "development": development,
         "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
     }
     infant = building.builder(InfantSpec.model_validate(spec))(SEED, check=False)

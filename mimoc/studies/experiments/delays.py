@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from itertools import pairwise
 from operator import methodcaller
 from pathlib import Path
 from statistics import fmean
+from typing import Any
 
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -14,6 +16,16 @@ from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
+from mimoc.studies.experiments.ataxia import (
+    DELAYS_MS,
+    MOTOR_MS,
+    VARIANTS,
+    ataxia_text,
+    reach_with_variants,
+    write_ataxia,
+)
+from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.infant_reaches import DELAYS, infants_text, reach_at_ages, write_reaches
 from mimoc.studies.experiments.learner import (
     FIRST_BALL,
@@ -25,16 +37,27 @@ from mimoc.studies.experiments.learner import (
     movement_of,
     trained,
 )
-from mimoc.studies.experiments.notebook import Cell, Notebook, page_text, table_rows
+from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
 from mimoc.tasks.reach import ReachEntry
 from mimoc.training import Episode, evaluate, load_policy
 
-DELAYS_MS: Sequence[float] = (0, 50, 200)
-MOTOR_MS = 5.0
+FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
+SETUPS: Mapping[str, Mapping[str, Any]] = {
+    "mimo": {"task": FAR_BALL},
+    "near": {"task": NEAR_BALL},
+    "near_weak": {"task": NEAR_BALL, "actuation": {"strength": {"arms": 0.2}}},
+}
+"""Keys of a spec by the name of what is learned; the first is the paper's, of which there is a run for each seed."""
+TITLES = ("MIMo's ball", "a near ball", "a near ball, arms of a fifth of the strength")
+"""The names of these in the report, in the same order."""
+PAPER = "mimo"
+"""Key of the paper's setup."""
+QUICK_VARIANTS = 1
+"""Number of variants of reaches that the smaller version tries."""
 AGE_MONTHS = 18
 STEPS, QUICK_STEPS = 500_000, 40_960
 """Control steps of each training run: the paper's, and a number that takes minutes."""
-SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
+SEEDS, QUICK_SEEDS = (1, 2), (1,)
 EPISODES = 50
 """Number of reaches of each trained infant; all of them reach for the same balls."""
 SHOWN = 4
@@ -50,28 +73,37 @@ Groups = Mapping[str, Sequence[Learner]]
 """Trained infants by their sensory delay, as it is shown, the shortest first."""
 
 
-ARC_LENGTH, JERK, DETOUR = (methodcaller("median", measure) for measure in ("arc_length", "jerk", "path_ratio"))
-"""Medians of a learner's reaches after training."""
-MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, ARC_LENGTH, JERK, DETOUR)
-"""The columns of the table."""
+UNITS, DETOUR = (methodcaller("mean", measure) for measure in ("units", "path_ratio"))
+"""Means of a learner's reaches after training."""
+ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))
+"""Medians of the same."""
+MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, UNITS, DETOUR, ARC_LENGTH, JERK)
+"""The columns of the tables."""
 
 
 def run(notebook: Notebook) -> Path:
     """Train infants with each delay (or resume interrupted runs), compare them, and return the path of the report."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
-    infants = len(MONTHS) * len(DELAYS)
-    total = infants + steps * len(seeds) * len(DELAYS_MS)
-    count = QUICK_REACHES if notebook.quick else REACHES
-    reaches = reach_at_ages(MONTHS, count, REACH_S, notebook.counter(total))
+    variants = VARIANTS[:QUICK_VARIANTS] if notebook.quick else VARIANTS
+    runs = list(_runs(seeds))
+    before = len(MONTHS) * len(DELAYS) + len(variants) * len(DELAYS_MS)
+    total = before + steps * len(runs)
+    count, counted = QUICK_REACHES if notebook.quick else REACHES, notebook.counter(total)
+    late = reach_with_variants(variants, notebook.law, count, REACH_S, counted)
+    write_ataxia(notebook, late)
+    reaches = reach_at_ages(MONTHS, count, REACH_S, counted)
     write_reaches(notebook, reaches)
-    learners = list(_learners(notebook, steps, seeds, infants, total))
-    groups = {f"{delay_ms} ms": group for delay_ms, group in by_group(learners).items()}
+    by_setup = _learners(notebook, steps, runs, before, total)
+    within = {name: _within_reach(same) for name, same in by_setup.items()}
+    setups = {name: _by_delay(same) for name, same in within.items()}
+    learners, groups = within[PAPER], setups[PAPER]
     first = [item for item in learners if item.seed == learners[0].seed]
-    _write_tables(notebook, learners, first)
+    _write_tables(notebook, by_setup, first)
     learning = learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
-    notebook.write_plots("delays.png", [learning, _path_plot(first), _smoothness_plot(groups)])
+    notebook.write_plots("delays.png", [learning, _path_plot(notebook.law, first), _smoothness_plot(groups)])
     *others, longest = groups
     return notebook.write_page(
+        _measured(groups),
         *LIBRARIES,
         age=AGE_MONTHS,
         delays=f"{', '.join(others)} and {longest}",
@@ -79,71 +111,144 @@ def run(notebook: Notebook) -> Path:
         steps=steps,
         seeds=len(seeds),
         episodes=EPISODES,
+        beyond=EPISODES - len(learners[0].reaches),
         shown=SHOWN,
         **_comparison(groups),
+        setups=_setups_rows(setups),
+        setups_seed=seeds[0],
+        longest_s=ms_to_s(max(DELAYS_MS)),
+        ataxia=ataxia_text(late, REACH_S),
         infants=infants_text(reaches, REACH_S),
         training_seeds=", ".join(map(str, seeds)),
         first_ball=FIRST_BALL,
     )
 
 
-def _learners(notebook: Notebook, steps: int, seeds: Sequence[int], before: int, total: int) -> Iterator[Learner]:
-    """Yield each trained infant, after some steps of all."""
-    wanted = [(delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS]
-    for number, (delay_ms, seed) in enumerate(wanted):
-        bundle, progress = reaching(delay_ms), notebook.part(before + number * steps, steps, total)
-        training = trained(notebook, f"delay_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
+def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:
+    """Yield setup, delay and seed of each training run: of setups but the paper's, extreme delays and one seed."""
+    yield from ((PAPER, delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS)
+    extremes = DELAYS_MS[0], DELAYS_MS[-1]
+    yield from ((setup, delay_ms, seeds[0]) for setup in SETUPS if setup != PAPER for delay_ms in extremes)
+
+
+def _learners(
+    notebook: Notebook, steps: int, runs: Sequence[tuple[str, float, int]], before: int, total: int
+) -> Mapping[str, Sequence[Learner]]:
+    """Return the trained infants by setup, after some steps of all."""
+    learners: dict[str, list[Learner]] = {setup: [] for setup, _, _ in runs}
+    for number, (setup, delay_ms, seed) in enumerate(runs):
+        bundle = reaching(notebook.law, delay_ms, setup)
+        progress = notebook.part(before + number * steps, steps, total)
+        training = trained(notebook, f"{setup}_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
         task = bundle.manifest.task
         assert isinstance(task, ReachEntry)
         with closing(InfantEnv(bundle)) as env:
             reaches = evaluate(env, load_policy(training.policy), EPISODES, seed=FIRST_BALL, follow=task.effector)
-        yield Learner(f"{delay_ms:g}", seed, training, reaches)
+        learners[setup].append(Learner(f"{delay_ms:g}", seed, training, reaches))
+    return learners
 
 
-def reaching(delay_ms: float) -> Bundle:
-    """Return the paper's infant with the task `reach` and the given delay of all its senses."""
+def reaching(development: Development, delay_ms: float, setup: str = PAPER) -> Bundle:
+    """Return the infant of a setup, with the given delay of all its senses."""
     spec = {
         "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
-        "development": "published",
+        "development": development,
         "senses": {"proprioception": {"include": ["velocity"]}},
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
-        "task": {"kind": "reach"},
+        **SETUPS[setup],
     }
     return pipeline.build(InfantSpec.model_validate(spec))
 
 
+def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
+    """Return infants with their reaches for balls that one of them touches; with all, if there is no such ball."""
+    touched = {reach.seed for item in learners for reach in item.reaches if reach.success}
+    return [
+        replace(item, reaches=[reach for reach in item.reaches if not touched or reach.seed in touched])
+        for item in learners
+    ]
+
+
+def _by_delay(learners: Sequence[Learner]) -> Groups:
+    return {f"{delay_ms} ms": group for delay_ms, group in by_group(learners).items()}
+
+
+def _rows(groups: Groups) -> str:
+    return table_rows(
+        (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
+    )
+
+
+def _rising(groups: Groups, measure: Callable[[Learner], float]) -> bool:
+    """Return whether the mean of a measure is greater with each longer delay."""
+    means = [fmean(map(measure, group)) for group in groups.values()]
+    return all(before < after for before, after in pairwise(means))
+
+
 def _comparison(groups: Groups) -> dict[str, str]:
     """Return the table of the page, and whether the results have the same order as the paper's."""
-    rows = [(delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()]
     measures: Mapping[str, Callable[[Learner], float]] = {
         "slower": Learner.last_time_s,
         "longer": Learner.time_s,
+        "more_units": UNITS,
+        "longer_path": DETOUR,
         "shorter_arc": lambda learner: -ARC_LENGTH(learner),
         "jerkier": lambda learner: -JERK(learner),
     }
-    means = {what: [fmean(map(measure, group)) for group in groups.values()] for what, measure in measures.items()}
-    verdicts = {
-        what: "yes" if all(before < after for before, after in pairwise(values)) else "not in every case"
-        for what, values in means.items()
+    verdicts = {what: "yes" if _rising(groups, measure) else "not in every case" for what, measure in measures.items()}
+    return {"table": _rows(groups), **verdicts}
+
+
+def _longer(groups: Groups, measure: Callable[[Learner], float]) -> str:
+    """Return whether a measure is greater with each longer delay, or with which it is greater than with the least."""
+    shortest, *longer = ((delay, fmean(map(measure, group))) for delay, group in groups.items())
+    greater = [delay for delay, mean in longer if mean > shortest[1]]
+    return "yes" if _rising(groups, measure) else f"with {' and '.join(greater)} only" if greater else "no"
+
+
+def _measured(groups: Groups) -> Measured:
+    """Return what was measured of the paper's figures, by their names."""
+    success = min(learner.success_rate() for group in groups.values() for learner in group)
+    return {
+        "infants learn more slowly with each longer delay": _longer(groups, Learner.last_time_s),
+        "movements are less smooth with each longer delay": _longer(groups, DETOUR),
+        "all delays: balls are reached after training": "yes" if success == 1 else f"{success:.0%} or more",
     }
-    reach_s = fmean(learner.time_s() for group in groups.values() for learner in group)
-    ballistic = reach_s < ms_to_s(max(DELAYS_MS))
-    stroke = page_text("delays_stroke", reach_ms=1000 * reach_s) if ballistic else ""
-    return {"table": table_rows(rows), **verdicts, "stroke": stroke}
 
 
-def _write_tables(notebook: Notebook, learners: Sequence[Learner], first: Sequence[Learner]) -> None:
+def _setups_rows(setups: Mapping[str, Groups]) -> str:
+    """Return the rows of the table of all setups, by extreme delays."""
+    titles = dict(zip(SETUPS, TITLES, strict=True))
+    return table_rows(
+        (titles[setup], delay, *_setup_cells(groups[delay][0]))
+        for setup, groups in setups.items()
+        for delay in (min(groups, key=_ms), max(groups, key=_ms))
+    )
+
+
+def _ms(delay: str) -> float:
+    return float(delay.removesuffix(" ms"))
+
+
+def _setup_cells(learner: Learner) -> Iterator[str]:
+    """Yield the first measures, and how many reaches end before one with the longest delay senses anything of them."""
+    yield from (f"{measure(learner):.3f}" for measure in MEASURES[:5])
+    yield f"{fmean(reach.duration_s <= ms_to_s(max(DELAYS_MS)) for reach in learner.reaches):.0%}"
+
+
+def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]], first: Sequence[Learner]) -> None:
+    every = [(setup, item) for setup, learners in by_setup.items() for item in learners]
     notebook.write_table(
         "learning.csv",
-        "delay_ms,seed,steps,episodes,success_rate,time_s,episode_return",
-        ((item.group, item.seed, steps, *cells) for item in learners for steps, cells in item.learning()),
+        "setup,delay_ms,seed,steps,episodes,success_rate,time_s,episode_return",
+        ((setup, item.group, item.seed, steps, *cells) for setup, item in every for steps, cells in item.learning()),
     )
     notebook.write_table(
         "reaches.csv",
-        "delay_ms,seed,ball,success,time_s,log_dimensionless_jerk,spectral_arc_length,detour",
-        ((item.group, item.seed, *_reach_cells(reach)) for item in learners for reach in item.reaches),
+        "setup,delay_ms,seed,ball,success,time_s,movement_units,log_dimensionless_jerk,spectral_arc_length,detour",
+        ((setup, item.group, item.seed, *_reach_cells(reach)) for setup, item in every for reach in item.reaches),
     )
     notebook.write_table(
         "paths.csv",
@@ -159,14 +264,14 @@ def _write_tables(notebook: Notebook, learners: Sequence[Learner], first: Sequen
 
 def _reach_cells(reach: Episode) -> tuple[Cell, ...]:
     movement = movement_of(reach)
-    smoothness = (movement.jerk, movement.arc_length, movement.path_ratio)
+    smoothness = (movement.units, movement.jerk, movement.arc_length, movement.path_ratio)
     return (reach.seed, float(reach.success), reach.duration_s, *smoothness)
 
 
-def _path_plot(first: Sequence[Learner]) -> Plot:
+def _path_plot(development: Development, first: Sequence[Learner]) -> Plot:
     lines = []
     for item in first:
-        with closing(InfantEnv(reaching(float(item.group)))) as env:
+        with closing(InfantEnv(reaching(development, float(item.group)))) as env:
             env.reset(seed=0)
             shoulder = env.data.body("right_upper_arm").xpos.copy()
         for reach in item.reaches[:SHOWN]:
@@ -178,8 +283,7 @@ def _path_plot(first: Sequence[Learner]) -> Plot:
 
 def _smoothness_plot(groups: Groups) -> Plot:
     dots = [
-        Dots([float(item.group) for item in group], list(map(ARC_LENGTH, group)), label)
-        for label, group in groups.items()
+        Dots([float(item.group) for item in group], list(map(UNITS, group)), label) for label, group in groups.items()
     ]
-    x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("sal", "Spectral arc length (higher is smoother)")
+    x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("units", "Movement units in a reach, mean")
     return Plot(x, y, dots=tuple(dots), title="Smoothness")

@@ -85,6 +85,7 @@ def run(notebook: Notebook) -> Path:
     sensitivity = _vary({name: cases["maturing", name] for name in varied}, reached, searched)
     _write_sensitivity(notebook, sensitivity)
     page = notebook.write_page(
+        None,
         milestones=_milestones(reached),
         rising=_steady(motors, "maturing", 1),
         falling=_steady(motors, "published", -1),

@@ -86,15 +86,18 @@ class Effort:
         return float(np.interp(angle_deg, self.angle_deg[around], self.time_s[around]))
 
 
-def efforts(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Iterator[Effort]:
-    """Yield the trajectory of each behaviour of the average child by the paper's law, all from the same resting state.
+def efforts(
+    development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
+) -> Iterator[Effort]:
+    """Yield the trajectory of each behaviour of the average child, all from the same resting state.
 
     Args:
+        development: Law of development.
         age_months: Age of the body.
         model: Actuation model.
         strength_age_months: Age that determines the strength, if it differs from that of the body.
     """
-    builder = lying(age_months, model, strength_age_months)
+    builder = lying(development, age_months, model, strength_age_months)
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()
         env.data.qpos[:] = resting_state(builder.tree, FLAT)
@@ -107,13 +110,15 @@ def efforts(age_months: float, model: Model = "torque", strength_age_months: flo
             yield _effort(env, behaviour, age_months if strength_age_months is None else strength_age_months)
 
 
-def lying(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Builder:
+def lying(
+    development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
+) -> Builder:
     """Return the builder of the infant; for its arguments see `efforts`."""
     spec = {
         "mimoc": 1,
         "name": "lying",
         "age_months": age_months,
-        "development": "published",
+        "development": development,
         "actuation": {"model": model, "strength_age_months": strength_age_months},
         "control": {"step_ms": STEP_MS, "timestep_ms": STEP_MS},
     }

@@ -69,6 +69,7 @@ def run(notebook: Notebook) -> Path:
     _write_tables(notebook, learners, steps)
     notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
     return notebook.write_page(
+        None,
         *LIBRARIES,
         **comparison(groups, untrained, AGES_MONTHS),
         steps=steps,

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from mimoc.compiler import pipeline
+from mimoc.control import GAIN_SETS
 from mimoc.noise.build_presets import motor_share
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.figures import yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, page_text, table_rows
 from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, UNIT_M_S, Reach, reach_once
 
@@ -164,6 +166,7 @@ def infants_text(groups: Sequence[Group], most_s: float) -> str:
     of_age = by_delay(groups)[OWN]
     ages = [group.age_months for group in of_age]
     *younger, oldest = (f"{age:g}" for age in ages)
+    hands = GAIN_SETS[GAINS].hands
     return page_text(
         "infant_reaches",
         count=len(groups[0].reaches),
@@ -172,9 +175,9 @@ def infants_text(groups: Sequence[Group], most_s: float) -> str:
         motor=_range([round(motor_share(age), 2) for age in ages]),
         deg=NOISE["proprioception_deg"],
         jitter=JITTER_MS,
-        hands=GAINS.hands,
-        cap_cm=100 * GAINS.hands.cap,
-        most=GAINS.hands.strength * GAINS.hands.cap / GAINS.hands.viscosity_per_s,
+        hands=hands,
+        cap_cm=100 * hands.cap,
+        most=hands.strength * hands.cap / hands.viscosity_per_s,
         unit_cm=100 * UNIT_M_S,
         share=REACH_SHARE,
         touched_cm=100 * TOUCHED_M,
@@ -205,7 +208,7 @@ def _of_own_delays(of_age: Sequence[Group]) -> dict[str, object]:
         "shortest_s": min(reach.duration_s for group in of_age for reach in group.reaches),
         "units": _range([group.median(MEASURES["movement_units"]) for group in of_age]),
         "least_s": LEAST_S,
-        "long_enough": _yes(min(medians_s) >= LEAST_S),
+        "long_enough": yes(min(medians_s) >= LEAST_S),
         "gain": gains.mean(),
         "error": gains.std() / np.sqrt(len(gains)),
     }
@@ -218,7 +221,7 @@ def _smoothness(name: str, groups: Sequence[Group]) -> str:
     pairs = [(smooth[age, less], smooth[age, more]) for age in ages for less, more in pairwise(DELAYS)]
     falls = sum(more <= less for less, more in pairs)
     by_age = ", ".join(f"{SMOOTHER[name] * smooth[age, OWN]:.3g}" for age in ages)
-    rises = _yes(smooth[ages[-1], OWN] > smooth[ages[0], OWN])
+    rises = yes(smooth[ages[-1], OWN] > smooth[ages[0], OWN])
     return (
         f"- By {name.replace('_', ' ')}, movements are less smooth with the longer delay in {falls} of {len(pairs)} "
         f"pairs of successive delays; with the delays of their age, the oldest infant's are smoother than the "
@@ -229,7 +232,3 @@ def _smoothness(name: str, groups: Sequence[Group]) -> str:
 def _range(values: Sequence[float]) -> str:
     low, high = min(values), max(values)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _yes(is_so: bool) -> str:
-    return "yes" if is_so else "no"

@@ -15,7 +15,9 @@ from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
 from mimoc.senses.sense import FloatArray
+from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
 
 AGE_MONTHS = 18
@@ -24,6 +26,8 @@ TRIALS, QUICK_TRIALS = 10, 3
 SECONDS, QUICK_SECONDS = 2.0, 1.0
 SEED = 1
 """Seed of the targets, which are the same for all gains."""
+REACHED_MM, ALIGNED_DEG = 5.0, 2.0
+"""Mean errors at the end below which hands have reached their targets, and eyes look at them."""
 REPORTED_S = (0.25, 0.5, 1.0, 2.0)
 """Times at which the table reports errors."""
 
@@ -54,6 +58,7 @@ def run(notebook: Notebook) -> Path:
     halfway_mm = [np.median(errors[:, len(time_s) // 4]) for errors in hands_mm.values()]
     faster = all(larger < smaller for smaller, larger in pairwise(halfway_mm))
     return notebook.write_page(
+        _measured(hands_mm, eyes_deg, faster, trials),
         age=AGE_MONTHS,
         trials=trials,
         gains=_gains_rows(),
@@ -65,7 +70,7 @@ def run(notebook: Notebook) -> Path:
 
 def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
     """Yield the errors of reaching with each set of gains."""
-    bundle = sitting()
+    bundle = sitting(notebook.law)
     for number, (name, gains) in enumerate(GAIN_SETS.items()):
         progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
         with closing(InfantEnv(bundle)) as env:
@@ -73,13 +78,13 @@ def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[
             yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
 
 
-def sitting() -> Bundle:
-    """Return an infant by the paper's law that sits with its trunk held."""
+def sitting(development: Development) -> Bundle:
+    """Return an infant that sits with its trunk held."""
     spec = {
         "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
-        "development": "published",
+        "development": development,
         "actuation": {"locked": ["trunk"]},
         "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
     }
@@ -124,6 +129,18 @@ def _table(time_s: FloatArray, *both: Errors) -> str:
         for name in GAIN_SETS
     ]
     return markdown_table(headings, rows)
+
+
+def _measured(hands_mm: Errors, eyes_deg: Errors, faster: bool, trials: int) -> Measured:
+    """Return what was measured of the paper's figures, by their names."""
+    *_, largest = GAIN_SETS
+    arrived = hands_mm[largest][:, -1].mean() < REACHED_MM and eyes_deg[largest][:, -1].mean() < ALIGNED_DEG
+    return {
+        "hands reach their targets while eyes align": yes(bool(arrived)),
+        "larger gains make hands faster": yes(faster),
+        "number of random targets": trials,
+        "number of sets of gains": len(GAIN_SETS),
+    }
 
 
 def _average(errors: FloatArray) -> str:

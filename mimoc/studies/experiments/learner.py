@@ -46,9 +46,9 @@ class Learner:
     """Its reaches at each checkpoint, by the control steps of training; the last one included."""
 
     def last_time_s(self) -> float:
-        """Return the mean time to reach at the end of the training."""
+        """Return the mean time to reach at the end of the training; NaN if no reach ended then."""
         late = self.training.curve.column("steps") > (1 - LAST) * self.training.curve.steps
-        return float(np.nanmean(times_s(self.training.curve)[late]))
+        return _of_known(np.mean, times_s(self.training.curve)[late])
 
     def success_rate(self) -> float:
         """Return the fraction of reaches after training that touch the ball."""
@@ -65,6 +65,10 @@ class Learner:
     def median(self, measure: str) -> float:
         """Return the median of a property of the movements after training; NaN if it is known of none."""
         return _of_known(np.median, np.array([getattr(movement_of(reach), measure) for reach in self.reaches]))
+
+    def mean(self, measure: str) -> float:
+        """Return the mean of a property of the movements after training; NaN if it is known of none."""
+        return _of_known(np.mean, np.array([getattr(movement_of(reach), measure) for reach in self.reaches]))
 
     def check_times_s(self) -> dict[int, float]:
         """Return the mean time to touch at each checkpoint, by the control steps of training."""

@@ -7,7 +7,7 @@ import math
 import os
 import platform
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +17,8 @@ from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Plot, Sheet
+from mimoc.schema.names import Development
+from mimoc.studies.experiments.figures import Measured, figure_rows
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
@@ -31,6 +33,15 @@ NOT_TEXT = ("#", "|", "-", "!", "    ")
 COLUMNS = 120
 DIGITS = 6
 """Significant digits of numbers in tables."""
+LAWS: Mapping[Development, str] = {
+    "published": "MIMo v2's body (`development: published`)",
+    "maturing": "mimoc's own body (`development: maturing`)",
+}
+"""How texts name the body of each law."""
+OTHER_BODY = (
+    "This is not the paper's body. `mimoc experiment {name} --development published` runs the experiment on it, and "
+    "shows the paper's figures beside ours."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +54,14 @@ class Notebook:
     quick: bool
     """Whether to run a smaller version of the experiment."""
     progress: Progress
+    development: Development | None = None
+    """Law of development of its infants; None if the experiment has laws of its own."""
+
+    @property
+    def law(self) -> Development:
+        """The law of development of the infants of an experiment that can have either."""
+        assert self.development is not None
+        return self.development
 
     def counter(self, total: int) -> Callable[[T], T]:
         """Return a function that counts one of some steps and gives back what it is given."""
@@ -91,25 +110,45 @@ class Notebook:
         """
         self.write_picture(file, encode(Sheet(tuple(plots))))
 
-    def write_page(self, *libraries: str, **numbers: object) -> Path:
+    def write_page(self, measured: Measured | None, /, *libraries: str, **numbers: object) -> Path:
         """Write the report, the text of `pages/NAME.md`, with how to reproduce it.
 
         Args:
+            measured: What was measured of the quantities that the paper has figures of, by their names in
+                `pages/figures.csv`; shown beside them, with the text of `pages/NAME_published.md`, of the paper's body.
             libraries: Further libraries that the results depend on.
-            numbers: Numbers and tables by their names in the text.
+            numbers: Numbers and tables by their names in the texts.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{' --quick' * self.quick}"
+        law = f" --development {self.development}" if self.development else ""
+        command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{law}{' --quick' * self.quick}"
         versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries, "matplotlib"))
         machine = f"Python {platform.python_version()} on {platform.machine()}"
-        made = f"    {command}\n\nWith {versions} and {machine}."
-        page = "\n\n".join(map(_wrapped, page_text(self.name, reproduction=made, **numbers).split("\n\n"))) + "\n"
+        numbers["reproduction"] = f"    {command}\n\nWith {versions} and {machine}."
+        if self.development:
+            numbers["law"] = LAWS[self.development]
+            numbers["beside"] = self._beside(measured or {}, numbers)
+        page = "\n\n".join(map(_wrapped, page_text(self.name, **numbers).split("\n\n"))) + "\n"
         return write_file(self.folder / f"{self.name}.md", page.encode())
 
+    def _beside(self, measured: Measured, numbers: Mapping[str, object]) -> str:
+        """Return the paper's figures beside those measured and what differs; of another body, how to see them."""
+        if self.development != "published":
+            return OTHER_BODY.format(name=self.name)
+        differs = page_text(f"{self.name}_published", **numbers)
+        return page_text("figures", rows=table_rows(figure_rows(self.name, measured)), differs=differs)
 
-def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progress | None = None) -> Notebook:
+
+def open_notebook(
+    name: str,
+    folder: str | Path,
+    *,
+    quick: bool,
+    development: Development | None = None,
+    progress: Progress | None = None,
+) -> Notebook:
     """Return the notebook for a folder, which is created if necessary.
 
     Raises:
@@ -124,7 +163,7 @@ def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progr
         raise OutputError(f"{path}: cannot be created ({error.strerror}); choose another folder") from None
     except ValueError:
         raise OutputError(f"{str(path)!r}: a folder cannot have this name; choose another folder") from None
-    return Notebook(name, path, quick, progress or (lambda done, total: None))
+    return Notebook(name, path, quick, progress or (lambda done, total: None), development)
 
 
 def page_text(name: str, **numbers: object) -> str:

@@ -22,6 +22,7 @@ from mimoc.render.portrait import overview
 from mimoc.scenes.footprint import reachable_floor
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook
 from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.placing import ReachableFloor
@@ -161,7 +162,7 @@ TOY_HEADING = "seed,object,category,size_m,mass_kg,ahead_m,left_m,distance_m,wit
 def run(notebook: Notebook) -> Path:
     """Build and render the rooms of some seeds, and return the path of the report."""
     seeds = QUICK_SEEDS if notebook.quick else SEEDS
-    builder = building.builder(InfantSpec.model_validate(SPEC))
+    builder = building.builder(InfantSpec.model_validate({**SPEC, "development": notebook.law}))
     rooms: list[Inventory] = []
     pictures: list[Picture] = []
     times_s = []
@@ -177,13 +178,29 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("rooms.csv", ROOM_HEADING, map(_room_cells, rooms))
     notebook.write_table("toys.csv", TOY_HEADING, (_toy_cells(room, toy) for room in rooms for toy in room.toys))
     notebook.write_plots("toys.png", _plots(rooms))
+    again = take_inventory(builder, seeds[0])
     return notebook.write_page(
+        _measured(rooms, again),
         **_numbers(rooms),
         first=seeds[0],
         last=seeds[-1],
         typical_ms=1000 * median(times_s),
         slowest_ms=1000 * max(times_s),
     )
+
+
+def _measured(rooms: Sequence[Inventory], again: Inventory) -> Measured:
+    """Return what was measured of the paper's figures, by their names; the first room was built again."""
+    near = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
+    floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
+    return {
+        "rooms of random size": yes(len({room.size_m for room in rooms}) > 1),
+        "random textures of floor, ceiling and walls": yes(len({room.textures for room in rooms}) > 1),
+        "infant at a random place away from the walls": yes(min(room.nearest_wall_m for room in rooms) >= CLEARANCE_M),
+        "random number of toys": yes(len({len(room.toys) for room in rooms}) > 1),
+        "places within reach are likelier than others on the floor": yes(near > floor),
+        "the same seed gives the same room": yes(rooms[0].toys == again.toys and rooms[0].size_m == again.size_m),
+    }
 
 
 def _room_cells(room: Inventory) -> tuple[Cell, ...]:

@@ -99,9 +99,9 @@ class Movement:
         return float(-np.hypot(np.diff(frequencies_hz[band]) / width_hz, np.diff(magnitudes[band])).sum())
 
 
-GAINS = GAIN_SETS["low"]
-"""Gains of the hand, the same for all ages and delays: those that an infant that sits freely has anyway. They let the
-hand move at half a metre per second at most, which is the choice of a speed."""
+GAINS = "low"
+"""Key of the gains of the hand, the same for all ages and delays: those that an infant that sits freely has anyway.
+They let the hand move at half a metre per second at most, which is the choice of a speed."""
 TOUCHED_M = 0.025
 """Distance of the palm's centre from the target at which a reach has arrived: the radius of a small ball."""
 REACH_SHARE = 0.8
@@ -119,6 +119,13 @@ class Reach(Movement):
     arrived: bool
     distance_m: float
     """From the hand to the target at the beginning."""
+    target_m: FloatArray
+    """The target, shape (3,), world frame."""
+
+    @property
+    def away_m(self) -> FloatArray:
+        """Distance of the hand from the target at regular intervals, shape (n,)."""
+        return np.linalg.norm(self.path_m - self.target_m, axis=1)
 
 
 class SensedController:
@@ -127,7 +134,7 @@ class SensedController:
     It does not predict: it acts as if what arrives were the present, and as if actuators followed commands at once.
     """
 
-    def __init__(self, env: InfantEnv):
+    def __init__(self, env: InfantEnv, gains: str = GAINS):
         """Make a model of the body of an infant whose proprioception includes velocities, in its present pose."""
         model = copy.copy(env.model)
         slow = model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE
@@ -137,7 +144,7 @@ class SensedController:
         joints = [model.joint(name) for name in env.manifest.senses.proprioception.joints]
         self._angles = np.array([joint.qposadr[0] for joint in joints])
         self._speeds = np.array([joint.dofadr[0] for joint in joints])
-        self._reach = ReachController(model, self._felt, env.manifest, GAINS)
+        self._reach = ReachController(model, self._felt, env.manifest, GAIN_SETS[gains])
         self.hand = self._reach.hands[0]
         """Body of the hand that reaches."""
 
@@ -153,10 +160,10 @@ class SensedController:
         return self._reach()
 
 
-def place_in_front(env: InfantEnv, generator: np.random.Generator) -> FloatArray:
+def place_in_front(env: InfantEnv, generator: np.random.Generator, share: float = REACH_SHARE) -> FloatArray:
     """Return a random place in front of the right shoulder, as toys are shown to infants, shape (3,), [m].
 
-    It is `REACH_SHARE` of the arm's length away: the same places, by the size of the arm, at all ages.
+    It is a *share* of the arm's length away: the same places, by the size of the arm, at all ages.
     """
     shoulder_m, elbow_m, palm_m = (
         env.data.body("right_upper_arm").xpos,
@@ -170,10 +177,17 @@ def place_in_front(env: InfantEnv, generator: np.random.Generator) -> FloatArray
         np.sin(inwards) * np.cos(upwards),
         np.sin(upwards),
     )
-    return shoulder_m + REACH_SHARE * arm_m * ahead
+    return shoulder_m + share * arm_m * ahead
 
 
-def reach_once(env: InfantEnv, seed: int, generator: np.random.Generator, most_s: float) -> Reach:
+def reach_once(
+    env: InfantEnv,
+    seed: int,
+    generator: np.random.Generator,
+    most_s: float,
+    gains: str = GAINS,
+    share: float = REACH_SHARE,
+) -> Reach:
     """Let an infant reach once for a random target, and return its movement.
 
     Args:
@@ -181,15 +195,17 @@ def reach_once(env: InfantEnv, seed: int, generator: np.random.Generator, most_s
         seed: Seed of its noise.
         generator: Source of the target.
         most_s: Simulated time after which the reach is given up.
+        gains: Key of `GAIN_SETS`.
+        share: Distance of the target from the shoulder, by the length of the arm.
     """
     observation, _ = env.reset(seed=seed)
-    control, step_s = SensedController(env), ms_to_s(env.manifest.step_ms)
+    control, step_s = SensedController(env, gains), ms_to_s(env.manifest.step_ms)
     hand = env.data.body(control.hand)
-    target_m, path_m = place_in_front(env, generator), [hand.xipos.copy()]
+    target_m, path_m = place_in_front(env, generator, share), [hand.xipos.copy()]
     control.aim(target_m)
     while (remaining_m := math.dist(path_m[-1], target_m)) > TOUCHED_M and len(path_m) * step_s <= most_s:
         observation, *_ = env.step(control(observation))
         path_m.append(hand.xipos.copy())
     speeds = np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s
     onset = int(np.argmax(speeds > UNIT_M_S))
-    return Reach(np.array(path_m)[onset:], step_s, remaining_m <= TOUCHED_M, math.dist(path_m[0], target_m))
+    return Reach(np.array(path_m)[onset:], step_s, remaining_m <= TOUCHED_M, math.dist(path_m[0], target_m), target_m)

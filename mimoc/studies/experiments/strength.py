@@ -21,6 +21,7 @@ from mimoc.studies.experiments.effort import (
     Effort,
     efforts,
 )
+from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
 
 TARGET_DEG = 60.0
@@ -96,11 +97,8 @@ def _time(effort: Effort) -> str:
 
 PAPER_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)
 MONTHS: Sequence[float] = range(25)
-REFERENCE_S: Mapping[str, Mapping[float, float]] = {
-    "head lift": {0.75: 2.25, 0.85: 1.20, 1.0: 0.72},
-    "leg lift": {0.62: 1.79, 0.75: 0.58, 0.85: 0.37, 1.0: 0.25},
-}
-"""Time that the published infant takes to reach 60 degrees, by relative size."""
+SIZES: Mapping[str, Sequence[float]] = {"head lift": (0.75, 0.85, 1.0), "leg lift": (0.62, 0.75, 0.85, 1.0)}
+"""Relative sizes of which the paper's figures are known."""
 
 HEADING = "behaviour,age_months,strength_age_months,length_cm,start_deg,peak_deg,peak_in_range_deg,time_to_60_deg_s"
 
@@ -108,10 +106,11 @@ HEADING = "behaviour,age_months,strength_age_months,length_cm,start_deg,peak_deg
 def run(notebook: Notebook) -> Path:
     """Let infants of many ages lift the head and a leg, and return the path of the report."""
     by_age = [(age,) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
-    by_size = {(item, size): (age_of(item, size),) for item in BEHAVIOURS for size in REFERENCE_S[item.name]}
+    sizes = [(item, size) for item in BEHAVIOURS for size in SIZES[item.name] if notebook.law == "published"]
+    by_size = {key: (age,) for key in sizes if (age := age_of(*key)) is not None}
     muscles = [(age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
     count = notebook.counter(len(by_age) + len(by_size) + len(muscles))
-    measure = cache(lambda trial: list(efforts(*trial)))
+    measure = cache(lambda trial: list(efforts(notebook.law, *trial)))
     torque = [effort for trial in by_age for effort in count(measure(trial))]
     sized = {key: _of(count(measure(trial)), key[0]) for key, trial in by_size.items()}
     muscle = [effort for trial in muscles for effort in count(measure(trial))]
@@ -120,11 +119,9 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("muscles.csv", HEADING, map(_summary, muscle))
     notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", _samples(shown))
     notebook.write_plots("strength.png", [_plot(shown, item) for item in BEHAVIOURS])
-    order = [
-        (item.name, f"{size:g}", f"{REFERENCE_S[item.name][size]:.2f}", _time(effort), f"{effort.age_months:.1f}")
-        for (item, size), (effort,) in sized.items()
-    ]
+    ages = (f"{item.name} {size:g}: {effort.age_months:.1f}" for (item, size), (effort,) in sized.items())
     return notebook.write_page(
+        _measured(shown, sized),
         settling_s=SETTLING_STEPS * ms_to_s(STEP_MS),
         steps=STEPS,
         step_ms=STEP_MS,
@@ -135,20 +132,33 @@ def run(notebook: Notebook) -> Path:
         ages=_ages_rows(shown),
         target_deg=TARGET_DEG,
         full_size=FULL_SIZE_MONTHS,
-        order=table_rows(order),
+        size_ages=", ".join(ages),
         muscles=_muscle_rows(muscle),
     )
 
 
-def age_of(behaviour: Behaviour, size: float) -> float:
-    """Return the age, in months, at which the body part moved by a behaviour has a relative size.
+def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:
+    """Return what was measured of the paper's figures, by their names."""
+    times: dict[str, float | str | None] = {
+        f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": (
+            sized[item, size][0].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"
+        )
+        for item in BEHAVIOURS
+        for size in SIZES[item.name]
+    }
+    faster = {item: yes(is_faster_with_age(_of(shown, item))) for item in BEHAVIOURS}
+    return times | {f"{item.name}: older infants are faster": holds for item, holds in faster.items()}
+
+
+def age_of(behaviour: Behaviour, size: float) -> float | None:
+    """Return the age, in months, at which the body part moved by a behaviour has a relative size; None if it is larger.
 
     The relative size is the cube root of the part's volume relative to that at 18 months; strength is proportional to
     the volume.
     """
     strengths_nm = [_strength_nm(behaviour, age_months) for age_months in MONTHS]
     sizes = np.cbrt(np.divide(strengths_nm, _strength_nm(behaviour, FULL_SIZE_MONTHS)))
-    return round(float(np.interp(size, sizes, MONTHS)), 3)
+    return round(float(np.interp(size, sizes, MONTHS)), 3) if size >= sizes[0] else None
 
 
 def _strength_nm(behaviour: Behaviour, age_months: float) -> float:

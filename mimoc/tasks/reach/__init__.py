@@ -14,6 +14,8 @@ class ReachSpec(TaskSpec):
     """Name of the task."""
     hand: Literal["right", "left"] | None = None
     """The hand that reaches; by default, the right one."""
+    ball: Literal["near", "mimo"] = "near"
+    """Where the ball hangs: `near`, .65 to .95 lengths of the arm away, or `mimo`, as in MIMo's scene, .87 to 1.48."""
 
 
 class ReachEntry(TaskEntry):
@@ -35,6 +37,8 @@ class ReachEntry(TaskEntry):
     """Range of the ball's azimuth; left of forward is positive."""
     elevation_rad: Numbers
     """Range of the ball's elevation; above forward is positive."""
+    box_m: tuple[Numbers, Numbers, Numbers] | None = None
+    """Ranges of the ball's place from the shoulder along the axes of the trunk, in place of these, if given."""
     moved_m: Amount = 0.01
     """Distance that the ball must be moved for a touch to count (MIMo)."""
     success_reward: Number = 100.0

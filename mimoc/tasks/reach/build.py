@@ -9,6 +9,7 @@ from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3, direction
+from mimoc.schema.entries import Numbers
 from mimoc.tasks.build_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.tasks.reach import ReachEntry, ReachSpec
 from mimoc.tasks.spec_base import GazeEntry
@@ -20,6 +21,10 @@ NEAREST, FARTHEST = 0.65, 0.95
 OUTWARD_DEG, INWARD_DEG = 45.0, 30.0
 """How far the ball is to the side of the shoulder: to that of the hand, and to the other."""
 ELEVATION_DEG = (-45.0, 25.0)
+MIMO_BOX = (0.868, 1.292), (-0.614, 0.657), (-0.042, 0.381)
+"""Of the places of the ball from the right shoulder in MIMo, in lengths of its arm (.236 m): ahead, to the left, above.
+
+Its ball hangs at .2 to .3, -.25 to .05 and .6 to .7 m, its shoulder at -.005, -.105 and .61 m."""
 LOOKERS = ("left_eye", "right_eye")
 
 
@@ -33,6 +38,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
     start = resting_state(tree, _standing(tree, side))
+    arm_m = _arm_m(tree, side)
     outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
     entry = ReachEntry(
         steps=task.steps or STEPS,
@@ -40,9 +46,10 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         shoulder=f"{side}_upper_arm",
         trunk=tree.home("chest"),
         ball=BALL,
-        distance_m=_distances(tree, side),
+        distance_m=(NEAREST * arm_m, FARTHEST * arm_m),
         azimuth_rad=(-outward, inward) if side == "right" else (-inward, outward),
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
+        box_m=_mimo_box(arm_m, side) if task.ball == "mimo" else None,
         gaze=_gaze(tree),
     )
     return one_armed(tree, side, entry, start, (ball(_middle(tree, entry, start)),), weightless=True)
@@ -56,11 +63,16 @@ def _standing(tree: BodyTree, side: Side) -> Pose:
     return replace(standing, angles_deg={**standing.angles_deg, **slack})
 
 
-def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:
-    """Return how far from the shoulder the ball is, least and most, in [m]."""
+def _arm_m(tree: BodyTree, side: Side) -> float:
+    """Return the length of an arm from shoulder to fingers, in [m]."""
     stretched = frames(tree, {})
-    arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
-    return NEAREST * arm_m, FARTHEST * arm_m
+    return float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
+
+
+def _mimo_box(arm_m: float, side: Side) -> tuple[Numbers, Numbers, Numbers]:
+    """Return MIMo's box by the size of an arm, mirrored for the left one, in [m]."""
+    ahead, (right, left), above = ((arm_m * low, arm_m * high) for low, high in MIMO_BOX)
+    return ahead, (right, left) if side == "right" else (-left, -right), above
 
 
 def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:
@@ -74,7 +86,8 @@ def _middle(tree: BodyTree, entry: ReachEntry, start: tuple[float, ...]) -> Vec3
     """Return the middle of the ball's places."""
     placed = frames_in_world(tree, start)
     origin, (_, trunk) = placed[entry.shoulder][0], placed[entry.trunk]
-    ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
-    distance_m, azimuth, elevation = (sum(ends) / 2 for ends in ranges)
-    x, y, z = (origin + trunk @ (distance_m * direction(azimuth, elevation))).tolist()
+    ranges = entry.box_m or (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
+    first, second, third = (sum(ends) / 2 for ends in ranges)
+    away_m = np.array([first, second, third]) if entry.box_m else first * direction(second, third)
+    x, y, z = (origin + trunk @ away_m).tolist()
     return x, y, z

@@ -171,12 +171,15 @@ class ReachTask(Task):
         mujoco.mj_forward(self._model, data)
 
     def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
-        """Return a place before the infant, shape (3,), [m]: evenly by distance and angles from the shoulder."""
-        entry = self._entry
-        ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
-        distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+        """Return a place before the infant, shape (3,), [m]."""
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
+        if self._entry.box_m:
+            away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])
+        else:
+            ranges = (self._entry.distance_m, self._entry.azimuth_rad, self._entry.elevation_rad)
+            distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+            away_m = distance_m * direction(azimuth, elevation)
+        return data.xpos[self._shoulder] + trunk @ away_m
 
 
 bind = ReachTask

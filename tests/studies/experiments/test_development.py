@@ -13,10 +13,10 @@ GRID = (0.0, 2.0, 4.0, 6.0, 8.0)
 CASES = [Case("maturing", name, GRID, Conditions()) for name in ("sit", "stand")]
 
 
-def ratios(development: str) -> dict[tuple[str, int], list[float]]:
-    """Return torque by gravity moment at 0, 4, 9 and 18 months, by motor and direction."""
+def ratios(development: str, ages_months=(0, 4, 9, 18)) -> dict[tuple[str, int], list[float]]:
+    """Return torque by gravity moment at some ages, by motor and direction."""
     found: dict[tuple[str, int], list[float]] = {}
-    for age_months in (0, 4, 9, 18):
+    for age_months in ages_months:
         for each in strengths(development, age_months):
             found.setdefault((each.actuator, each.direction), []).append(each.ratio)
     return found
@@ -28,8 +28,10 @@ def test_under_maturing_every_motor_gains_on_its_load_until_18_months():
     assert all(one < next_one for values in found.values() for one, next_one in pairwise(values))
 
 
-def test_under_published_every_motor_loses_to_its_load():
-    assert all(one > next_one for values in ratios("published").values() for one, next_one in pairwise(values))
+def test_under_published_every_motor_loses_to_its_load_from_one_month_on():
+    """In the first month, where MIMo v2's curves are steep, trunk and arms gain on theirs."""
+    found = ratios("published", (1, 4, 9, 18)).values()
+    assert all(one > next_one for values in found for one, next_one in pairwise(values))
 
 
 def test_only_a_maturing_newborn_rests_flexed_and_drops_its_head():

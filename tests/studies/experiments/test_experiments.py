@@ -12,9 +12,10 @@ from support.full import full_but
 import mimoc
 from mimoc.base.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.bundle.model import load_model
-from mimoc.studies.experiments import EXPERIMENTS, run_experiment
+from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, run_experiment
 from mimoc.studies.experiments.delays import reaching
 from mimoc.studies.experiments.effort import lying
+from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.inverse import sitting
 
 TRAIN = "mimoc.studies.experiments.learner.train"
@@ -32,6 +33,8 @@ SMALL = {
         "SHOWN": 1,
         "MONTHS": (4, 9),
         "QUICK_REACHES": 1,
+        "SETUPS": {"mimo": {"task": {"kind": "reach", "ball": "mimo"}}},
+        "TITLES": ("MIMo's ball",),
         "REACH_S": 0.3,
     },
     "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
@@ -60,21 +63,27 @@ SMALL = {
 QUICK = ("growth", "acuity", "inverse", "rooms")
 
 
+def make_small(name: str, patch: pytest.MonkeyPatch) -> None:
+    for constant, value in SMALL[name].items():
+        patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
+
+
 @pytest.fixture(scope="module", params=full_but(QUICK, list(EXPERIMENTS)))
 def made(request, tmp_path_factory):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []
     folders = [tmp_path_factory.mktemp(name), tmp_path_factory.mktemp(name)]
     with pytest.MonkeyPatch.context() as patch:
-        for constant, value in SMALL[name].items():
-            patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
+        make_small(name, patch)
         run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
         run_experiment(name, folders[1], quick=True)
     return name, folders, told
 
 
 @pytest.mark.parametrize(
-    "infant", [lambda: lying(6)(0), lambda: reaching(50), sitting], ids=["effort", "delays", "inverse"]
+    "infant",
+    [lambda: lying("published", 6)(0), lambda: reaching("published", 50), lambda: sitting("published")],
+    ids=["effort", "delays", "inverse"],
 )
 def test_what_the_paper_shows_of_strength_and_control_is_shown_by_its_law(infant):
     """Whose motors have no activation."""
@@ -139,6 +148,32 @@ def test_progress_counts_up_to_the_end(made):
     assert {total for _, total in told} == {counts[-1]}
 
 
+# The law of development.
+
+OTHER = {"published": "maturing", "maturing": "published"}
+
+
+@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
+def test_it_works_by_the_other_law_too(name, tmp_path, monkeypatch):
+    """That of the tests above is the one that it has unless another is asked for."""
+    make_small(name, monkeypatch)
+    law = OTHER[DEVELOPMENTS[name]]
+    page = run_experiment(name, tmp_path / "out", quick=True, development=law).read_text()
+    assert f"`development: {law}`" in page
+    assert f"mimoc experiment {name} -o out --development {law} --quick" in page
+    assert ("### The paper's figures beside ours" in page) == (law == "published")
+
+
+@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
+def test_the_papers_figures_stand_beside_ours_with_how_they_are_known(name, tmp_path, monkeypatch):
+    make_small(name, monkeypatch)
+    page = run_experiment(name, tmp_path, quick=True, development="published").read_text()
+    rows = page.partition("### The paper's figures beside ours")[2].partition("\n\nS: ")[0].splitlines()
+    known = [figure for figure in figures_of(name) if any(row.startswith(f"| {figure.quantity} | ") for row in rows)]
+    assert known
+    assert all(any(f"| {figure.certainty}: {figure.source} |" in row for row in rows) for figure in known)
+
+
 # What is refused.
 
 
@@ -170,6 +205,14 @@ def test_a_file_in_the_way_is_refused(tmp_path):
             f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
         ),
         (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
+        (
+            ["growth", "-o", "out", "--development", "publishd"],
+            "'publishd' is not a law of development; did you mean 'published'?",
+        ),
+        (
+            ["growing", "-o", "out", "--development", "published"],
+            "the experiment 'growing' has laws of development of its own; leave out 'development'",
+        ),
     ],
 )
 def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):

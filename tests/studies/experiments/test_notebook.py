@@ -6,13 +6,13 @@ import pytest
 from mimoc.base.errors import OutputError
 from mimoc.studies.experiments.notebook import markdown_table, open_notebook
 
-NUMBERS = {"count": 3, "holds": "The same holds", "farthest": "weight at birth", "table": ""}
+NUMBERS = {"count": 3, "holds": "The same holds", "farthest": "weight at birth", "table": "", "within": ""}
 """What the page on growth is told."""
 
 
 @pytest.fixture
 def notebook(tmp_path):
-    return open_notebook("growth", tmp_path / "deep" / "down", quick=True)
+    return open_notebook("growth", tmp_path / "deep" / "down", quick=True, development="maturing")
 
 
 def test_its_folder_is_made(notebook, tmp_path):
@@ -32,9 +32,9 @@ def test_nothing_to_say_is_an_empty_cell(notebook):
 
 
 def test_the_page_ends_with_how_it_was_made(notebook):
-    page = notebook.write_page("scipy", **NUMBERS).read_text()
-    assert page.startswith("# Growth\n\nThe average child is compiled at 3 ages")
-    assert "\n\n## Reproduction\n\n    mimoc experiment growth -o down --quick\n\n" in page
+    page = notebook.write_page(None, "scipy", **NUMBERS).read_text()
+    assert page.startswith("# Growth\n\nThe average child, with mimoc's own body")
+    assert "\n\n## Reproduction\n\n    mimoc experiment growth -o down --development maturing --quick\n\n" in page
     assert all(f"{library} " in page for library in ("mimoc", "mujoco", "numpy", "scipy", "Python"))
     assert " ".join(page.split()).endswith("Nothing is random.")
     assert str(notebook.folder.parent) not in page
@@ -42,7 +42,7 @@ def test_the_page_ends_with_how_it_was_made(notebook):
 
 def test_text_is_wrapped_and_tables_are_not(notebook):
     table = markdown_table(("a", "b"), [("long " * 40, "1")])
-    page = notebook.write_page(**{**NUMBERS, "farthest": "many words " * 40, "table": table}).read_text()
+    page = notebook.write_page(None, **{**NUMBERS, "farthest": "many words " * 40, "table": table}).read_text()
     assert table in page
     assert max(len(line) for line in page.splitlines() if not line.startswith("|")) <= 120
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from mimoc.studies.experiments.effort import BEHAVIOURS, Effort, efforts
+from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.strength import (
     PAPER_MONTHS,
-    REFERENCE_S,
+    SIZES,
     TARGET_DEG,
     age_of,
     gets_as_far_with_age,
@@ -24,11 +25,20 @@ def effort(behaviour, age_months, model="torque") -> Effort:
 
 @cache
 def _efforts(age_months, model):
-    return list(efforts(age_months, model))
+    return list(efforts("published", age_months, model))
 
 
 def moved(angle_deg, behaviour=HEAD) -> Effort:
     return Effort(behaviour, 6.0, 6.0, 65.0, np.array(angle_deg, float), end_deg=81.0)
+
+
+def paper_s(behaviour, size) -> float:
+    (figure,) = (
+        item
+        for item in figures_of("strength")
+        if item.quantity.startswith(f"{behaviour.name} at relative size {size:g},")
+    )
+    return float(figure.paper)
 
 
 # The paper's laws.
@@ -47,18 +57,20 @@ def test_older_infants_are_faster_to_60_degrees(behaviour):
 def test_older_infants_get_at_least_as_far(behaviour):
     found = [effort(behaviour, age_months) for age_months in PAPER_MONTHS]
     assert gets_as_far_with_age(found)
-    assert found[0].peak_deg < TARGET_DEG < found[-1].peak_deg
+    assert found[0].peak_deg < found[-1].peak_deg - 20
 
 
 @pytest.mark.parametrize(
-    ("behaviour", "size"), [(each, size) for each in BEHAVIOURS for size in REFERENCE_S[each.name]], ids=str
+    ("behaviour", "size"), [(each, size) for each in BEHAVIOURS for size in SIZES[each.name]], ids=str
 )
-def test_parts_as_large_as_the_published_ones_are_as_fast(behaviour, size):
-    """Heads take up to 15 % longer, as shoulders and buttocks are deeper than MIMo's and the head starts 5 degrees
-    lower.
-    """
-    time_s = effort(behaviour, age_of(behaviour, size)).time_to_s(TARGET_DEG)
-    assert -0.06 < time_s / REFERENCE_S[behaviour.name][size] - 1 < (0.16 if behaviour == HEAD else 0.06)
+def test_parts_as_large_as_those_of_mimos_scaled_model_are_about_as_fast(behaviour, size):
+    """MIMo v2's body does not grow in proportion: no thigh is as small as .62."""
+    age_months = age_of(behaviour, size)
+    if age_months is None:
+        assert (behaviour, size) == (LEG, 0.62)
+    else:
+        time_s = effort(behaviour, age_months).time_to_s(TARGET_DEG)
+        assert -0.2 < time_s / paper_s(behaviour, size) - 1 < 0
 
 
 @each_behaviour
@@ -90,7 +102,7 @@ def test_the_angle_counts_up_as_the_part_rises():
 
 
 def test_all_behaviours_start_from_the_same_rest():
-    alone = [each.angle_deg for each in efforts(6)][1]
+    alone = [each.angle_deg for each in efforts("published", 6)][1]
     assert np.array_equal(alone, effort(LEG, 6).angle_deg)
 
 
@@ -100,7 +112,7 @@ def test_muscles_pull_the_same_way(behaviour):
 
 
 def test_strength_can_be_that_of_another_age():
-    (stronger, _), weaker = efforts(3, strength_age_months=18), effort(HEAD, 3)
+    (stronger, _), weaker = efforts("published", 3, strength_age_months=18), effort(HEAD, 3)
     assert stronger.strength_age_months == 18
     assert stronger.time_to_s(TARGET_DEG) < weaker.time_to_s(TARGET_DEG)
 

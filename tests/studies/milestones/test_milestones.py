@@ -135,7 +135,7 @@ def test_a_slack_sitter_with_its_weight_a_fifth_of_the_way_to_its_heels_slumps_f
     assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) > 45
 
 
-@pytest.mark.parametrize("age_months", [0.0, 3.0])
+@pytest.mark.parametrize("age_months", [0.0, 1.0])
 def test_by_the_published_law_a_young_sitter_falls_back_from_there(age_months):
     body = infant(age_months, development="published")
     assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) < -45

@@ -62,6 +62,19 @@ def test_one_hand_is_the_mirror_image_of_the_other():
     assert (right.effector, left.effector) == ("right_fingers", "left_fingers")
 
 
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_mimos_ball_hangs_in_its_box_at_18_months(hand):
+    """In MIMo's scene, it is at .2 to .3, -.25 to .05 and .6 to .7 m, and the right shoulder at -.005, -.105, .61 m."""
+    spec = reach(18, development="published", task={"kind": "reach", "ball": "mimo", "hand": hand})
+    env, side = mimoc.InfantEnv(mimoc.build(spec)), 1 if hand == "right" else -1
+    low, high = np.array([(0.205, -0.145, -0.01), (0.305, 0.155, 0.09)])
+    for seed in range(30):
+        env.reset(seed=seed)
+        away_m = env.data.body("target").xpos - env.data.body(f"{hand}_upper_arm").xpos
+        assert (low - 0.01 < away_m * (1, side, 1)).all()
+        assert (away_m * (1, side, 1) < high + 0.01).all()
+
+
 def test_only_the_arm_that_reaches_takes_commands():
     entries = mimoc.build(reach(9)).manifest.actuation.actuators
     commanded = [entry.name for entry in entries if entry.commanded]

@@ -1,0 +1,34 @@
+"""The paper's figures beside those measured."""
+
+import pytest
+
+from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS
+from mimoc.studies.experiments.figures import Figure, figure_rows, figures_of
+
+
+def row(paper: str, measured) -> tuple[str, ...]:
+    return Figure("length [cm]", paper, "S", "its code").row(measured)[1:4]
+
+
+def test_a_number_has_a_digit_more_than_the_papers_and_its_difference():
+    assert row("82.6", 82.6125) == ("82.6", "82.61", "+0.01")
+    assert row("+0.3", 0.296) == ("+0.3", "+0.30", "+0.00")
+    assert row("10", 3) == ("10", "3", "-7")
+
+
+def test_a_word_differs_or_does_not():
+    assert row("yes", "yes") == ("yes", "yes", "")
+    assert row("yes", "no") == ("yes", "no", "differs")
+    assert row("2.25", None) == ("2.25", "never", "differs")
+
+
+@pytest.mark.parametrize("name", DEVELOPMENTS)
+def test_each_experiment_of_the_paper_has_figures_that_say_how_they_are_known(name):
+    figures = figures_of(name)
+    assert len({figure.quantity for figure in figures}) == len(figures) > 0
+    assert all(figure.certainty in "SDM" and figure.source for figure in figures)
+    assert not list(figure_rows(name, {}))
+
+
+def test_experiments_of_the_paper_are_experiments():
+    assert set(DEVELOPMENTS) < set(EXPERIMENTS)
