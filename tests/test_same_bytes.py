@@ -12,6 +12,7 @@ from support.full import full_but
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 NAMES = ("individual", "reach")
+PUBLISHED = "mimoc: 1\nname: x\nage_months: 3.3\ndevelopment: published\nbody: {hands: five_finger}\n"
 BUILD = """
 import json, locale, sys, mimoc
 try:
@@ -29,8 +30,10 @@ MACHINES = {
 
 @pytest.mark.matrix
 @pytest.mark.parametrize("machine", full_but(list(MACHINES)[:1], MACHINES))
-def test_bundles_are_the_same_to_the_byte_on(machine):
-    paths = [CONFIGS / f"{name}.yaml" for name in NAMES]
+def test_bundles_are_the_same_to_the_byte_on(machine, tmp_path):
+    published = tmp_path / "published.yaml"
+    published.write_text(PUBLISHED, encoding="utf-8")
+    paths = [*(CONFIGS / f"{name}.yaml" for name in NAMES), published]
     command = [sys.executable, "-W", "ignore", "-c", BUILD, *map(str, paths)]
     environment = {**os.environ, **MACHINES[machine]}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)

@@ -19,6 +19,18 @@ import mimoc
 from mimoc.compiler.model_check import compile_model
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+PUBLISHED = {
+    f"published_{age_months:g}": {
+        "mimoc": 1,
+        "name": "the_papers_infant",
+        "age_months": age_months,
+        "development": "published",
+        "body": body,
+        "senses": {"touch": {}},
+    }
+    for age_months, body in ((0, {}), (7.5, {"hands": "five_finger", "chest_joint": True}), (24, {"chest_joint": True}))
+}
+"""Infants of the paper, by both hands."""
 OF_ROOM = re.compile(r"scene\.xml|assets/(toy\d+_|wall_|floor_|ceiling_).*")
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 COUNTS = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")
@@ -51,7 +63,9 @@ def approved(snapshot):
     return snapshot.use_extension(Approved)
 
 
-@pytest.fixture(scope="module", params=CONFIGS, ids=lambda path: path.stem)
+@pytest.fixture(
+    scope="module", params=[*CONFIGS, *PUBLISHED.values()], ids=[*(path.stem for path in CONFIGS), *PUBLISHED]
+)
 def bundle(request) -> mimoc.Bundle:
     return store.built(request.param)
 
