@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mimoc.base.units import deg_to_rad, rad_to_deg
+from mimoc.body import published
 from mimoc.body.kinematics import FloatArray, length_m, pose, pose_all
+from mimoc.body.reference import CURVES, HEIGHT
 from mimoc.body.tree import BodyTree, Joint
 from mimoc.fits import measure
 from mimoc.fits.tables import settled_deg
@@ -185,12 +187,14 @@ def _disproportion(tree: BodyTree) -> float:
 
     That is the difference of two ratios to the average child: of the girth of a thigh, and of the length of the body.
     """
-    average_m = measure(tree.age_months)
+    average = measure(tree.age_months, CURVES[tree.development])
+    girth_m, height_m = average["mid_thigh_circumference"], average[HEIGHT]
+    if tree.development == "published":
+        girth_m, height_m = 2 * math.pi * published.thigh(average)[0], published.standing_height(average)
     thighs = [tree.geoms[name] for name in ("left_upper_leg1", "right_upper_leg1") if name in tree.geoms]
     if not thighs:
         return 0.0
-    girth_ratio = girth(thighs[0].type, thighs[0].size_m) / average_m["mid_thigh_circumference"]
-    return abs(girth_ratio - length_m(tree) / average_m["crown_sole_length"])
+    return abs(girth(thighs[0].type, thighs[0].size_m) / girth_m - length_m(tree) / height_m)
 
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:

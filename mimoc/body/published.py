@@ -37,7 +37,7 @@ TRUNK_GEOMS: Mapping[str, tuple[float, float]] = {
 
 def standing_height(m: Measurements) -> float:
     """Return the height of a child with some measurements, from the soles to the crown, in [m]."""
-    radius_m, half_m = _thigh(m)
+    radius_m, half_m = thigh(m)
     trunk_m, head_m = 0.298 * m.slenderness * _share(m, "hip_breadth"), 0.147 * _share(m, "head_circumference")
     return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * _share(m, "knee_sole_length") + _foot_height(m)
 
@@ -260,12 +260,13 @@ def _thumb(m: Mapping[str, float]) -> BodyGeometry:
     )
 
 
-def _thigh(m: Mapping[str, float]) -> tuple[float, float]:
+def thigh(m: Mapping[str, float]) -> tuple[float, float]:
+    """Return radius and half length of a thigh, in [m]."""
     return _limb(m, "{side}_upper_leg1", "mid_thigh_circumference", "rump_knee_length")
 
 
 def _leg(m: Mapping[str, float]) -> BodyGeometry:
-    radius_m, half_m = _thigh(m)
+    radius_m, half_m = thigh(m)
     calf_m, ankle_m = (m[f"{part}_circumference"] / (2 * math.pi) for part in ("calf", "ankle"))
     s = _share(m, "knee_sole_length")
     return BodyGeometry(
