@@ -45,7 +45,7 @@ LAP: Mapping[str, Angles] = {
     for hands, arm_deg in {"mitten": (15, 5, -15, -90), "five_finger": (30, 5, 30, -115)}.items()
 }
 """Arms above the thighs, onto which they fall."""
-PUBLISHED_ARM: Angles = dict(zip((f"{{side}}_{joint}" for joint in ARM), (25, 5, 0, -30), strict=True))
+PUBLISHED_ARM: Angles = dict(zip((f"{{side}}_{joint}" for joint in ARM), (40, 25, 0, -45), strict=True))
 """Likewise of the published body, whose arms are nearer to the midline: from the lap its hands would slide."""
 ELBOW, LIFT_DEG = "{side}_elbow", 1.5
 """How much elbows of sitting infants with five fingers are lifted in the end, lest fingers sink in between ages."""
