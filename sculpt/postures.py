@@ -45,7 +45,10 @@ LAP: Mapping[str, Angles] = {
     for hands, arm_deg in {"mitten": (15, 5, -15, -90), "five_finger": (30, 5, 30, -115)}.items()
 }
 """Arms above the thighs, onto which they fall."""
-PUBLISHED_ARM: Angles = dict(zip((f"{{side}}_{joint}" for joint in ARM), (40, 25, 0, -45), strict=True))
+PUBLISHED_LAP: Mapping[str, Angles] = {
+    hands: dict(zip((f"{{side}}_{joint}" for joint in ARM), arm_deg, strict=True))
+    for hands, arm_deg in {"mitten": (40, 25, 0, -45), "five_finger": (40, 25, 30, -70)}.items()
+}
 """Likewise of the published body, whose arms are nearer to the midline: from the lap its hands would slide."""
 ELBOW, LIFT_DEG = "{side}_elbow", 1.5
 """How much elbows of sitting infants with five fingers are lifted in the end, lest fingers sink in between ages."""
@@ -60,7 +63,7 @@ def first_deg(name: str, development: str, hands: str) -> Angles:
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "sitting":
-        return PUBLISHED_ARM if development == "published" else LAP[hands]
+        return (PUBLISHED_LAP if development == "published" else LAP)[hands]
     return {}
 
 
@@ -86,7 +89,7 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     old = series(spec, name, OLD_MONTHS[::-1], {})
     young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
     found = [*young, *reversed(old)]
-    if name == "sitting" and hands == "five_finger" and development == "maturing":
+    if name == "sitting" and hands == "five_finger":
         found = [{**angles, ELBOW: round(angles[ELBOW] - LIFT_DEG, 1)} for angles in found]
     return found
 
