@@ -199,7 +199,7 @@ BAD_INPUT = {
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": (
         "validate --against cdc",
-        "'cdc' is not a comparison; choose from anthrokids, milestones, who",
+        "'cdc' is not a comparison; choose from anthrokids, milestones, movement, who",
     ),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
     "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),

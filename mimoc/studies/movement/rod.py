@@ -40,7 +40,7 @@ class Hand:
     """A left hand with bent fingers; unit vectors of the world, shape (3,) each."""
 
     bending_rad: dict[str, float]
-    """Hinges that bend the fingers, without `robot:`, and the angle at the end of the range of each where it is bent."""
+    """Hinges that bend the fingers, without `robot:`, and the angle of each at the bent end of its range."""
     knuckle_m: FloatArray
     axis: FloatArray
     """About which the knuckles bend."""

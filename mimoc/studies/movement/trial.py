@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from mimoc.quantities import Quantity
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import TrialInfant
 
@@ -28,6 +29,8 @@ class MovementTrial:
     measure: Callable[[Subject], Values] = field(repr=False)
     ages_months: Sequence[float]
     """The ages at which it is done unless others are asked for."""
+    measures: tuple[Quantity, ...]
+    """What it gives, in the order in which tables show it."""
     needs: tuple[str, ...] = ()
     """The bodies without which it cannot be tried."""
 

@@ -1,10 +1,12 @@
 """Arm lift: on its back, an infant brings a hand above the shoulder and keeps it there."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.controller import Controller, servo
 from mimoc.studies.milestones.infant import TrialInfant
@@ -63,7 +65,7 @@ def _arm_m(infant: TrialInfant, data: mujoco.MjData) -> float:
     """Return the length of the arm from shoulder to knuckles."""
     bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
     points = [data.body(name).xpos for name in bodies]
-    return float(sum(np.linalg.norm(end - start) for start, end in zip(points, points[1:], strict=False)))
+    return float(sum(np.linalg.norm(end - start) for start, end in pairwise(points)))
 
 
 def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:
@@ -113,5 +115,6 @@ ARM_LIFT = MovementTrial(
     "on its back, brings a hand above the shoulder and keeps it there for 1 s: height in arm lengths",
     _measure,
     (0.0, 1.0, 2.0, 3.0, 4.0),
+    (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
     ("left_upper_arm", "left_lower_arm", "left_hand"),
 )

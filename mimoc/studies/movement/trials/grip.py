@@ -6,6 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive
@@ -17,15 +18,21 @@ PULLS_N = (0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0
 SQUEEZED_S, PULLED_S = 1.5, 0.8
 SQUEEZED_OUT_M, SLIPPED_M = 0.02, 0.012
 """Way of the rod that means that closing has squeezed it out, and that a pull has moved it out."""
-DIRECTIONS = ("along", "slant", "out", "gap")
+DIRECTIONS = {
+    "along": "along the fingers",
+    "slant": "slantwise",
+    "out": "out of the palm",
+    "gap": "into the gap",
+}
+"""Directions of the pull, across the rod, by the end of the name of their measure."""
 
 
 def grip(infant: TrialInfant, hand: Hand) -> dict[str, float]:
     """Return the greatest force, in [N], that a hand withstands in each of some directions; 0 if it holds nothing.
 
-    All of the infant but its fingers is held, and there is no gravity. The directions are across the rod, as seen from
-    the palm: along the fingers if they were straight, as when hanging; out of the palm; half way between these; and into
-    the gap between the palm and the bent fingers.
+    All of the infant but its fingers is held, and there is no gravity. The directions are across the rod: along the
+    fingers if they were straight, as when hanging; out of the palm; half way between these; and into the gap between
+    the palm and the bent fingers.
     """
     held = _held(infant)
     start = gripping(held, hand)
@@ -94,5 +101,6 @@ GRIP = MovementTrial(
     "closes a hand around a rod with all strength: the force before it slips out, by direction across the rod",
     _measure,
     (0.0, 1.0, 2.0, 3.0),
+    tuple(Quantity(f"grip_{name}_n", f"Grip, {words}", "N") for name, words in DIRECTIONS.items()),
     (HAND,),
 )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
@@ -89,5 +90,12 @@ KICK = MovementTrial(
     "on its back, bends a hip with at most .8 of its strength",
     _measure,
     (0.0, 1.0, 3.0, 6.0),
+    (
+        Quantity("kick_deg", "Kick: hip bends by", "deg"),
+        Quantity("kick_s", "Kick: time to 50 degrees", "s"),
+        Quantity("kick_share", "Kick: least share of strength"),
+        Quantity("kick_gentlest_m_s2", "Kick: gentlest peak of the foot", "m/s²"),
+        Quantity("kick_strongest_m_s2", "Kick: strongest peak of the foot", "m/s²"),
+    ),
     ("left_lower_leg", "left_foot"),
 )

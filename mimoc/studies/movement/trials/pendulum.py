@@ -1,7 +1,7 @@
 """How freely slack joints swing: the shank let go from straight, and damping ratios of the large joints.
 
-About a posture in which it hangs, a joint obeys I q'' + c q' + (k + w) q = 0, with the inertia I of all that it moves and
-its armature, its damping c, its stiffness k and the moment w of what hangs on it. Its damping ratio is
+About a posture in which it hangs, a joint obeys I q'' + c q' + (k + w) q = 0, with the inertia I of all that it moves
+and its armature, its damping c, its stiffness k and the moment w of what hangs on it. Its damping ratio is
 zeta = c / (2 sqrt((k + w) I)); each half swing is smaller than the one before by exp(-pi zeta / sqrt(1 - zeta²)).
 """
 
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
 from mimoc.studies.movement.drive import all_but, angle_deg, floating, slack
@@ -112,6 +113,12 @@ PENDULUM = MovementTrial(
     "thighs held level, the slack shank is let go from straight",
     _pendulum,
     (0.0, 1.0, 3.0, 6.0, 12.0, 18.0),
+    (
+        Quantity("shank_swings", "Slack shank: swings"),
+        Quantity("shank_rest_deg", "Slack shank: rest from vertical", "deg"),
+        Quantity("shank_index", "Slack shank: relaxation index"),
+        Quantity("shank_period_s", "Slack shank: period", "s"),
+    ),
     ("left_lower_leg", "right_upper_leg"),
 )
 DAMPING = MovementTrial(
@@ -119,5 +126,6 @@ DAMPING = MovementTrial(
     "damping ratios of slack joints about hanging",
     _damping,
     (0.0, 1.0, 3.0, 6.0, 12.0, 18.0),
+    tuple(Quantity(f"damping_{name}", f"Damping ratio of the {name}") for name in JOINTS),
     ("left_lower_leg", "left_lower_arm"),
 )

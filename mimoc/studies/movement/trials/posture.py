@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
@@ -15,6 +16,7 @@ READ_STEPS = 50
 KNEES = (0.0, -0.15, -0.3, -0.6, -1.0)
 """Shares of the knees' flexors that are tried while the hips bend with all strength."""
 SIDES = ("left", "right")
+RESTING = {"hip": "left_hip1", "knee": "left_knee", "elbow": "left_elbow"}
 LEGS = ("left_upper_leg", "right_upper_leg", "left_toes", "right_toes", "left_upper_arm", "right_upper_arm")
 
 
@@ -37,8 +39,7 @@ def leg_length(data: mujoco.MjData) -> float:
 def _rest(subject: Subject) -> Values:
     infant = subject.infant
     data = settled(infant, SETTLING_S)
-    joints = {"hip": "left_hip1", "knee": "left_knee", "elbow": "left_elbow"}
-    angles = {f"rest_{name}_deg": angle_deg(infant, data, joint) for name, joint in joints.items()}
+    angles = {f"rest_{name}_deg": angle_deg(infant, data, joint) for name, joint in RESTING.items()}
     return {**angles, "rest_leg": leg_length(data)}
 
 
@@ -91,9 +92,29 @@ def _steady(joint: str) -> float:
 
 
 REST = MovementTrial(
-    "rest", "on its back, quiet as in sleep: where its joints come to rest", _rest, (0.0, 1.0, 3.0, 6.0), LEGS
+    "rest",
+    "on its back, quiet as in sleep: where its joints come to rest",
+    _rest,
+    (0.0, 1.0, 3.0, 6.0),
+    (
+        *(Quantity(f"rest_{name}_deg", f"At rest: {name}", "deg") for name in RESTING),
+        Quantity("rest_leg", "At rest: leg by trunk"),
+    ),
+    LEGS,
 )
 AWAKE = MovementTrial(
-    "awake", "on its back, awake: bends its legs a little, and moves at random", _awake, (0.0, 1.0, 3.0, 6.0), LEGS
+    "awake",
+    "on its back, awake: bends its legs a little, and moves at random",
+    _awake,
+    (0.0, 1.0, 3.0, 6.0),
+    (Quantity("awake_leg", "Awake: leg by trunk"),),
+    LEGS,
 )
-FOLD = MovementTrial("fold", "on its back, folds its legs with all strength", _fold, (0.0, 1.0, 3.0, 6.0), LEGS)
+FOLD = MovementTrial(
+    "fold",
+    "on its back, folds its legs with all strength",
+    _fold,
+    (0.0, 1.0, 3.0, 6.0),
+    (Quantity("fold_leg", "Folded: leg by trunk"),),
+    LEGS,
+)

@@ -2,6 +2,7 @@
 
 import mujoco
 
+from mimoc.quantities import Quantity
 from mimoc.studies.movement.drive import QUIET, again, angle_deg, run, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
@@ -31,5 +32,6 @@ RECOIL = MovementTrial(
     "on its back and quiet, an elbow is held stretched for 2 s and let go: how far it has bent after 2 s",
     _measure,
     (0.0, 1.0, 3.0, 6.0, 9.0),
+    (Quantity("recoil_deg", "Recoil of the elbow", "deg"),),
     ("left_lower_arm",),
 )

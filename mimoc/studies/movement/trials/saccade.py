@@ -6,6 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
@@ -58,5 +59,9 @@ SACCADE = MovementTrial(
     "turns an eye by 20 degrees as fast as it can",
     _measure,
     (0.0, 1.0, 3.0, 6.0, 12.0, 18.0),
+    (
+        Quantity("saccade_s", "Saccade of 20 degrees: duration", "s"),
+        Quantity("saccade_peak_deg_s", "Saccade of 20 degrees: peak speed", "deg/s"),
+    ),
     ("left_eye",),
 )

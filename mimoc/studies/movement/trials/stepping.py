@@ -6,6 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.quantities import Quantity
 from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, has_joint
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
@@ -74,5 +75,11 @@ STEPPING = MovementTrial(
     "held upright, lifts its legs in turn with .6 of its strength: plain, with 150 g on each shank, in water",
     _measure,
     (0.0, 1.0, 2.0, 3.0),
+    (
+        Quantity("step_range_deg", "Steps: range of the hip", "deg"),
+        Quantity("step_lift_deg", "Steps: height of the lift", "deg"),
+        Quantity("step_weights_change", "Steps: change of range by weights"),
+        Quantity("step_water_change", "Steps: change of height in water"),
+    ),
     ("left_lower_leg", "right_lower_leg"),
 )
