@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
@@ -148,12 +149,9 @@ def print_movement(report: MovementReport) -> None:
     """Print a row for each measure, its value at each age and what is asked of it, the sources, and the verdict."""
     out = open_console()
     out.print(f"movement, development {report.development}, {report.actuation} actuation")
-    ages = sorted({row.age_months for row in report.rows})
-    table = new_table("months", *(f"{age:g}" for age in ages), "asked", padding=0)
-    for rows in report.by_measure.values():
-        values = {row.age_months: _movement_value(row) for row in rows}
-        table.add_row(rows[0].measure.heading, *(values.get(age, "") for age in ages), _asked(rows))
-    out.print(table)
+    for trial, title in report.titles.items():
+        out.print(f"{trial}: {title}", highlight=False)
+        out.print(_movement_table([rows for rows in report.by_measure.values() if rows[0].trial == trial]))
     for source, names in _sources(report).items():
         out.print(f"{', '.join(names)}: {source}", highlight=False)
     for reason in dict.fromkeys(f"{row.trial} was not tried: {row.reason}" for row in report.rows if row.reason):
@@ -164,6 +162,16 @@ def print_movement(report: MovementReport) -> None:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
     else:
         out.print(Text("ok: every movement is inside the window of real infants", style="green"))
+
+
+def _movement_table(measures: Sequence[Sequence[MovementRow]]) -> Table:
+    """Return a table of the measures of a trial, a row each, by age."""
+    asked = [_asked(rows) for rows in measures]
+    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked"] * any(asked)
+    table = new_table("months", *headings, padding=0)
+    for rows, window in zip(measures, asked, strict=True):
+        table.add_row(rows[0].measure.name, *map(_movement_value, rows), *[window] * any(asked))
+    return table
 
 
 def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:
@@ -178,7 +186,7 @@ def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:
 def _movement_value(row: MovementRow) -> Text:
     text = "-" if row.value is None else f"{row.value:.3g}"
     if row.reason:
-        return Text("")
+        return Text("not tried")
     if row.window and row.window.certainty == "guess":
         return Text(f"({text})")
     return Text(f"{text}{'*' if row.failed else ' '}", style="yellow" if row.failed else "")

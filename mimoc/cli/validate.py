@@ -130,15 +130,12 @@ def validate(
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
-    if delays and against != "milestones":
-        raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
-    if ages is not None and against != "movement":
-        raise typer.BadParameter("only movements are tried at ages of choice; use it with --against movement")
+    options = _options(against, delays, ages)
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
     with console.progress("growing") as show:
-        findings = VALIDATIONS[against](infant, show, **_given(delays=delays, ages=ages))
+        findings = VALIDATIONS[against](infant, show, **options)
     if plot:
         write_sheet(findings.sheet(), plot)
     print(json.dumps(findings.data, indent=1)) if as_json else findings.show()
@@ -146,6 +143,10 @@ def validate(
         raise typer.Exit(FAILED_CHECK)
 
 
-def _given(**options: object) -> dict[str, object]:
-    """Return the options that were given."""
-    return {name: value for name, value in options.items() if value}
+def _options(against: str, delays: bool, ages: str | None) -> dict[str, object]:
+    """Return what a comparison is given besides the infant, if it takes that."""
+    if delays and against != "milestones":
+        raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
+    if ages is not None and against != "movement":
+        raise typer.BadParameter("only movements are tried at ages of choice; use it with --against movement")
+    return {"milestones": {"delays": delays}, "movement": {"ages": ages}}.get(against, {})

@@ -1,8 +1,9 @@
 """Commands that ask single joints for a share of their strength and leave all others quiet, in every actuation model.
 
 A motor's control, and the activation of the muscle that pulls the wanted way, is the share itself, through the filter
-of its activation. Of a servo, the control is found that makes it give that share of its torque limit at the end of the
-coming physics step: left alone, it would hold its joint stiffly instead of leaving it quiet.
+of its activation. So a share is one of the torque limit in the stronger direction, and the weaker direction gives its
+own limit at most. Of a servo, the control is found that makes it give as much at the end of the coming physics step:
+left alone, it would hold its joint stiffly instead of leaving it quiet.
 """
 
 import copy
@@ -66,10 +67,8 @@ class Drive:
         return np.clip(wanted, *self._infant.model.actuator_ctrlrange.T)
 
     def _of_servos(self, servos: DelayedMotors, data: mujoco.MjData, shares: FloatArray) -> FloatArray:
-        low, high = self._limits
         torques_nm = np.zeros(len(shares))
-        wanted = shares[self._slots]
-        torques_nm[self._slots] = np.where(wanted < 0, -wanted * low, wanted * high)
+        torques_nm[self._slots] = np.clip(shares[self._slots] * np.abs(self._limits).max(axis=0), *self._limits)
         self._scratch.actuator_length[:] = self._gear * data.qpos[self._infant.angles][self._slots]
         return servos.controls(self._scratch, data.act, torques_nm, data.qvel[self._infant.dofs])
 

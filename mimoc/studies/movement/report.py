@@ -133,6 +133,11 @@ class MovementReport:
         return {name: [row for row in self.rows if row.measure.name == name] for name in names}
 
     @property
+    def titles(self) -> Mapping[str, str]:
+        """What is done in each trial, by its name."""
+        return {name: TRIALS[name].title for name in dict.fromkeys(row.trial for row in self.rows)}
+
+    @property
     def panels(self) -> list[Panel]:
         """The measures as they are plotted."""
         return [
@@ -150,13 +155,12 @@ class MovementReport:
 
     def to_data(self) -> dict[str, Any]:
         """Return the report as plain data, numbers rounded as in files."""
-        titles = {name: TRIALS[name].title for name in dict.fromkeys(row.trial for row in self.rows)}
         return rounded(
             {
                 "development": self.development,
                 "actuation": self.actuation,
                 "passed": self.passed,
-                "trials": titles,
+                "trials": self.titles,
                 "rows": [row.to_data() for row in self.rows],
             }
         )

@@ -20,15 +20,15 @@ RESTING = {"hip": "left_hip1", "knee": "left_knee", "elbow": "left_elbow"}
 LEGS = ("left_upper_leg", "right_upper_leg", "left_toes", "right_toes", "left_upper_arm", "right_upper_arm")
 
 
-def leg_length(data: mujoco.MjData) -> float:
+def leg_length(data: mujoco.MjData, dimensions: int = 2) -> float:
     """Return the distance from hip to toes as seen from above, mean of both legs, by the length of the trunk.
 
     The trunk is from the middle of the shoulders to that of the hips, as seen from above too: so it is measured on
-    recordings of real infants.
+    recordings of real infants. In three *dimensions*, a leg that points up is as long as one that lies.
     """
 
     def seen(body: str) -> FloatArray:
-        return np.asarray(data.body(body).xpos[:2], np.float64)
+        return np.asarray(data.body(body).xpos[:dimensions], np.float64)
 
     neck = (seen("left_upper_arm") + seen("right_upper_arm")) / 2
     hips = (seen("left_upper_leg") + seen("right_upper_leg")) / 2
@@ -45,19 +45,24 @@ def _rest(subject: Subject) -> Values:
 
 def _fold(subject: Subject) -> Values:
     infant, start = subject.infant, settled(subject.infant, SETTLING_S)
-    return {"fold_leg": min(_folded(infant, start, knee) for knee in KNEES)}
+    seen, true = zip(*(_folded(infant, start, knee) for knee in KNEES), strict=True)
+    return {"fold_leg": min(seen), "fold_space": min(true)}
 
 
-def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> float:
-    """Return how long the legs are after both hips have bent with all strength, and the knees with a share of it."""
+def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> tuple[float, float]:
+    """Return how long the legs are after both hips have bent with all strength, and the knees with a share of it.
+
+    As seen from above, and in space.
+    """
     data, drive = again(infant, start), Drive(infant)
     shares = {f"{side}_hip1": -1.0 for side in SIDES} | {f"{side}_knee": knee for side in SIDES}
     lengths = []
     for _ in range(round(FOLDING_S / infant.model.opt.timestep)):
         data.ctrl[:] = drive(data, shares)
         mujoco.mj_step(infant.model, data)
-        lengths.append(leg_length(data))
-    return float(np.mean(lengths[-READ_STEPS:]))
+        lengths.append((leg_length(data), leg_length(data, 3)))
+    seen, true = np.mean(lengths[-READ_STEPS:], axis=0)
+    return float(seen), float(true)
 
 
 HIP_DRIVE, KNEE_DRIVE = -0.2, -0.15
@@ -115,6 +120,6 @@ FOLD = MovementTrial(
     "on its back, folds its legs with all strength",
     _fold,
     (0.0, 1.0, 3.0, 6.0),
-    (Quantity("fold_leg", "Folded: leg by trunk"),),
+    (Quantity("fold_leg", "Folded: leg by trunk"), Quantity("fold_space", "Folded: leg by trunk, in space")),
     LEGS,
 )
