@@ -53,6 +53,8 @@ class TrialInfant:
     """Index of each driven hinge, shape (n,), each once."""
     delays_s: tuple[float, float]
     """Its delays of senses and of commands."""
+    servos: bool = False
+    """Whether its commands are angles that servos go to."""
 
     @cached_property
     def angles(self) -> IntArray:
@@ -187,7 +189,7 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     with errors_at(spec, age_months):
         model = compile_infant(grown)
     joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
-    return TrialInfant(model, joints, longest_delays_s(grown))
+    return TrialInfant(model, joints, longest_delays_s(grown), has_servos(grown))
 
 
 @lru_cache(maxsize=64)
@@ -212,6 +214,11 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
     actuation = asked.model_copy(update={"strength": strength, "regions": None, "locked": ()})
     with errors_at(spec, age_months):
         return at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
+
+
+def has_servos(spec: InfantSpec) -> bool:
+    """Return whether the commands of a spec's infant are angles that servos go to."""
+    return spec.actuation.model == "position"
 
 
 def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:

@@ -13,7 +13,6 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.base.mujoco_layout import AffineBias
 from mimoc.bundle.model import in_subtrees
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.studies.milestones.controller import DelayedMotors
@@ -42,8 +41,7 @@ class Drive:
         self._gear = model.actuator_gear[:, 0].copy()
         self._muscles = _muscles(model)
         self._limits = (model.actuator_forcerange * self._gear[:, None]).T
-        by_velocity = model.actuator_biasprm[:, AffineBias._fields.index("by_velocity")]
-        self._servos = DelayedMotors(infant, model.opt.timestep) if (by_velocity[~self._muscles] < 0).any() else None
+        self._servos = DelayedMotors(infant, model.opt.timestep) if infant.servos else None
         self._scratch = mujoco.MjData(model)
 
     def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:

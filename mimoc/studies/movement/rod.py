@@ -13,7 +13,7 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.measuring import infant_files
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.studies.milestones.infant import TrialInfant
+from mimoc.studies.milestones.infant import TrialInfant, has_servos, longest_delays_s
 from mimoc.studies.movement.drive import has_joint
 
 HAND, ROD = "left_hand", "rod"
@@ -98,7 +98,8 @@ def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
     capsule = mujoco.mjtGeom.mjGEOM_CAPSULE
     rod.add_geom(name=ROD, type=capsule, size=size, mass=ROD_KG, friction=list(ROD_FRICTION), condim=4)
     model = scene.compile()
-    return TrialInfant(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), (0.0, 0.0))
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    return TrialInfant(model, joints, longest_delays_s(spec), has_servos(spec))
 
 
 def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:

@@ -33,9 +33,13 @@ class MovementTrial:
     """What it gives, in the order in which tables show it."""
     needs: tuple[str, ...] = ()
     """The bodies without which it cannot be tried."""
+    needs_one_of: tuple[str, ...] = ()
+    """Bodies of which one is needed, as hands of different kinds have different fingers; none if there are none."""
 
 
 def missing(trial: MovementTrial, infant: TrialInfant) -> str:
     """Return in words what an infant lacks for a trial; nothing if it lacks nothing."""
     lacking = [body for body in trial.needs if not infant.has(body)]
+    if trial.needs_one_of and not any(map(infant.has, trial.needs_one_of)):
+        lacking.append(" nor ".join(trial.needs_one_of))
     return f"this infant has no {' and no '.join(lacking)}" if lacking else ""

@@ -51,6 +51,23 @@ def test_an_infant_without_the_limb_is_not_tried_and_the_reason_is_named():
     assert rows[0].reason == "this infant has no left_lower_leg and no left_foot"
 
 
+@pytest.mark.parametrize(
+    ("hands", "removed", "untried"),
+    [
+        ("mitten", "left_fingers", {"grip"}),
+        ("mitten", "left_lower_arm", {"damping", "grip", "recoil"}),
+        ("mitten", "right_upper_leg", {"pendulum", "stepping"}),
+        ("five_finger", "left_mfknuckle", {"grip"}),
+        ("five_finger", "left_thbase", set()),
+    ],
+)
+def test_only_the_trials_that_need_a_part_are_not_tried_without_it(hands, removed, untried):
+    names = ["pendulum", "damping", "recoil", "grip", "stepping"]
+    spec = CHILD.with_(body={"hands": hands, "remove": [removed]})
+    rows = mimoc.validate_movement(spec, names=names, ages=[1]).rows
+    assert {one.trial for one in rows if one.verdict == "not tried"} == untried
+
+
 def test_every_window_is_of_a_measure_and_has_an_end():
     assert {name for name, _ in WINDOWS} <= MEASURES.keys()
     for _, window in WINDOWS:

@@ -103,4 +103,5 @@ GRIP = MovementTrial(
     (0.0, 1.0, 2.0, 3.0),
     tuple(Quantity(f"grip_{name}_n", f"Grip, {words}", "N") for name, words in DIRECTIONS.items()),
     (HAND,),
+    ("left_fingers", "left_mfknuckle"),
 )

@@ -105,7 +105,7 @@ REST = MovementTrial(
         *(Quantity(f"rest_{name}_deg", f"At rest: {name}", "deg") for name in RESTING),
         Quantity("rest_leg", "At rest: leg by trunk"),
     ),
-    LEGS,
+    (*LEGS, "left_lower_arm"),
 )
 AWAKE = MovementTrial(
     "awake",
