@@ -139,7 +139,7 @@ class MovementReport:
 
     @property
     def panels(self) -> list[Panel]:
-        """The measures as they are plotted."""
+        """The measures as they are plotted, without windows that are guesses."""
         return [
             Panel(
                 rows[0].measure,
@@ -147,7 +147,7 @@ class MovementReport:
                 [
                     (window.youngest_months, window.oldest_months, window.low, window.high)
                     for name, window in WINDOWS
-                    if name == rows[0].measure.name
+                    if name == rows[0].measure.name and window.certainty != "guess"
                 ],
             )
             for rows in self.by_measure.values()
