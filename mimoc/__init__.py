@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec as InfantSpec
     from mimoc.studies.experiments import run_experiment as run_experiment
     from mimoc.studies.milestones import validate_milestones as validate_milestones
+    from mimoc.studies.movement import validate_movement as validate_movement
     from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
     from mimoc.training import evaluate as evaluate, load_policy as load_policy, train as train
     from mimoc.vector_environments import make_vec as make_vec, sb3_vec_env as sb3_vec_env

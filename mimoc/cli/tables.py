@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from mimoc.compiler.validation.who import GrowthReport, Row
     from mimoc.fits.who import Reference
     from mimoc.studies.milestones import Milestone, MilestoneReport
+    from mimoc.studies.movement import MovementReport, Row as MovementRow, Window
 
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
 Column = Callable[["Row"], "str | Text"]
@@ -141,6 +143,65 @@ def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:
         f"{window.median_months:g}" if window else "",
         Text(milestone.verdict, style=colour),
     )
+
+
+def print_movement(report: MovementReport) -> None:
+    """Print a row for each measure, its value at each age and what is asked of it, the sources, and the verdict."""
+    out = open_console()
+    out.print(f"movement, development {report.development}, {report.actuation} actuation")
+    for trial, title in report.titles.items():
+        out.print(f"{trial}: {title}", highlight=False)
+        out.print(_movement_table([rows for rows in report.by_measure.values() if rows[0].trial == trial]))
+    for source, names in _sources(report).items():
+        out.print(f"{', '.join(names)}: {source}", highlight=False)
+    for reason in dict.fromkeys(f"{row.trial} was not tried: {row.reason}" for row in report.rows if row.reason):
+        out.print(reason)
+    out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is a guess")
+    failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]
+    if failing:
+        out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
+    else:
+        out.print(Text("ok: every movement is inside the window of real infants", style="green"))
+
+
+def _movement_table(measures: Sequence[Sequence[MovementRow]]) -> Table:
+    """Return a table of the measures of a trial, a row each, by age."""
+    asked = [_asked(rows) for rows in measures]
+    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked"] * any(asked)
+    table = new_table("months", *headings, padding=0)
+    for rows, window in zip(measures, asked, strict=True):
+        table.add_row(rows[0].measure.name, *map(_movement_value, rows), *[window] * any(asked))
+    return table
+
+
+def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:
+    """Return the measures that each source is about, by what it says, how surely, and what it is used for."""
+    names: dict[str, list[str]] = {}
+    for name, rows in report.by_measure.items():
+        for window in dict.fromkeys(row.window for row in rows if row.window):
+            names.setdefault(f"{window.source} ({window.certainty}; {window.used})", []).append(name)
+    return names
+
+
+def _movement_value(row: MovementRow) -> Text:
+    text = "-" if row.value is None else f"{row.value:.3g}"
+    if row.reason:
+        return Text("not tried")
+    if row.window and row.window.certainty == "guess":
+        return Text(f"({text})")
+    return Text(f"{text}{'*' if row.failed else ' '}", style="yellow" if row.failed else "")
+
+
+def _asked(rows: Sequence[MovementRow]) -> str:
+    """Return the window of a measure, in words."""
+    ranges = list(dict.fromkeys(_range(row.window) for row in rows if row.window))
+    return "by age" if len(ranges) > 1 else "".join(ranges)
+
+
+def _range(window: Window) -> str:
+    if window.low is None:
+        return f"≤ {window.high:g}"
+    return f"≥ {window.low:g}" if window.high is None else f"{window.low:g} to {window.high:g}"
 
 
 SHOWN = 10

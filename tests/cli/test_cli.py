@@ -13,6 +13,8 @@ from support.full import full_rows
 import mimoc
 from mimoc.bundle.io import LOCK, lock_files
 from mimoc.compiler.validation import who
+from mimoc.studies import movement
+from mimoc.studies.movement import TRIALS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
@@ -70,6 +72,22 @@ def test_tables_of_validate_fit_80_columns_and_have_no_empty_column(invoke, here
     done = invoke("validate", *(["kim.yaml"] if text else []), "--against", against)
     assert (done.code, done.err) == (0, "")
     check_tables(done.out)
+
+
+def test_movement_is_tried_at_the_ages_asked_for_and_fails_outside_its_windows(invoke, here, monkeypatch):
+    kick, rest = TRIALS["kick"], TRIALS["rest"]
+    rows = [
+        movement.Row("rest", rest.measures[0], 0.0, -55.0, movement.window_of("rest_hip_deg", 0.0)),
+        movement.Row("kick", kick.measures[0], 3.0, 20.0, movement.window_of("kick_deg", 3.0)),
+    ]
+    for count, code in ((1, 0), (2, 1)):
+        report = movement.MovementReport("maturing", "torque", rows[:count])
+        monkeypatch.setattr(movement, "validate_movement", lambda *_, report=report, **__: report)
+        done = invoke("validate", "--against", "movement", "--ages", "0,3", "--plot", "movement.svg")
+        assert (done.code, done.err) == (code, "")
+        check_tables(done.out)
+        assert Path("movement.svg").exists()
+    assert json.loads(invoke("validate", "--against", "movement", "--json").out)["passed"] is False
 
 
 def check_tables(text):
@@ -199,8 +217,13 @@ BAD_INPUT = {
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": (
         "validate --against cdc",
-        "'cdc' is not a comparison; choose from anthrokids, milestones, who",
+        "'cdc' is not a comparison; choose from anthrokids, milestones, movement, who",
     ),
+    "ages for what has none": (
+        "validate --against who --ages 1",
+        "only movements are tried at ages of choice; use it with --against movement",
+    ),
+    "ages in words": ("validate --against movement --ages old", "'old' is not a list of ages"),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
     "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
     "no bundle": ("run nowhere", "nowhere: there is no such folder"),

@@ -56,11 +56,20 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
         SpecError: If there is no such child.
         ModelError: If MuJoCo rejects it.
     """
+    return compile_model(infant_files(spec))
+
+
+def infant_files(spec: InfantSpec) -> Mapping[str, bytes]:
+    """Return the MJCF and assets of a spec's infant on a flat floor, by path in a bundle.
+
+    Raises:
+        SpecError: If there is no such child.
+    """
     tree = child_of(spec).tree
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
     infant = place_in_scene(assemble_infant(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
-    return compile_model(printing.render_scene(infant))
+    return printing.render_scene(infant)
 
 
 def own_solids(model: mujoco.MjModel) -> IntArray:

@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import mujoco
 import numpy as np
@@ -53,6 +53,8 @@ class TrialInfant:
     """Index of each driven hinge, shape (n,), each once."""
     delays_s: tuple[float, float]
     """Its delays of senses and of commands."""
+    servos: bool = False
+    """Whether its commands are angles that servos go to."""
 
     @cached_property
     def angles(self) -> IntArray:
@@ -183,6 +185,25 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     Raises:
         SpecError: If the spec asks for what this version cannot build.
     """
+    grown = grown_to(spec, age_months, conditions)
+    with errors_at(spec, age_months):
+        model = compile_infant(grown)
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    return TrialInfant(model, joints, longest_delays_s(grown), has_servos(grown))
+
+
+@lru_cache(maxsize=64)
+def compile_once(spec: str, age_months: float, conditions: Conditions) -> TrialInfant:
+    """Return the infant of a spec in JSON, compiled once by each process; specs themselves cannot be hashed."""
+    return compile_at(InfantSpec.model_validate_json(spec), age_months, conditions)
+
+
+def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> InfantSpec:
+    """Return a spec at some age, with all of its muscles at its command and their strength under some conditions.
+
+    Raises:
+        SpecError: If the spec cannot have this age.
+    """
     asked = spec.actuation
     pairs = {side: pair for pair, sides in PAIRED_GROUPS.items() for side in sides}
     strength = {
@@ -192,10 +213,12 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     }
     actuation = asked.model_copy(update={"strength": strength, "regions": None, "locked": ()})
     with errors_at(spec, age_months):
-        grown = at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
-        model = compile_infant(grown)
-    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
-    return TrialInfant(model, joints, longest_delays_s(grown))
+        return at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
+
+
+def has_servos(spec: InfantSpec) -> bool:
+    """Return whether the commands of a spec's infant are angles that servos go to."""
+    return spec.actuation.model == "position"
 
 
 def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:

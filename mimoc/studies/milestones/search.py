@@ -2,13 +2,11 @@
 
 import hashlib
 import json
-import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
-from functools import lru_cache, partial
+from functools import partial
 from importlib.metadata import version
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,9 +16,10 @@ from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
+from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import TRIALS
+from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""
@@ -145,7 +144,7 @@ def _searched(
         for item in items:
             yield item, find(item, _try_at)
         return
-    pool = ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    pool = process_pool(processes)
 
     def attempt(*arguments: Any) -> Outcome:
         return pool.submit(_try_at, *arguments).result()
@@ -160,13 +159,7 @@ def _searched(
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
-    return try_out(TRIALS[name], _infant_at(spec, age_months, conditions), conditions)
-
-
-@lru_cache(maxsize=64)
-def _infant_at(spec: str, age_months: float, conditions: Conditions) -> TrialInfant:
-    """Return an infant, compiled once by each process; specs themselves cannot be hashed."""
-    return compile_at(InfantSpec.model_validate_json(spec), age_months, conditions)
+    return try_out(TRIALS[name], compile_once(spec, age_months, conditions), conditions)
 
 
 FOLDER = "searches"

@@ -1,0 +1,143 @@
+"""Commands that ask single joints for a share of their strength and leave all others quiet, in every actuation model.
+
+A motor's control, and the activation of the muscle that pulls the wanted way, is the share itself, through the filter
+of its activation. So a share is one of the torque limit in the stronger direction, and the weaker direction gives its
+own limit at most. Of a servo, the control is found that makes it give as much at the end of the coming physics step:
+left alone, it would hold its joint stiffly instead of leaving it quiet.
+"""
+
+import copy
+from collections.abc import Mapping
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.model import in_subtrees
+from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.studies.milestones.controller import DelayedMotors
+from mimoc.studies.milestones.infant import TrialInfant
+
+SUPINE_DEG = -90.0
+CURLED_DEG: Mapping[str, float] = {
+    "{side}_hip1": -60.0,
+    "{side}_knee": -90.0,
+    "{side}_elbow": -90.0,
+    "{side}_shoulder_ad_ab": 60.0,
+}
+"""The posture in which an infant is laid on its back, before it settles."""
+QUIET: Mapping[str, float] = {}
+"""No joint is asked for anything; what tone there is without commands stays."""
+
+
+class Drive:
+    """Turns shares of strength into controls."""
+
+    def __init__(self, infant: TrialInfant):
+        """Find the actuators of each driven hinge."""
+        model = infant.model
+        self._infant = infant
+        self._slots = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
+        self._gear = model.actuator_gear[:, 0].copy()
+        self._muscles = _muscles(model)
+        self._limits = (model.actuator_forcerange * self._gear[:, None]).T
+        self._servos = DelayedMotors(infant, model.opt.timestep) if infant.servos else None
+        self._scratch = mujoco.MjData(model)
+
+    def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
+        """Return the controls, shape (nu,), in a state.
+
+        Args:
+            data: The state.
+            shares: By hinge, without `robot:`, the share of its strength, above 0 towards positive angles; all others
+                are quiet. Hinges that this infant lacks are left out.
+        """
+        by_joint = np.array([shares.get(name, 0.0) for name in self._infant.joint_names])
+        return self.controls(data, by_joint)
+
+    def controls(self, data: mujoco.MjData, shares: FloatArray) -> FloatArray:
+        """Return the same for a share of each driven hinge, shape (n,)."""
+        if self._servos:
+            return self._of_servos(self._servos, data, shares)
+        wanted = shares[self._slots]
+        # A muscle pulls against the sign of its gear: its force shortens it.
+        wanted = np.where(self._muscles, np.maximum(-np.sign(self._gear) * wanted, 0.0), wanted)
+        return np.clip(wanted, *self._infant.model.actuator_ctrlrange.T)
+
+    def _of_servos(self, servos: DelayedMotors, data: mujoco.MjData, shares: FloatArray) -> FloatArray:
+        torques_nm = np.zeros(len(shares))
+        torques_nm[self._slots] = np.clip(shares[self._slots] * np.abs(self._limits).max(axis=0), *self._limits)
+        self._scratch.actuator_length[:] = self._gear * data.qpos[self._infant.angles][self._slots]
+        return servos.controls(self._scratch, data.act, torques_nm, data.qvel[self._infant.dofs])
+
+
+def slack(infant: TrialInfant) -> TrialInfant:
+    """Return an infant without any activity, tone included: its joints have their passive properties alone.
+
+    Motors and servos give nothing; muscles are at rest, and resist being stretched as before.
+    """
+    model = copy.copy(infant.model)
+    muscles = _muscles(model)
+    model.actuator_gainprm[~muscles], model.actuator_biasprm[~muscles] = 0.0, 0.0
+    model.actuator_ctrlrange[muscles, 0] = 0.0
+    return replace(infant, model=model)
+
+
+def floating(infant: TrialInfant) -> TrialInfant:
+    """Return an infant that touches nothing, itself included."""
+    model = copy.copy(infant.model)
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return replace(infant, model=model)
+
+
+def all_but(infant: TrialInfant, *joints: str) -> TrialInfant:
+    """Return an infant held by an apparatus that leaves only some hinges free."""
+    free = {int(infant.model.joint(f"robot:{name}").dofadr[0]) for name in joints if has_joint(infant, name)}
+    return infant.fixed([dof for dof in range(infant.model.nv) if dof not in free])
+
+
+def has_joint(infant: TrialInfant, name: str) -> bool:
+    """Return whether an infant has a hinge, named without `robot:`."""
+    return mujoco.mj_name2id(infant.model, mujoco.mjtObj.mjOBJ_JOINT, f"robot:{name}") >= 0
+
+
+def settled(infant: TrialInfant, seconds: float = 3.0) -> mujoco.MjData:
+    """Return an infant that was laid on its back, legs and arms bent, and left quiet for a while."""
+    data = infant.placed(SUPINE_DEG, CURLED_DEG)
+    run(infant, data, seconds, QUIET)
+    return data
+
+
+def run(infant: TrialInfant, data: mujoco.MjData, seconds: float, shares: Mapping[str, float]) -> None:
+    """Let time pass with the same shares of strength all along."""
+    drive = Drive(infant)
+    for _ in range(round(seconds / infant.model.opt.timestep)):
+        data.ctrl[:] = drive(data, shares)
+        mujoco.mj_step(infant.model, data)
+
+
+def again(infant: TrialInfant, start: mujoco.MjData, *, moving: bool = True) -> mujoco.MjData:
+    """Return a copy of a state in the model of an infant, at rest if it is not *moving*."""
+    data = mujoco.MjData(infant.model)
+    data.qpos[:], data.act[:] = start.qpos, start.act
+    if moving:
+        data.qvel[:] = start.qvel
+    mujoco.mj_forward(infant.model, data)
+    return data
+
+
+def angle_deg(infant: TrialInfant, data: mujoco.MjData, joint: str) -> float:
+    """Return the angle of a hinge, named without `robot:`."""
+    return float(np.degrees(data.qpos[infant.model.joint(f"robot:{joint}").qposadr[0]]))
+
+
+def hinges_below(infant: TrialInfant, body: str) -> IntArray:
+    """Return the hinges of a body part and of all that hangs on it."""
+    model = infant.model
+    below = in_subtrees(model, [model.body(body).id])
+    return np.flatnonzero(below[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)).astype(np.intp)
+
+
+def _muscles(model: mujoco.MjModel) -> np.ndarray:
+    """Return which actuators are muscles, shape (nu,)."""
+    return np.asarray(model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE)

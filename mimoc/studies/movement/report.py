@@ -1,0 +1,258 @@
+"""How an infant moves beside how real infants move, by trial, measure and age."""
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+from mimoc.base.errors import UnknownNameError
+from mimoc.base.rounding import rounded
+from mimoc.compiler.child import checked_or_average, child_of
+from mimoc.compiler.variants import at_age_unchecked, errors_at
+from mimoc.quantities import Quantity
+from mimoc.render.plots.windows import Panel
+from mimoc.schema.base import Model
+from mimoc.schema.infant import InfantSpec
+from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
+from mimoc.studies.milestones.search import Progress
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values, missing
+from mimoc.studies.movement.trials import TRIALS
+from mimoc.studies.processes import process_pool
+
+Certainty = Literal["read", "read in another source", "recorded", "from memory", "derived", "guess"]
+"""How surely a window is known: read in the source or its abstract, or in another text that reports it; measured on
+recordings of real infants; known from memory and not yet checked; derived from such figures; or a guess, by which
+nobody is judged."""
+Used = Literal["fitted", "predicted"]
+Verdict = Literal["inside", "outside", "not reached", "no verdict", "not tried"]
+
+
+class Window(Model):
+    """Values that real infants have at some ages."""
+
+    youngest_months: float
+    oldest_months: float
+    low: float | None
+    """None if there is no lower end, as for `high`."""
+    high: float | None
+    used: Used
+    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted."""
+    certainty: Certainty
+    source: str
+
+    def holds_at(self, age_months: float) -> bool:
+        """Return whether it is about infants of some age."""
+        return self.youngest_months <= age_months <= self.oldest_months
+
+    def has(self, value: float) -> bool:
+        """Return whether a value is inside."""
+        return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
+
+
+def _windows() -> Iterator[tuple[str, Window]]:
+    with Path(__file__).with_name("windows.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            name = row.pop("measure")
+            yield name, Window.model_validate({key: value or None for key, value in row.items()})
+
+
+WINDOWS: Sequence[tuple[str, Window]] = tuple(_windows())
+"""Each with the name of its measure, of which there can be several by age; the younger comes first."""
+
+
+def window_of(measure: str, age_months: float) -> Window | None:
+    """Return what is asked of a measure at some age; None if nothing is."""
+    return next((window for name, window in WINDOWS if name == measure and window.holds_at(age_months)), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A measure of an infant of some age."""
+
+    trial: str
+    measure: Quantity
+    age_months: float
+    value: float | None
+    """None if it was not tried, or did not happen, such as the time to a bend of the hip that it does not reach."""
+    window: Window | None
+    reason: str = ""
+    """Why it was not tried."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """How the infant compares with real ones."""
+        if self.reason:
+            return "not tried"
+        if self.window is None or self.window.certainty == "guess":
+            return "no verdict"
+        if self.value is None:
+            return "not reached"
+        return "inside" if self.window.has(self.value) else "outside"
+
+    @property
+    def failed(self) -> bool:
+        """Whether it is outside a window that is no guess."""
+        return self.verdict in ("outside", "not reached")
+
+    def to_data(self) -> dict[str, Any]:
+        """Return everything as plain data."""
+        return {
+            "trial": self.trial,
+            "measure": self.measure.name,
+            "unit": self.measure.unit,
+            "age_months": self.age_months,
+            "value": self.value,
+            "verdict": self.verdict,
+            "window": self.window.model_dump() if self.window else None,
+            "reason": self.reason,
+        }
+
+
+@dataclass(frozen=True)
+class MovementReport:
+    """How an infant moves."""
+
+    development: str
+    """The law that it follows."""
+    actuation: str
+    """Its actuation model."""
+    rows: Sequence[Row]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is outside a window that is no guess."""
+        return not any(row.failed for row in self.rows)
+
+    @property
+    def by_measure(self) -> Mapping[str, Sequence[Row]]:
+        """The rows of each measure, by its name, the youngest first."""
+        names = dict.fromkeys(row.measure.name for row in self.rows)
+        return {name: [row for row in self.rows if row.measure.name == name] for name in names}
+
+    @property
+    def titles(self) -> Mapping[str, str]:
+        """What is done in each trial, by its name."""
+        return {name: TRIALS[name].title for name in dict.fromkeys(row.trial for row in self.rows)}
+
+    @property
+    def panels(self) -> list[Panel]:
+        """The measures as they are plotted, without windows that are guesses."""
+        return [
+            Panel(
+                rows[0].measure,
+                [(row.age_months, row.value) for row in rows if row.value is not None],
+                [
+                    (window.youngest_months, window.oldest_months, window.low, window.high)
+                    for name, window in WINDOWS
+                    if name == rows[0].measure.name and window.certainty != "guess"
+                ],
+            )
+            for rows in self.by_measure.values()
+        ]
+
+    def to_data(self) -> dict[str, Any]:
+        """Return the report as plain data, numbers rounded as in files."""
+        return rounded(
+            {
+                "development": self.development,
+                "actuation": self.actuation,
+                "passed": self.passed,
+                "trials": self.titles,
+                "rows": [row.to_data() for row in self.rows],
+            }
+        )
+
+
+def validate_movement(
+    spec: InfantSpec | None = None,
+    *,
+    names: Sequence[str] = tuple(TRIALS),
+    ages: Sequence[float] | None = None,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> MovementReport:
+    """Return how an infant kicks, swings, lifts, folds, looks and grips, beside real infants.
+
+    Args:
+        spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
+        names: The trials, of `mimoc.studies.movement.TRIALS`.
+        ages: Ages to try, in months; None means those of each trial, at which there are figures of real infants.
+        processes: Number of processes. With more than one, a script must guard its main part by
+            `if __name__ == "__main__"`.
+        progress: Called with the number of trials done, an age each, and their total.
+
+    Raises:
+        UnknownNameError: If there is no trial of some name.
+        SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
+
+    Example:
+        >>> import mimoc
+        >>> report = mimoc.validate_movement(names=["rest"], ages=[0])
+        >>> [row.verdict for row in report.rows if row.measure.name == "rest_hip_deg"]
+        ['inside']
+    """
+    for name in names:
+        if name not in TRIALS:
+            raise UnknownNameError("trial", name, list(TRIALS))
+    infant = checked_or_average(spec)
+    jobs = [(name, float(age)) for name in names for age in ages or TRIALS[name].ages_months]
+    for age_months in dict.fromkeys(age for _, age in jobs):
+        with errors_at(infant, age_months):
+            child_of(at_age_unchecked(infant, age_months))
+    results = _run(infant.model_dump_json(), jobs, processes, progress or (lambda done, total: None))
+    rows = [row for name, age in jobs for row in _rows(TRIALS[name], age, results[name, age])]
+    return MovementReport(infant.development, infant.actuation.model, rows)
+
+
+Job = tuple[str, float]
+"""Name of a trial, and age in months."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of a trial."""
+
+    values: Values
+    reason: str = ""
+    """Why it was not tried."""
+
+
+def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> Mapping[Job, Result]:
+    """Return what comes of each job; with one process, everything runs in this one."""
+    results: dict[Job, Result] = {}
+    if processes == 1:
+        for job in jobs:
+            results[job] = try_movement(spec, *job)
+            progress(len(results), len(jobs))
+        return results
+    pool = process_pool(processes)
+    try:
+        running = {pool.submit(try_movement, spec, *job): job for job in jobs}
+        for future in as_completed(running):
+            results[running[future]] = future.result()
+            progress(len(results), len(jobs))
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return results
+
+
+def try_movement(spec: str, name: str, age_months: float) -> Result:
+    """Return what comes of a trial with the infant of a spec in JSON, grown to some age."""
+    trial, subject = TRIALS[name], _subject(spec, age_months)
+    reason = missing(trial, subject.infant)
+    return Result({}, reason) if reason else Result(trial.measure(subject))
+
+
+@lru_cache(maxsize=16)
+def _subject(spec: str, age_months: float) -> Subject:
+    grown = grown_to(InfantSpec.model_validate_json(spec), age_months, Conditions())
+    return Subject(compile_once(spec, age_months, Conditions()), grown)
+
+
+def _rows(trial: MovementTrial, age_months: float, result: Result) -> Iterator[Row]:
+    for measure in trial.measures:
+        window = window_of(measure.name, age_months)
+        yield Row(trial.name, measure, age_months, result.values.get(measure.name), window, result.reason)

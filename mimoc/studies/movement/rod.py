@@ -1,0 +1,176 @@
+"""A rod in the hand of an infant: where fingers that are half closed have room for it, and a world with both.
+
+The rod keeps the direction of the axis about which the knuckles bend, and moves freely in all three.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.model import in_subtrees
+from mimoc.compiler.validation.measuring import infant_files
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.studies.milestones.infant import TrialInfant, has_servos, longest_delays_s
+from mimoc.studies.movement.drive import has_joint
+
+HAND, ROD = "left_hand", "rod"
+KNUCKLES = {"left_fingers": 0.72, "left_mf_knuckle": 0.5}
+"""The hinge at the knuckles, in mittens and in hands with five fingers (that of the middle finger), and the share of
+their range by which the fingers are bent when the rod is put between them and the palm."""
+WRIST = ("left_hand1", "left_hand2", "left_hand3")
+NOT_BENDING = ("_side", "_meta", "_swivel", "_adduction", "_pivot")
+"""Joints of fingers and thumb that do not bend them."""
+RADIUS = 0.14
+"""Radius of the rod by the length of a straight finger: .5 cm at birth, half of the 19 mm of the bar that newborns have
+hung by; a mitten's one finger does not get around more."""
+ROD_HALF_M, ROD_KG, ROD_DAMPING = 0.03, 0.1, 0.5
+"""Half length, mass, and damping of its movements in [N s/m]."""
+ROD_FRICTION = (1.0, 0.005, 0.0002)
+CLEAR_M, FAR_M = 0.0003, 0.01
+GRID = 41
+"""Places that are tried for the rod along each side of a square."""
+ABOVE_M = 1.0
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A left hand with bent fingers; unit vectors of the world, shape (3,) each."""
+
+    bending_rad: dict[str, float]
+    """Hinges that bend the fingers, without `robot:`, and the angle of each at the bent end of its range."""
+    knuckle_m: FloatArray
+    axis: FloatArray
+    """About which the knuckles bend."""
+    to_wrist: FloatArray
+    """From the knuckles along the palm."""
+    to_fingers: FloatArray
+    """From the knuckles to the middle of the bent fingers."""
+    length_m: float
+    """Of a straight finger, from the knuckle."""
+    closed_deg: dict[str, float]
+    """Angles of the fingers when the rod is put in."""
+
+    @property
+    def out_of_palm(self) -> FloatArray:
+        """Across the palm, to the side that the fingers bend to."""
+        return _unit(self.to_fingers - self.to_wrist * (self.to_fingers @ self.to_wrist))
+
+    @property
+    def into_gap(self) -> FloatArray:
+        """Half way between palm and fingers, where the bent hand is open."""
+        return _unit(self.to_fingers + self.to_wrist)
+
+
+def hand_of(infant: TrialInfant) -> Hand:
+    """Return the left hand of an infant, its fingers bent as far as they are when the rod is put in."""
+    model = infant.model
+    knuckle = next(name for name in KNUCKLES if has_joint(infant, name))
+    bending_rad = {name: _bent_rad(infant, name) for name in _bending(infant)}
+    straight = infant.placed(0.0, {}, ABOVE_M)
+    hinge = model.joint(f"robot:{knuckle}").id
+    palm, fingers = _solids(infant.model, int(model.jnt_bodyid[hinge]))
+    tips_m = [np.linalg.norm(straight.geom_xpos[geom] - straight.xanchor[hinge]) for geom in fingers]
+    outermost = fingers[int(np.argmax(tips_m))]
+    length_m = float(max(tips_m) + model.geom_size[outermost, 0])
+    closed = {name: float(np.degrees(KNUCKLES[knuckle] * bent)) for name, bent in bending_rad.items()}
+    data = infant.placed(0.0, closed, ABOVE_M)
+    anchor, axis = data.xanchor[hinge].copy(), data.xaxis[hinge].copy()
+    to_wrist, to_fingers = (_across(data.geom_xpos[geoms[0]] - anchor, axis) for geoms in (palm, fingers))
+    return Hand(bending_rad, anchor, axis, to_wrist, to_fingers, length_m, closed)
+
+
+def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
+    """Return the infant of a spec with a rod in its world, the places of which are the last three of `qpos`."""
+    files = infant_files(spec)
+    assets = {name: content for name, content in files.items() if name.startswith("assets/")}
+    scene = mujoco.MjSpec.from_string(files["scene.xml"].decode(), include=dict(files), assets=assets)
+    for key in list(scene.keys):
+        scene.delete(key)
+    rod = scene.worldbody.add_body(name=ROD, quat=_turned_to(hand.axis))
+    for number, name in enumerate("xyz"):
+        axis = _into_rod(hand.axis, np.eye(3)[number])
+        slide = mujoco.mjtJoint.mjJNT_SLIDE
+        rod.add_joint(name=f"{ROD}_{name}", type=slide, axis=axis, damping=ROD_DAMPING)
+    size = [RADIUS * hand.length_m, ROD_HALF_M, 0.0]
+    capsule = mujoco.mjtGeom.mjGEOM_CAPSULE
+    rod.add_geom(name=ROD, type=capsule, size=size, mass=ROD_KG, friction=list(ROD_FRICTION), condim=4)
+    model = scene.compile()
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    return TrialInfant(model, joints, longest_delays_s(spec), has_servos(spec))
+
+
+def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:
+    """Return an infant with the rod between its fingers and palm; None if it does not go there.
+
+    Of places on a grid across the knuckles, inside the bend of the fingers, it is the one nearest to the knuckles where
+    the rod touches no part of the hand.
+    """
+    model, data = infant.model, infant.placed(0.0, hand.closed_deg, ABOVE_M)
+    parts = np.flatnonzero(in_subtrees(model, [model.body(HAND).id])[model.geom_bodyid])
+    for place in sorted(_places(hand), key=lambda place: float(np.linalg.norm(place - hand.knuckle_m))):
+        data.qpos[-3:] = place
+        mujoco.mj_kinematics(model, data)
+        if all(_gap_m(model, data, int(geom)) >= CLEAR_M for geom in parts):
+            mujoco.mj_forward(model, data)
+            return data
+    return None
+
+
+def _places(hand: Hand) -> Iterator[FloatArray]:
+    """Yield places across the knuckles, inside the bend of the fingers."""
+    for along in np.linspace(0.0, 1.0, GRID):
+        for out in np.linspace(2 * RADIUS, 1.0, GRID):  # Nearer, it would be in the palm.
+            offset = along * hand.to_wrist + out * hand.out_of_palm
+            if offset @ hand.to_fingers > 0:
+                yield hand.knuckle_m + hand.length_m * offset
+
+
+def _gap_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
+    """Return the distance of the rod to a geom, as far as it is below some."""
+    return float(mujoco.mj_geomDistance(model, data, model.geom(ROD).id, geom, FAR_M, None))
+
+
+def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
+    """Return the geoms of the palm and those of the finger that begins with some body."""
+    palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id).astype(np.intp)
+    return palm, np.flatnonzero(in_subtrees(model, [finger])[model.geom_bodyid]).astype(np.intp)
+
+
+def _bending(infant: TrialInfant) -> Iterator[str]:
+    """Yield the driven hinges that bend fingers and thumb."""
+    hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
+    for joint, name in zip(infant.joints, infant.joint_names, strict=True):
+        if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_BENDING):
+            yield name
+
+
+def _bent_rad(infant: TrialInfant, joint: str) -> float:
+    low, high = infant.model.joint(f"robot:{joint}").range
+    return float(low if -low > high else high)
+
+
+def _across(vector: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return the direction of a vector across an axis."""
+    return _unit(vector - axis * (vector @ axis))
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    return vector / np.linalg.norm(vector)
+
+
+def _turned_to(axis: FloatArray) -> list[float]:
+    """Return the quaternion that turns z to an axis."""
+    quat = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
+    length = float(np.linalg.norm(quat))
+    return (quat / length).tolist() if length > 1e-6 else [0.0, 1.0, 0.0, 0.0]
+
+
+def _into_rod(axis: FloatArray, vector: FloatArray) -> list[float]:
+    """Return a vector of the world in the frame of the rod."""
+    turned, back = np.zeros(3), np.zeros(4)
+    mujoco.mju_negQuat(back, np.array(_turned_to(axis)))
+    mujoco.mju_rotVecQuat(turned, vector, back)
+    return turned.tolist()

@@ -1,0 +1,18 @@
+"""The trials of movement, each as an experiment in physics."""
+
+from collections.abc import Mapping
+
+from mimoc.studies.movement.trial import MovementTrial
+from mimoc.studies.movement.trials.arm_lift import ARM_LIFT
+from mimoc.studies.movement.trials.grip import GRIP
+from mimoc.studies.movement.trials.kick import KICK
+from mimoc.studies.movement.trials.pendulum import DAMPING, PENDULUM
+from mimoc.studies.movement.trials.posture import AWAKE, FOLD, REST
+from mimoc.studies.movement.trials.recoil import RECOIL
+from mimoc.studies.movement.trials.saccade import SACCADE
+from mimoc.studies.movement.trials.stepping import STEPPING
+
+TRIALS: Mapping[str, MovementTrial] = {
+    trial.name: trial
+    for trial in (KICK, PENDULUM, DAMPING, RECOIL, ARM_LIFT, FOLD, REST, AWAKE, SACCADE, GRIP, STEPPING)
+}

@@ -1,0 +1,120 @@
+"""Arm lift: on its back, an infant brings a hand above the shoulder and keeps it there."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+
+from mimoc.quantities import Quantity
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.milestones.controller import Controller, servo
+from mimoc.studies.milestones.infant import TrialInfant
+from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, settled
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+
+JOINTS = ("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow")
+SAMPLES, SEED = 3000, 0
+"""Postures of the arm among which the one is chosen that is to be held."""
+BENT_RAD, LEAST_BENT_RAD = np.radians(-140.0), -0.1
+"""Elbow while the upper arm is lifted; an elbow that is held up is not quite straight, where its range ends."""
+SIDEWAYS, TRAVEL = 0.3, 0.002
+"""What a posture loses against its height for each metre beside the shoulder, and each radian of its joints."""
+TIMES_S = (0.0, 1.0, 3.0, 4.0, 6.0)
+"""When the elbow begins to bend, is bent, the upper arm is up, the elbow is straight, and the end."""
+HELD_S = 1.0
+EVERY = 10
+"""Physics steps between two beginnings of the second in which the hand is to stay up."""
+SETTLING_S = 2.0
+
+
+def arm_lift(infant: TrialInfant) -> float:
+    """Return the height above the shoulder that a hand keeps for one second, by the length of the arm.
+
+    The elbow bends, the shoulder turns the upper arm up, and the elbow straightens, by smooth targets of the controller
+    of the milestones; everything but the arm is quiet. Best second of six.
+    """
+    resting = settled(infant, SETTLING_S)
+    places = _addresses(infant)
+    targets = _targets(infant, resting, places)
+    data, step_s = again(infant, resting, moving=False), infant.model.opt.timestep
+    data.act[:] = 0.0
+    control, drive = Controller(infant, servo(infant, data), step_s), Drive(infant)
+    arm = np.isin(infant.model.actuator_trnid[:, 0], hinges_below(infant, "left_upper_arm"))
+    shoulder, hand = (infant.model.body(name).id for name in ("left_upper_arm", _knuckles(infant)))
+    heights = []
+    for step in range(round(TIMES_S[-1] / step_s)):
+        data.ctrl[:] = np.where(arm, control(data, targets(step * step_s)), drive(data, QUIET))
+        mujoco.mj_step(infant.model, data)
+        heights.append(data.xpos[hand, 2] - data.xpos[shoulder, 2])
+    second = round(HELD_S / step_s)
+    held_m = max(min(heights[start : start + second]) for start in range(0, len(heights) - second, EVERY))
+    return float(held_m / _arm_m(infant, resting))
+
+
+def _addresses(infant: TrialInfant) -> list[int]:
+    return [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
+
+
+def _knuckles(infant: TrialInfant) -> str:
+    """Return the body that begins at the knuckles, in hands of any kind."""
+    return next(name for name in ("left_fingers", "left_mfknuckle", "left_hand") if infant.has(name))
+
+
+def _arm_m(infant: TrialInfant, data: mujoco.MjData) -> float:
+    """Return the length of the arm from shoulder to knuckles."""
+    bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
+    points = [data.body(name).xpos for name in bodies]
+    return float(sum(np.linalg.norm(end - start) for start, end in pairwise(points)))
+
+
+def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:
+    """Return the angles of the arm, shape (4,), that bring the hand highest above the shoulder."""
+    low, high = np.array([infant.model.joint(f"robot:left_{name}").range for name in JOINTS]).T
+    random, posture, knuckles = np.random.default_rng(SEED), mujoco.MjData(infant.model), _knuckles(infant)
+    shoulder_m, rest = resting.body("left_upper_arm").xpos.copy(), resting.qpos[places]
+    best, best_score = rest, -np.inf
+    for _ in range(SAMPLES):
+        angles = random.uniform(low, high)
+        angles[-1] = min(high[-1], LEAST_BENT_RAD)
+        posture.qpos[:] = resting.qpos
+        posture.qpos[places] = angles
+        mujoco.mj_kinematics(infant.model, posture)
+        away_m = posture.body(knuckles).xpos - shoulder_m
+        score = away_m[2] - SIDEWAYS * np.abs(away_m[:2]).sum() - TRAVEL * np.abs(angles - rest).sum()
+        if score > best_score:
+            best, best_score = angles, score
+    return best
+
+
+def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> Callable[[float], FloatArray]:
+    """Return the function from a time in [s] to the angles of the driven hinges, shape (n,)."""
+    up, rest = _highest(infant, resting, places), resting.qpos[places]
+    bent, lifted = rest.copy(), up.copy()
+    bent[-1] = lifted[-1] = BENT_RAD
+    keys = []
+    for arm in (rest, bent, lifted, up, up):
+        whole = resting.qpos.copy()
+        whole[places] = arm
+        keys.append(whole[infant.angles])
+
+    def target(time_s: float) -> FloatArray:
+        leg = min(int(np.searchsorted(TIMES_S, time_s, "left")), len(TIMES_S) - 1) or 1
+        share = (time_s - TIMES_S[leg - 1]) / (TIMES_S[leg] - TIMES_S[leg - 1])
+        return keys[leg - 1] + share**2 * (3 - 2 * share) * (keys[leg] - keys[leg - 1])
+
+    return target
+
+
+def _measure(subject: Subject) -> Values:
+    return {"arm_lift": arm_lift(subject.infant)}
+
+
+ARM_LIFT = MovementTrial(
+    "arm_lift",
+    "on its back, brings a hand above the shoulder and keeps it there for 1 s: height in arm lengths",
+    _measure,
+    (0.0, 1.0, 2.0, 3.0, 4.0),
+    (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
+    ("left_upper_arm", "left_lower_arm", "left_hand"),
+)

@@ -1,0 +1,125 @@
+"""Postures on the back: at rest asleep and awake, and legs folded as far as they go."""
+
+import mujoco
+import numpy as np
+
+from mimoc.quantities import Quantity
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.milestones.infant import TrialInfant
+from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+
+SETTLING_S = 4.0
+FOLDING_S = 3.0
+READ_STEPS = 50
+"""Physics steps at the end over which a folded leg is averaged."""
+KNEES = (0.0, -0.15, -0.3, -0.6, -1.0)
+"""Shares of the knees' flexors that are tried while the hips bend with all strength."""
+SIDES = ("left", "right")
+RESTING = {"hip": "left_hip1", "knee": "left_knee", "elbow": "left_elbow"}
+LEGS = ("left_upper_leg", "right_upper_leg", "left_toes", "right_toes", "left_upper_arm", "right_upper_arm")
+
+
+def leg_length(data: mujoco.MjData, dimensions: int = 2) -> float:
+    """Return the distance from hip to toes as seen from above, mean of both legs, by the length of the trunk.
+
+    The trunk is from the middle of the shoulders to that of the hips, as seen from above too: so it is measured on
+    recordings of real infants. In three *dimensions*, a leg that points up is as long as one that lies.
+    """
+
+    def seen(body: str) -> FloatArray:
+        return np.asarray(data.body(body).xpos[:dimensions], np.float64)
+
+    neck = (seen("left_upper_arm") + seen("right_upper_arm")) / 2
+    hips = (seen("left_upper_leg") + seen("right_upper_leg")) / 2
+    legs = [float(np.linalg.norm(seen(f"{side}_toes") - seen(f"{side}_upper_leg"))) for side in SIDES]
+    return float(np.mean(legs) / np.linalg.norm(neck - hips))
+
+
+def _rest(subject: Subject) -> Values:
+    infant = subject.infant
+    data = settled(infant, SETTLING_S)
+    angles = {f"rest_{name}_deg": angle_deg(infant, data, joint) for name, joint in RESTING.items()}
+    return {**angles, "rest_leg": leg_length(data)}
+
+
+def _fold(subject: Subject) -> Values:
+    infant, start = subject.infant, settled(subject.infant, SETTLING_S)
+    seen, true = zip(*(_folded(infant, start, knee) for knee in KNEES), strict=True)
+    return {"fold_leg": min(seen), "fold_space": min(true)}
+
+
+def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> tuple[float, float]:
+    """Return how long the legs are after both hips have bent with all strength, and the knees with a share of it.
+
+    As seen from above, and in space.
+    """
+    data, drive = again(infant, start), Drive(infant)
+    shares = {f"{side}_hip1": -1.0 for side in SIDES} | {f"{side}_knee": knee for side in SIDES}
+    lengths = []
+    for _ in range(round(FOLDING_S / infant.model.opt.timestep)):
+        data.ctrl[:] = drive(data, shares)
+        mujoco.mj_step(infant.model, data)
+        lengths.append((leg_length(data), leg_length(data, 3)))
+    seen, true = np.mean(lengths[-READ_STEPS:], axis=0)
+    return float(seen), float(true)
+
+
+HIP_DRIVE, KNEE_DRIVE = -0.2, -0.15
+"""What an awake infant of 0 to 7 months bends its legs with, by their strength: behaviour, not body. Fitted to the
+posture of recorded infants, which the trial compares with."""
+NOISE, CORRELATED_S = 0.3, 0.3
+"""Size, by strength, and correlation time of the random commands of all joints; a guess."""
+AWAKE_S, SETTLING_AWAKE_S = 20.0, 2.0
+SEED = 1
+EVERY = 20
+"""Physics steps between two looks at the legs."""
+
+
+def _awake(subject: Subject) -> Values:
+    infant = subject.infant
+    data, drive, step_s = settled(infant, SETTLING_AWAKE_S), Drive(infant), infant.model.opt.timestep
+    names = infant.joint_names
+    steady = np.array([_steady(name) for name in names])
+    random, noise, lengths = np.random.default_rng(SEED), np.zeros(len(names)), []
+    for step in range(round(AWAKE_S / step_s)):
+        noise += -noise * step_s / CORRELATED_S
+        noise += NOISE * np.sqrt(2 * step_s / CORRELATED_S) * random.standard_normal(len(names))
+        data.ctrl[:] = drive.controls(data, np.clip(steady + noise, -1.0, 1.0))
+        mujoco.mj_step(infant.model, data)
+        if step % EVERY == 0:
+            lengths.append(leg_length(data))
+    return {"awake_leg": float(np.median(lengths))}
+
+
+def _steady(joint: str) -> float:
+    return HIP_DRIVE if joint.endswith("_hip1") else KNEE_DRIVE if joint.endswith("_knee") else 0.0
+
+
+REST = MovementTrial(
+    "rest",
+    "on its back, quiet as in sleep: where its joints come to rest",
+    _rest,
+    (0.0, 1.0, 3.0, 6.0),
+    (
+        *(Quantity(f"rest_{name}_deg", f"At rest: {name}", "deg") for name in RESTING),
+        Quantity("rest_leg", "At rest: leg by trunk"),
+    ),
+    (*LEGS, "left_lower_arm"),
+)
+AWAKE = MovementTrial(
+    "awake",
+    "on its back, awake: bends its legs a little, and moves at random",
+    _awake,
+    (0.0, 1.0, 3.0, 6.0),
+    (Quantity("awake_leg", "Awake: leg by trunk"),),
+    LEGS,
+)
+FOLD = MovementTrial(
+    "fold",
+    "on its back, folds its legs with all strength",
+    _fold,
+    (0.0, 1.0, 3.0, 6.0),
+    (Quantity("fold_leg", "Folded: leg by trunk"), Quantity("fold_space", "Folded: leg by trunk, in space")),
+    LEGS,
+)

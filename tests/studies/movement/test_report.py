@@ -1,0 +1,156 @@
+"""What a report on movement says, and of what."""
+
+import pytest
+
+import mimoc
+from mimoc.base.errors import UnknownNameError
+from mimoc.cli.tables import print_movement
+from mimoc.render.plots.file import draw
+from mimoc.render.plots.windows import windows_sheet
+from mimoc.schema.infant import InfantSpec
+from mimoc.studies.movement import TRIALS, WINDOWS, MovementReport, Row, window_of
+from mimoc.studies.movement.trial import missing
+
+MEASURES = {measure.name: measure for trial in TRIALS.values() for measure in trial.measures}
+CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
+
+
+def row(measure, age_months, value, reason=""):
+    (trial,) = (trial for trial in TRIALS.values() if MEASURES[measure] in trial.measures)
+    return Row(trial.name, MEASURES[measure], age_months, value, window_of(measure, age_months), reason)
+
+
+@pytest.mark.parametrize(
+    ("measure", "age_months", "value", "verdict"),
+    [
+        ("kick_deg", 3.0, 50.0, "inside"),
+        ("kick_deg", 3.0, 49.9, "outside"),
+        ("kick_deg", 9.0, 20.0, "no verdict"),
+        ("kick_s", 3.0, None, "not reached"),
+        ("shank_swings", 0.0, 9.0, "outside"),
+        ("kick_share", 3.0, 1.0, "no verdict"),
+        ("arm_lift", 0.0, 0.9, "inside"),
+    ],
+)
+def test_a_value_is_judged_by_the_window_of_its_age_unless_that_is_a_guess(measure, age_months, value, verdict):
+    judged = row(measure, age_months, value)
+    assert judged.verdict == verdict
+    assert MovementReport("maturing", "torque", [judged]).passed == (verdict in ("inside", "no verdict"))
+
+
+def test_what_is_not_tried_does_not_fail():
+    untried = row("kick_deg", 3.0, None, "this infant has no left_foot")
+    assert untried.verdict == "not tried"
+    assert MovementReport("maturing", "torque", [untried]).passed
+
+
+def test_an_infant_without_the_limb_is_not_tried_and_the_reason_is_named():
+    legless = CHILD.with_(body={"remove": ["left_lower_leg"]})
+    rows = mimoc.validate_movement(legless, names=["kick", "rest"], ages=[1]).rows
+    assert {one.verdict for one in rows} == {"not tried"}
+    assert rows[0].reason == "this infant has no left_lower_leg and no left_foot"
+
+
+@pytest.mark.parametrize(
+    ("hands", "removed", "untried"),
+    [
+        ("mitten", "left_fingers", {"grip"}),
+        ("mitten", "left_lower_arm", {"damping", "grip", "recoil"}),
+        ("mitten", "right_upper_leg", {"pendulum", "stepping"}),
+        ("five_finger", "left_mfknuckle", {"grip"}),
+        ("five_finger", "left_thbase", set()),
+    ],
+)
+def test_only_the_trials_that_need_a_part_are_not_tried_without_it(hands, removed, untried):
+    names = ["pendulum", "damping", "recoil", "grip", "stepping"]
+    spec = CHILD.with_(body={"hands": hands, "remove": [removed]})
+    rows = mimoc.validate_movement(spec, names=names, ages=[1]).rows
+    assert {one.trial for one in rows if one.verdict == "not tried"} == untried
+
+
+def test_every_window_is_of_a_measure_and_has_an_end():
+    assert {name for name, _ in WINDOWS} <= MEASURES.keys()
+    for _, window in WINDOWS:
+        assert window.low is not None or window.high is not None
+        assert window.low is None or window.high is None or window.low < window.high
+        assert window.youngest_months <= window.oldest_months
+        assert window.source
+
+
+def test_every_trial_is_done_by_default_at_an_age_that_something_is_asked_of():
+    for trial in TRIALS.values():
+        assert any(window_of(measure.name, age) for measure in trial.measures for age in trial.ages_months)
+
+
+def test_names_of_measures_are_distinct():
+    assert len(MEASURES) == sum(len(trial.measures) for trial in TRIALS.values())
+
+
+def test_the_first_window_of_an_age_is_the_one_that_counts():
+    assert window_of("arm_lift", 0.0).used == "fitted"
+    assert window_of("arm_lift", 1.0).used == "predicted"
+    assert window_of("arm_lift", 9.0) is None
+
+
+def test_an_unknown_trial_is_named():
+    with pytest.raises(UnknownNameError, match="did you mean 'kick'"):
+        mimoc.validate_movement(names=["kik"])
+
+
+def test_a_report_is_the_same_each_time_and_has_every_measure_of_every_age():
+    names, ages = ["rest", "saccade", "damping"], [0, 4]
+    one, other = (mimoc.validate_movement(names=names, ages=ages).to_data() for _ in range(2))
+    assert one == other
+    assert len(one["rows"]) == len(ages) * sum(len(TRIALS[name].measures) for name in names)
+    assert list(one["trials"]) == names
+
+
+def test_progress_counts_trials_and_ages():
+    steps = []
+    mimoc.validate_movement(names=["damping"], ages=[0, 4], progress=lambda done, total: steps.append((done, total)))
+    assert steps == [(1, 2), (2, 2)]
+
+
+def test_girls_and_boys_of_other_sizes_and_hands_can_be_tried():
+    spec = CHILD.with_(body={"individual": {"sex": "female", "length_percentile": 97}, "hands": "five_finger"})
+    report = mimoc.validate_movement(spec, names=["rest", "arm_lift"], ages=[1])
+    assert all(one.value is not None for one in report.rows)
+
+
+REPORT = MovementReport(
+    "maturing",
+    "torque",
+    [
+        row("kick_deg", 0.0, 15.0),
+        row("kick_deg", 3.0, 60.0),
+        row("kick_s", 0.0, None),
+        row("kick_share", 0.0, 0.9),
+        row("grip_out_n", 0.0, None, "this infant has no left_hand"),
+    ],
+)
+
+
+def test_the_table_names_what_is_outside_the_sources_and_what_was_not_tried(capsys):
+    print_movement(REPORT)
+    printed = capsys.readouterr().out
+    assert "failed: outside the window of real infants: kick_deg, kick_s" in " ".join(printed.split())
+    assert "grip was not tried: this infant has no left_hand" in printed
+    assert "15*" in printed
+    assert "(0.9)" in printed
+    assert "Trujillo-Priego & Smith 2017" in printed
+    assert "(read; predicted)" in " ".join(printed.split())
+
+
+def test_the_plot_has_a_panel_for_each_measure():
+    figure = draw(windows_sheet(REPORT.panels, "real infants"))
+    titles = [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes if axes.get_visible()]
+    assert [title for title in titles if title] == [rows[0].measure.title for rows in REPORT.by_measure.values()]
+
+
+def test_missing_parts_are_listed():
+    class Armless:
+        def has(self, body):
+            return body != "left_hand"
+
+    assert missing(TRIALS["grip"], Armless()) == "this infant has no left_hand"
+    assert missing(TRIALS["damping"], Armless()) == ""
