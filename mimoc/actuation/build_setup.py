@@ -1,7 +1,7 @@
 """The actuators that an actuation model adds to a body, how fast they follow the command, and its changes to joints."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
@@ -35,7 +35,24 @@ def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> A
     """Return what the actuation model of a spec makes of a body."""
     kind = ACTUATIONS[spec.model]
     section = getattr(spec, kind.name) if kind.spec else None
-    return function_of(kind.build, "build")(section, tree, timestep_s)
+    setup: ActuationSetup = function_of(kind.build, "build")(section, tree, timestep_s)
+    return setup if spec.arousal == 1 else _at_arousal(setup, spec.arousal)
+
+
+def _at_arousal(setup: ActuationSetup, arousal: float) -> ActuationSetup:
+    """Return the actuators of a quiet infant with the muscle tone of some arousal."""
+    return replace(setup, actuators=tuple(_with_tone(actuator, arousal) for actuator in setup.actuators))
+
+
+def _with_tone(actuator: Actuator, arousal: float) -> Actuator:
+    if len(actuator.tone) == 1:
+        return replace(actuator, control_range=(arousal * actuator.tone[0], actuator.control_range[1]))
+    if not actuator.tone:
+        return actuator
+    bias = dict(actuator.settings)["biasprm"]
+    changed = tuple(now + (arousal - 1) * tone for now, tone in zip(bias, actuator.tone, strict=True))
+    settings = ((name, changed if name == "biasprm" else values) for name, values in actuator.settings)
+    return replace(actuator, settings=tuple(settings))
 
 
 MATURING_S = 0.06
@@ -45,6 +62,9 @@ No infant's muscle has been timed. Half-relaxation of the soleus takes 90 ms at 
 Walsh 1994, S), contraction times are an adult's early (McComas, Sica & Petito 1973, S): one constant for both, longer
 than an adult's.
 """
+EYES_S = 0.01
+"""Time constant of the motors of eyes under `maturing`, in [s] (D): saccades of infants follow the main sequence of
+adults' (Hainline et al. 1984, S)."""
 AT_ONCE = 0.0
 """Time constant of an actuator without an activation."""
 
@@ -63,6 +83,13 @@ def activation(tree: BodyTree, published_s: float) -> Settings:
     if time_constant_s == AT_ONCE:
         return (("dyntype", "none"),)
     return (("actlimited", "false"), ("dyntype", "filterexact"), ("dynprm", f"{time_constant_s}"))
+
+
+def eyes_activation(tree: BodyTree) -> Mapping[str, tuple[float, ...]]:
+    """Return the parameters of the activation of each joint's actuators that differ from all others', by joint."""
+    if tree.development == "published":
+        return {}
+    return {joint: (EYES_S,) for joint, group in tree.muscle_groups.items() if group == "eyes"}
 
 
 def activation_origin(tree: BodyTree, published: str) -> dict[str, Origin]:

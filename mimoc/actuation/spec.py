@@ -28,6 +28,8 @@ class ActuationSpec(Model):
 
     model: str = "torque"
     """Actuation model."""
+    arousal: Annotated[Real, Field(ge=0, le=2)] = 1.0
+    """How awake the infant is: its muscle tone is in proportion to it. 1 is quiet, 0 slack. `published` has no tone."""
     strength_age_months: Age | None = None
     """Age for which strength is computed; by default that of the infant."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(
@@ -66,6 +68,9 @@ class ActuatorEntry(Model):
     """Largest command."""
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""
+    tone: tuple[Number, ...] = ()
+    """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as a single number, to the
+    smallest control of a muscle."""
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
@@ -80,5 +85,7 @@ class ActuationEntry(Model):
 
     model: str = "torque"
     """Actuation model."""
+    arousal: Number = 1.0
+    """Arousal that the model is written for."""
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""

@@ -79,11 +79,23 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class Tone:
+    """The muscle tone of a joint of a quiet infant: a torque -k (q - q_0) within the strength of its motor."""
+
+    stiffness_nm_per_rad: float
+    """k."""
+    angle_deg: float
+    """q_0, beyond the posture that tone holds, since a flexor does not resist flexion."""
+
+
+@dataclass(frozen=True, slots=True)
 class Motor(ReferenceMotor):
     """The motor of one joint of an infant, with the names of its side and the strength of its size and age."""
 
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""
+    tone: Tone | None = None
+    """Its muscle tone; None by the published law."""
 
 
 @dataclass(frozen=True, slots=True)

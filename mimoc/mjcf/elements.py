@@ -96,6 +96,15 @@ class Actuator:
     control_range: tuple[float, float]
     settings: tuple[tuple[str, tuple[float, ...]], ...]
     """Its other attributes."""
+    tone: tuple[float, ...] = ()
+    """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as a
+    single number, to the smallest control of a muscle. Empty is no tone."""
+
+    @property
+    def action_range(self) -> tuple[float, float]:
+        """The controls that can be commanded: a muscle's also below its tone."""
+        low, high = self.control_range
+        return (0.0, high) if len(self.tone) == 1 else (low, high)
 
 
 @dataclass(frozen=True, slots=True)

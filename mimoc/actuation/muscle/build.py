@@ -6,7 +6,6 @@ from dataclasses import replace
 from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
-from mimoc.body.joints import POWERS
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
 from mimoc.body.strength import published_fmax
 from mimoc.body.tree import BodyTree, Joint, Motor
@@ -106,7 +105,7 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
 
 
 DAMPING_LAW = (
-    f"volume of the part that the strength here follows x standing height ^ {POWERS['damping']:g}, relative to 18 "
+    "volume of the part that the strength here follows x standing height ^ 2, relative to 18 "
     "months (D), for the neck also x what its head is heavier"
 )
 
