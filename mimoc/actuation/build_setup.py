@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
+from mimoc.base.units import deg_to_rad, rad_to_deg
 from mimoc.body.origins import Origin as Origin
 from mimoc.body.tree import BodyTree, Joint
 from mimoc.mjcf.elements import Actuator
@@ -40,19 +41,34 @@ def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> A
 
 
 def _at_arousal(setup: ActuationSetup, arousal: float) -> ActuationSetup:
-    """Return the actuators of a quiet infant with the muscle tone of some arousal."""
-    return replace(setup, actuators=tuple(_with_tone(actuator, arousal) for actuator in setup.actuators))
+    """Return the actuators of a quiet infant, and its joints, with the muscle tone of some arousal."""
+    joints = dict(setup.joints)
+    for actuator in setup.actuators:
+        if len(actuator.tone) == len(HINGE_TONE):
+            joints[actuator.joint] = with_tone(joints[actuator.joint], *((arousal - 1) * x for x in actuator.tone))
+    return replace(setup, actuators=tuple(_biased(actuator, arousal) for actuator in setup.actuators), joints=joints)
 
 
-def _with_tone(actuator: Actuator, arousal: float) -> Actuator:
-    if len(actuator.tone) == 1:
-        return replace(actuator, control_range=(arousal * actuator.tone[0], actuator.control_range[1]))
-    if not actuator.tone:
+def _biased(actuator: Actuator, arousal: float) -> Actuator:
+    bias = dict(actuator.settings).get("biasprm", ())
+    if not actuator.tone or len(actuator.tone) != len(bias):
         return actuator
-    bias = dict(actuator.settings)["biasprm"]
     changed = tuple(now + (arousal - 1) * tone for now, tone in zip(bias, actuator.tone, strict=True))
     settings = ((name, changed if name == "biasprm" else values) for name, values in actuator.settings)
     return replace(actuator, settings=tuple(settings))
+
+
+HINGE_TONE = "stiffness", "stiffness x rest angle"
+"""What the muscle tone of a hinge is."""
+
+
+def with_tone(joint: Joint, stiffness_nm_per_rad: float, moment_nm: float) -> Joint:
+    """Return a hinge whose spring has muscle tone, in [N m/rad], and tone x rest angle, in [N m], besides."""
+    stiffness = joint.stiffness_nm_per_rad + stiffness_nm_per_rad
+    if not stiffness:
+        return replace(joint, stiffness_nm_per_rad=0.0)
+    rest_rad = joint.stiffness_nm_per_rad * deg_to_rad(joint.springref_deg) + moment_nm
+    return replace(joint, stiffness_nm_per_rad=stiffness, springref_deg=rad_to_deg(rest_rad / stiffness))
 
 
 MATURING_S = 0.06

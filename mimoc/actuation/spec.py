@@ -69,8 +69,8 @@ class ActuatorEntry(Model):
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""
     tone: tuple[Number, ...] = ()
-    """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as a single number, to the
-    smallest control of a muscle."""
+    """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as two numbers, to the
+    stiffness of its hinge and to stiffness x rest angle."""
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:

@@ -32,8 +32,8 @@ from mimoc.body.tone import TONE
 from mimoc.body.tree import BodyTree, Joint, MaturationFactors
 
 LIMB, HEAD = 0.13, 0.4
-"""Damping ratios zeta of relaxed joints: an adult's shank swings 8 times (S, recorded pendulum tests: .07 to .12, D); that
-of the neck is a guess (D)."""
+"""Damping ratios zeta of relaxed joints: .07 to .12 (D) of adults' shanks, which swing 8 times (S, recorded pendulum
+tests); that of the neck is a guess (D)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +70,8 @@ RELAXED: Mapping[str, Relaxed] = {
 """Joints that swing; the head's W and I are those of the published, lighter head, since all of a neck grows with it."""
 
 EYE_ARMATURE, EYE_DAMPING_PER_S, EYE_STIFFNESS_PER_S2 = 0.1, 20.0, 20.0
-"""Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast as
-adults' (Hainline et al. 1984, S)."""
+"""Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast
+as adults' (Hainline et al. 1984, S)."""
 FINGER_ARMATURE, FINGER_DAMPING = 4.0, 3.0
 """Factors on MIMo's figures of joints that close a hand, whose motors are as much stronger at birth (D)."""
 
@@ -115,8 +115,8 @@ LOWER_LIMITS: Mapping[str, Limit] = {
     "robot:{side}_knee": Limit(-150.0, Decay(12.0, 1.0), "heel to buttock (M)", -150.0),
     "robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)"),
 }
-"""Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down. Their hips turn
-further out than in."""
+"""Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down. Their hips
+turn further out than in."""
 
 NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
@@ -274,8 +274,8 @@ def joint_origins(
 
 def _maturing_origins(figures: ReferenceJoint, joint: str, group: str, growth: MaturationFactors) -> dict[str, Origin]:
     grown = (
-        f" x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ 2: volume of the part that the joint "
-        f"moves, and standing height, relative to 18 months, by {LAW} (Lebiedowska & Fisk 1999, S; D for infants)"
+        f" x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ 2: volume of the part that the "
+        f"joint moves, and standing height, relative to 18 months, by {LAW} (Lebiedowska & Fisk 1999, S; D for infants)"
     )
     origins = {
         name: Origin(why + grown + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))

@@ -86,6 +86,11 @@ GRASP_DECAY = Decay(4.0, 1.5)
 hands for 10 s or more (Robinson 1891, S), at 16 N a hand (D). The factor is fitted to that (D)."""
 
 
+FASTEST_RAD_S = 35.0
+"""Speed at which a fully active muscle no longer pulls, of every joint (D). Random commands then give joints at most 17
+to 29 rad/s in 99.9 % of the time, 51 at 18 months without it, and a newborn's hip turns by 76 degrees in .35 s."""
+
+
 def motor_torques(
     volumes: RelativeVolumes, reference: Reference, growth: MaturationFactors | None
 ) -> tuple[Motor, ...]:
@@ -94,13 +99,26 @@ def motor_torques(
     for side, figures in reference.anatomy.motors:
         joint, torque_nm = figures.joint.format(side=side), figures.gear_nm * volumes[side][figures.driven_geom]
         name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
-        tone = None
+        tone = fastest_rad_s = None
         if growth:
             gain, _ = _gain(figures, groups[joint], reference.age_months, growth)
             torque_nm *= gain
+            fastest_rad_s = FASTEST_RAD_S
             tone = tone_of(figures.joint, size_gain(joint, groups[joint], growth), reference.age_months)
         speed = figures.vmax_lengths_per_s
-        motors.append(Motor(name, joint, torque_nm, figures.force_range, speed, driven_geom, figures.fmax, tone=tone))
+        motors.append(
+            Motor(
+                name,
+                joint,
+                torque_nm,
+                figures.force_range,
+                speed,
+                driven_geom,
+                figures.fmax,
+                tone=tone,
+                fastest_rad_s=fastest_rad_s,
+            )
+        )
     return tuple(motors)
 
 

@@ -41,9 +41,9 @@ NEWBORN_TONE: Mapping[str, NewbornTone] = {
     "robot:{side}_fingers": NewbornTone(0.5 * 0.017, -100.0),
     **{joint: NewbornTone(0.0004, 50.0 if joint.endswith("distal") else 65.0) for joint in FISTS},
 }
-"""Chosen such that newborns rest with hips bent by 55 degrees, knees by 90 and elbows by 90, and kick by 50 degrees with
-less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and fingers, k is half of MIMo's
-stiffness of their joints."""
+"""Chosen such that newborns rest with hips bent by 55 degrees, knees by 90 and elbows by 90, and kick by 50 degrees
+with less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and fingers, k is half of
+MIMo's stiffness of their joints."""
 
 SOURCE = "posture of newborns: Amiel-Tison, Ballard, M; fitted to it, D"
 

@@ -95,7 +95,9 @@ class Motor(ReferenceMotor):
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""
     tone: Tone | None = None
-    """Its muscle tone; None by the published law."""
+    """Its muscle tone; None if it has none, as by the published law."""
+    fastest_rad_s: float | None = None
+    """Speed of the joint at which it no longer pulls at full command; None by the published law."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -164,8 +164,8 @@ def _actuation(spec: ActuationSpec, actuators: Iterable[Actuator], commanded: Co
                 name=actuator.name,
                 mimo_actuator=actuator.mimo_actuator,
                 joint=actuator.joint,
-                action_low=actuator.action_range[0],
-                action_high=actuator.action_range[1],
+                action_low=actuator.control_range[0],
+                action_high=actuator.control_range[1],
                 tone=actuator.tone,
                 commanded=actuator.joint in commanded,
             )

@@ -97,14 +97,8 @@ class Actuator:
     settings: tuple[tuple[str, tuple[float, ...]], ...]
     """Its other attributes."""
     tone: tuple[float, ...] = ()
-    """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as a
-    single number, to the smallest control of a muscle. Empty is no tone."""
-
-    @property
-    def action_range(self) -> tuple[float, float]:
-        """The controls that can be commanded: a muscle's also below its tone."""
-        low, high = self.control_range
-        return (0.0, high) if len(self.tone) == 1 else (low, high)
+    """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as two
+    numbers, to the stiffness of its hinge and to stiffness x rest angle. Empty is no tone."""
 
 
 @dataclass(frozen=True, slots=True)

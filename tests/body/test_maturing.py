@@ -7,7 +7,7 @@ from support.papers_law import by_volume
 
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_tree
-from mimoc.body.joints import NEWBORN_REST_DEG
+from mimoc.body.joints import NEWBORN_FIST_DEG
 from mimoc.fits import measure
 
 AGES_MONTHS = (0, 0.5, 1, 1.5, 2, 3, 4, 5, 6, 7.5, 9, 10.5, 12, 14, 16, 18)
@@ -117,7 +117,7 @@ def test_joints_rest_where_tone_bends_them_and_within_their_range(bodies):
             joint.range_deg[0] <= joint.springref_deg <= joint.range_deg[1] for joint in maturing.joints.values()
         )
     newborn, month = bodies[0].joints, bodies[1].joints
-    for name, rest_deg in NEWBORN_REST_DEG.items():
+    for name, rest_deg in NEWBORN_FIST_DEG.items():
         joint = name.format(side="left")
         if joint in newborn:
             assert newborn[joint].springref_deg == rest_deg

@@ -3,7 +3,7 @@
 import pytest
 
 from mimoc.body.anatomy import assemble
-from mimoc.body.strength import FORWARDS, STRENGTH
+from mimoc.body.strength import STRENGTH
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 TABLE = {
@@ -34,7 +34,7 @@ def test_every_joint_matures_with_a_group_that_has_a_curve(hands):
     anatomy = assemble(hands, True)
     groups = anatomy.groups
     assert set(groups) == {joint.name.format(side=side) for side, part in anatomy.parts for joint in part.joints}
-    assert set(groups.values()) == set(STRENGTH) - set(FORWARDS.values())
+    assert set(groups.values()) == set(STRENGTH)
     assert {groups[f"robot:left_{joint}"] for joint in ("foot1", "foot2", "foot3")} == {"ankle"}
     assert (groups["robot:left_hip1"], groups["robot:right_knee"], groups["robot:left_elbow"]) == ("hip", "knee", "arm")
     assert groups["robot:head_tilt"] == "neck"

@@ -1,13 +1,28 @@
-"""Muscles: two antagonists for each of MIMo's actuators, in MuJoCo's own muscle model."""
+"""Muscles: two antagonists for each of MIMo's actuators, in MuJoCo's own muscle model.
+
+Under `published`, muscles leave nothing of a joint's spring, as in MIMo; under `maturing` the relaxed joint is there
+with them. Its muscle tone is a spring of the joint, in proportion to arousal, and no least activation: MuJoCo's muscles
+have neither short-range stiffness nor stretch reflexes, so that their torque hardly changes over the range of a joint.
+A least activation of the flexor would bend a newborn's elbow all the way, and of both antagonists, to hold it at 90
+degrees as stiffly as tone does, would take more than all of their strength.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin
+from mimoc.actuation.build_setup import (
+    ActuationSetup,
+    Origin,
+    activation,
+    activation_origin,
+    eyes_activation,
+    with_tone,
+)
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
-from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
+from mimoc.body.origins import LAW_KEY, REFERENCE
 from mimoc.body.strength import published_fmax
+from mimoc.body.tone import tone_origin
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 
@@ -42,16 +57,34 @@ def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
 
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
-    joints = tree.joints
-    return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))
+    joints, eyes = tree.joints, eyes_activation(tree)
+    return tuple(
+        muscle
+        for motor in tree.motors
+        for muscle in _antagonists(motor, joints[motor.joint], eyes.get(motor.joint, ()))
+    )
 
 
 def limp_joints(tree: BodyTree) -> Mapping[str, Joint]:
-    """Return the hinges by name; only muscles move and stiffen them."""
+    """Return the hinges by name: with muscle tone, or, by the published law, moved and stiffened by muscles alone."""
+    if tree.growth:
+        joints = dict(tree.joints)
+        for motor in tree.motors:
+            if tone := hinge_tone(motor):
+                joints[motor.joint] = with_tone(joints[motor.joint], *tone)
+        return joints
     return {
         name: replace(joint, stiffness_nm_per_rad=0.0, damping_nms_per_rad=DAMPING * joint.damping_nms_per_rad)
         for name, joint in tree.joints.items()
     }
+
+
+def hinge_tone(motor: Motor) -> tuple[float, ...]:
+    """Return stiffness and stiffness x rest angle of the muscle tone at a motor's joint; nothing without tone."""
+    if motor.tone is None:
+        return ()
+    stiffness = motor.tone.stiffness_nm_per_rad
+    return stiffness, stiffness * deg_to_rad(motor.tone.angle_deg)
 
 
 def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
@@ -65,7 +98,15 @@ def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
         negative, positive = motor.fmax
     else:
         negative, positive = (PEAK * motor.gear_nm * abs(share) / _moment_arm(joint) for share in motor.force_range)
-    return motor.vmax_lengths_per_s, negative, positive
+    return vmax(motor, joint), negative, positive
+
+
+def vmax(motor: Motor, joint: Joint) -> float:
+    """Return the speed at which the muscles of a motor no longer pull, in optimal lengths a second.
+
+    By the law `maturing`, it is at least that of the joint's fastest speed; with MIMo's, newborns cannot kick.
+    """
+    return max(motor.vmax_lengths_per_s, (motor.fastest_rad_s or 0.0) * _moment_arm(joint))
 
 
 def _moment_arm(joint: Joint) -> float:
@@ -74,14 +115,19 @@ def _moment_arm(joint: Joint) -> float:
     return (LONGEST - SHORTEST) / (high - low)
 
 
-def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
+def _antagonists(motor: Motor, joint: Joint, activation: tuple[float, ...]) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
-    _, negative, positive = (force * _moment_arm(joint) for force in parameters(motor, joint))
-    yield _muscle(motor, "negative", 1.0, (low, high), negative)
-    yield _muscle(motor, "positive", -1.0, (-high, -low), positive)
+    fastest, *forces = parameters(motor, joint)
+    negative, positive = (force * _moment_arm(joint) for force in forces)
+    first = _muscle(motor, "negative", 1.0, (low, high), negative, fastest)
+    pair = replace(first, tone=hinge_tone(motor)), _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
+    own = (("dynprm", activation),) if activation else ()
+    yield from (replace(muscle, settings=(*muscle.settings, *own)) for muscle in pair)
 
 
-def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float) -> Actuator:
+def _muscle(
+    motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float, fastest: float
+) -> Actuator:
     """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
     curve = MuscleParameters(
         shortest=SHORTEST,
@@ -90,7 +136,7 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
         scale=SCALE,
         least_active=LEAST_ACTIVE,
         most_active=MOST_ACTIVE,
-        vmax=motor.vmax_lengths_per_s,
+        vmax=fastest,
         passive=PASSIVE_FORCE,
         lengthening=LENGTHENING_FORCE,
     )
@@ -104,21 +150,17 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
     )
 
 
-DAMPING_LAW = (
-    "volume of the part that the strength here follows x standing height ^ 2, relative to 18 "
-    "months (D), for the neck also x what its head is heavier"
-)
-
-
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     """Yield where the numbers of the muscles come from, and of the joints."""
-    damping, sources = f"that of {REFERENCE}; the same at every age by the law `published`", (LAW_KEY,)
-    if tree.growth:
-        damping = f"what it is with torque motors at this age by {LAW}: that of {REFERENCE} x {DAMPING_LAW}"
-        sources = (LENGTH_KEY, AGE_KEY, LAW_KEY)
-    for name in tree.joints:
-        yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo, by either law", (MODEL_KEY,))
-        yield f"joint.{name}.damping", Origin(f"{DAMPING:g} x {damping}", (MODEL_KEY, *sources))
+    damping = f"{DAMPING:g} x that of {REFERENCE}; the same at every age by the law `published`"
+    for name in () if tree.growth else tree.joints:
+        yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo", (MODEL_KEY, LAW_KEY))
+        yield f"joint.{name}.damping", Origin(damping, (MODEL_KEY, LAW_KEY))
+    for motor in tree.motors:
+        if motor.tone:
+            rule = "the relaxed joint's, and with muscles, as a spring, " + tone_origin(motor).rule + ", x arousal"
+            yield f"joint.{motor.joint}.stiffness", Origin(rule, (MODEL_KEY, *tone_origin(motor).sources))
+            yield f"joint.{motor.joint}.springref", Origin(rule, (MODEL_KEY, *tone_origin(motor).sources))
     motors = {motor.name: motor for motor in tree.motors}
     for muscle in muscles(tree):
         motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"

@@ -4,11 +4,11 @@ Under `maturing`, a motor also has what quiet muscles do at a joint angle q and 
 
     torque = gear x activation - k (q - q_0) - T w / w_0
 
-within the same force range, with the muscle tone k, q_0 (`mimoc.body.tone`), the torque T at full command, and the speed
-w_0 at which a fully activated motor does not pull. Where it helps the movement it is Hill's curve as a straight line;
-where it does not, muscles resist with what is left of the force range. It is none of the joint's own: a slack infant
-(arousal 0) swings freely. A damper with the cube of speed would be nearer to no force at small speeds, but MuJoCo reads
-it from 3.7 on.
+within the same force range, with the muscle tone k, q_0 (`mimoc.body.tone`), the torque T at full command, and the
+speed w_0 at which a fully activated motor no longer pulls. Where it helps the movement, this is Hill's curve as a
+straight line; where it does not, muscles resist with what is left of the force range. It is none of the joint's: a
+slack infant (arousal 0) swings freely. A damper with the cube of speed would be nearer to no force at small speeds, but
+MuJoCo reads it from 3.7 on, and two muscles with Hill's curve would take two commands.
 """
 
 from collections.abc import Iterator, Mapping
@@ -26,9 +26,6 @@ from mimoc.mjcf.elements import Actuator
 LIMITED = (("forcelimited", "true"),)
 NO_BIAS, AFFINE = ("biastype", "none"), ("biastype", "affine")
 MOTOR = (("gaintype", "fixed"), ("gainprm", "1"), NO_BIAS)
-
-FASTEST_RAD_S = 60.0
-"""w_0 of every joint (D)."""
 
 
 def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
@@ -72,7 +69,8 @@ def _tone(motor: Motor) -> AffineBias:
         return AffineBias(0.0, 0.0, 0.0)
     stiffness, angle_rad = (motor.tone.stiffness_nm_per_rad, deg_to_rad(motor.tone.angle_deg)) if motor.tone else (0, 0)
     peak = max(map(abs, motor.force_range))
-    return AffineBias(stiffness * angle_rad / gear, -stiffness / gear**2, -peak / (FASTEST_RAD_S * gear))
+    braking = peak / motor.fastest_rad_s if motor.fastest_rad_s else 0.0
+    return AffineBias(stiffness * angle_rad / gear, -stiffness / gear**2, -braking / gear)
 
 
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
@@ -89,6 +87,6 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
 
 def _tone_origin(motor: Motor) -> Origin:
     speed = (
-        f"; by speed, torque at full command / {FASTEST_RAD_S:g} rad/s, as if of muscles that shorten (D); x arousal"
+        f"; by speed, torque at full command / {motor.fastest_rad_s:g} rad/s, as of shortening muscles (D); x arousal"
     )
     return tone_origin(motor).times(speed, f"actuator.{motor.name}.gear")
