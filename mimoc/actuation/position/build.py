@@ -23,7 +23,7 @@ from functools import partial
 import numpy as np
 
 from mimoc.actuation.build_setup import ActuationSetup, Origin
-from mimoc.actuation.muscle.build import LONGEST, SHORTEST, vmax
+from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
@@ -244,7 +244,7 @@ def _damping(motor: Motor, joint: Joint) -> float:
     second (MIMo).
     """
     _, half = _range(joint)
-    fastest_rad_s = vmax(motor, joint) * 2 * half / (LONGEST - SHORTEST)
+    fastest_rad_s = motor.vmax_lengths_per_s * 2 * half / (LONGEST - SHORTEST)
     return max(joint.damping_nms_per_rad, motor.gear_nm * max(map(abs, motor.force_range)) / fastest_rad_s)
 
 
