@@ -121,8 +121,8 @@ def _antagonists(motor: Motor, joint: Joint, activation: tuple[float, ...]) -> I
     negative, positive = (force * _moment_arm(joint) for force in forces)
     first = _muscle(motor, "negative", 1.0, (low, high), negative, fastest)
     pair = replace(first, tone=hinge_tone(motor)), _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
-    own = (("dynprm", activation),) if activation else ()
-    yield from (replace(muscle, settings=(*muscle.settings, *own)) for muscle in pair)
+    of_eyes = (("dynprm", activation),) if activation else ()
+    yield from (replace(muscle, settings=(*muscle.settings, *of_eyes)) for muscle in pair)
 
 
 def _muscle(
