@@ -60,7 +60,7 @@ class Arousal:
         self._model.actuator_biasprm[self._motors, :OF_BIAS] = self._bias + more * self._tone
         now = stiffness + more * self._stiffness
         self._model.jnt_stiffness[self._hinges] = now
-        self._model.qpos_spring[self._angles] = (stiffness * rest_rad + more * self._moment) / now
+        self._model.qpos_spring[self._angles] = rest_rad + more * (self._moment - self._stiffness * rest_rad) / now
 
 
 def checked_arousal(level: Any) -> float:

@@ -34,15 +34,15 @@ def test_an_episode_has_the_tone_of_a_spec_of_the_same_arousal(env, arousal):
     assert np.array_equal(tone(env.model), tone(load_model(env.bundle)))
 
 
-def test_slack_newborns_straighten_and_quiet_ones_rest_bent(env):
-    elbow_deg = {}
+def test_slack_newborns_straighten_their_hips_and_quiet_ones_rest_bent(env):
+    hip_deg = {}
     for arousal in (0.0, 1.0):
         env.reset(seed=0, options={"arousal": arousal})
         for _ in range(300):
             env.step(np.zeros(env.action_space.shape))
-        elbow_deg[arousal] = np.degrees(env.data.joint("robot:left_elbow").qpos[0])
-    assert elbow_deg[0.0] > -30
-    assert elbow_deg[1.0] < -80
+        hip_deg[arousal] = np.degrees(env.data.joint("robot:left_hip1").qpos[0])
+    assert hip_deg[0.0] > -40
+    assert -65 < hip_deg[1.0] < -45
 
 
 def test_arousal_is_of_a_state_and_of_a_copy(env):
