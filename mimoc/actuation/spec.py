@@ -1,9 +1,9 @@
 """The `actuation` of a spec and of a manifest."""
 
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
@@ -72,6 +72,10 @@ class ActuatorEntry(Model):
     """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as two numbers, to the
     stiffness of its hinge and to stiffness x rest angle."""
 
+    @model_serializer(mode="wrap")
+    def _without_tone(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "tone" or value}
+
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
         if self.action_low > self.action_high:
@@ -89,3 +93,7 @@ class ActuationEntry(Model):
     """Arousal that the model is written for."""
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""
+
+    @model_serializer(mode="wrap")
+    def _without_usual_arousal(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "arousal" or value != 1}

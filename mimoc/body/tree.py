@@ -32,6 +32,8 @@ class Geom:
     """Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists."""
     material: str = "skin"
     """Name of its material."""
+    grips: bool = False
+    """Whether its contacts are those of a hand that holds on."""
 
 
 @dataclass(frozen=True, slots=True)

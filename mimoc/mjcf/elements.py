@@ -38,6 +38,8 @@ class PrintedGeom:
     condim: int
     group: int
     """0 for the body, 1 for geoms that are only seen."""
+    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
