@@ -108,6 +108,10 @@ def eyes_activation(tree: BodyTree) -> Mapping[str, tuple[float, ...]]:
     return {joint: (EYES_S,) for joint, group in tree.muscle_groups.items() if group == "eyes"}
 
 
+EYES_RULE = "infants' saccades follow the main sequence of adults' (Hainline et al. 1984, S; D)"
+"""Why motors of eyes are faster than others."""
+
+
 def activation_origin(tree: BodyTree, published: str) -> dict[str, Origin]:
     """Return where the time constant of a body's actuators comes from, by key; *published* is empty if none is."""
     maturing = "relaxation of the soleus at 3 years (Lin, Brown & Walsh 1994), derived for 0 to 24 months"

@@ -25,7 +25,7 @@ from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
-from mimoc.body.part import ReferenceJoint
+from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tone import TONE
@@ -297,9 +297,10 @@ def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:
         yield "springref", Origin(text, (AGE_KEY, LAW_KEY))
     ends = ("lower", LOWER_LIMITS, figures.range_deg[0]), ("upper", UPPER_LIMITS, figures.range_deg[1])
     changing = [
-        f"{end} end from {limit.newborn_deg:g} degrees at birth ({limit.source}) to {limit.at(24.0, at_deg):g}"
+        f"{end} end from {limit.newborn_deg:g} degrees at birth to {limit.at(REFERENCE_AGE_MONTHS, at_deg):g} at 18 "
+        f"months ({limit.source}{f'; {REFERENCE}' if limit.later_deg is None else ''})"
         for end, limits, at_deg in ends
         if (limit := limits.get(figures.name))
     ]
     if changing:
-        yield "range", Origin(f"by {LAW}, {', '.join(changing)} at 18 months ({REFERENCE})", (AGE_KEY, LAW_KEY))
+        yield "range", Origin(f"by {LAW}, {', '.join(changing)}", (AGE_KEY, LAW_KEY))

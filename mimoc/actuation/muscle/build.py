@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mimoc.actuation.build_setup import (
+    EYES_RULE,
     ActuationSetup,
     Origin,
     activation,
@@ -168,10 +169,12 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         torque = Origin(f"{PEAK:g} x gear x part of forcerange", strength)
         if motor.fmax:
             torque = published_fmax(motor, "FMAX")
+        fastest = f", at least {motor.fastest_rad_s:g} rad/s of the joint; D" if motor.fastest_rad_s else ""
         curve = (
             f"lengths at the ends of the joint's range, largest isometric torque in N m = {torque.rule}, MuJoCo's "
-            f"scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"
+            f"scale, lengths where active, vmax ({REFERENCE}{fastest}), passive and lengthening force"
         )
+        yield f"{at}.dynprm", Origin(EYES_RULE, (LAW_KEY,), "s")
         yield f"{at}.gainprm", Origin(curve, torque.sources)
         yield f"{at}.biasprm", Origin(curve, torque.sources)
         length = "the range of its joint, as it pulls"

@@ -13,7 +13,15 @@ MuJoCo reads it from 3.7 on, and two muscles with Hill's curve would take two co
 
 from collections.abc import Iterator, Mapping
 
-from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin, eyes_activation
+from mimoc.actuation.build_setup import (
+    AT_ONCE,
+    EYES_RULE,
+    ActuationSetup,
+    Origin,
+    activation,
+    activation_origin,
+    eyes_activation,
+)
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
@@ -82,6 +90,7 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         origin = Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))
         if tree.growth:
             yield f"{at}.biasprm", _tone_origin(motor)
+            yield f"{at}.dynprm", Origin(EYES_RULE, ("spec.development",), "s")
         yield f"{at}.user", published_fmax(motor, "VMAX, FMAX") if motor.fmax else origin
 
 
