@@ -1,11 +1,12 @@
 """The actuators that an actuation model adds to a body, how fast they follow the command, and its changes to joints."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
+from mimoc.base.units import deg_to_rad, rad_to_deg
 from mimoc.body.origins import Origin as Origin
 from mimoc.body.tree import BodyTree, Joint
 from mimoc.mjcf.elements import Actuator
@@ -35,7 +36,39 @@ def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> A
     """Return what the actuation model of a spec makes of a body."""
     kind = ACTUATIONS[spec.model]
     section = getattr(spec, kind.name) if kind.spec else None
-    return function_of(kind.build, "build")(section, tree, timestep_s)
+    setup: ActuationSetup = function_of(kind.build, "build")(section, tree, timestep_s)
+    return setup if spec.arousal == 1 else _at_arousal(setup, spec.arousal)
+
+
+def _at_arousal(setup: ActuationSetup, arousal: float) -> ActuationSetup:
+    """Return the actuators of a quiet infant, and its joints, with the muscle tone of some arousal."""
+    joints = dict(setup.joints)
+    for actuator in setup.actuators:
+        if len(actuator.tone) == len(HINGE_TONE):
+            joints[actuator.joint] = with_tone(joints[actuator.joint], *((arousal - 1) * x for x in actuator.tone))
+    return replace(setup, actuators=tuple(_biased(actuator, arousal) for actuator in setup.actuators), joints=joints)
+
+
+def _biased(actuator: Actuator, arousal: float) -> Actuator:
+    bias = dict(actuator.settings).get("biasprm", ())
+    if not actuator.tone or len(actuator.tone) != len(bias):
+        return actuator
+    changed = tuple(now + (arousal - 1) * tone for now, tone in zip(bias, actuator.tone, strict=True))
+    settings = ((name, changed if name == "biasprm" else values) for name, values in actuator.settings)
+    return replace(actuator, settings=tuple(settings))
+
+
+HINGE_TONE = "stiffness", "stiffness x rest angle"
+"""What the muscle tone of a hinge is."""
+
+
+def with_tone(joint: Joint, stiffness_nm_per_rad: float, moment_nm: float) -> Joint:
+    """Return a hinge whose spring has muscle tone, in [N m/rad], and tone x rest angle, in [N m], besides."""
+    stiffness = joint.stiffness_nm_per_rad + stiffness_nm_per_rad
+    if not stiffness:
+        return replace(joint, stiffness_nm_per_rad=0.0)
+    rest_rad = joint.stiffness_nm_per_rad * deg_to_rad(joint.springref_deg) + moment_nm
+    return replace(joint, stiffness_nm_per_rad=stiffness, springref_deg=rad_to_deg(rest_rad / stiffness))
 
 
 MATURING_S = 0.06
@@ -45,6 +78,9 @@ No infant's muscle has been timed. Half-relaxation of the soleus takes 90 ms at 
 Walsh 1994, S), contraction times are an adult's early (McComas, Sica & Petito 1973, S): one constant for both, longer
 than an adult's.
 """
+EYES_S = 0.01
+"""Time constant of the motors of eyes under `maturing`, in [s] (D): saccades of infants follow the main sequence of
+adults' (Hainline et al. 1984, S)."""
 AT_ONCE = 0.0
 """Time constant of an actuator without an activation."""
 
@@ -63,6 +99,17 @@ def activation(tree: BodyTree, published_s: float) -> Settings:
     if time_constant_s == AT_ONCE:
         return (("dyntype", "none"),)
     return (("actlimited", "false"), ("dyntype", "filterexact"), ("dynprm", f"{time_constant_s}"))
+
+
+def eyes_activation(tree: BodyTree) -> Mapping[str, tuple[float, ...]]:
+    """Return the parameters of the activation of each joint's actuators that differ from all others', by joint."""
+    if tree.development == "published":
+        return {}
+    return {joint: (EYES_S,) for joint, group in tree.muscle_groups.items() if group == "eyes"}
+
+
+EYES_RULE = "infants' saccades follow the main sequence of adults' (Hainline et al. 1984, S; D)"
+"""Why motors of eyes are faster than others."""
 
 
 def activation_origin(tree: BodyTree, published: str) -> dict[str, Origin]:

@@ -1,9 +1,9 @@
 """The `actuation` of a spec and of a manifest."""
 
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
@@ -28,6 +28,8 @@ class ActuationSpec(Model):
 
     model: str = "torque"
     """Actuation model."""
+    arousal: Annotated[Real, Field(ge=0, le=2)] = 1.0
+    """How awake the infant is: its muscle tone is in proportion to it. 1 is quiet, 0 slack. `published` has no tone."""
     strength_age_months: Age | None = None
     """Age for which strength is computed; by default that of the infant."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(
@@ -66,6 +68,13 @@ class ActuatorEntry(Model):
     """Largest command."""
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""
+    tone: tuple[Number, ...] = ()
+    """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as two numbers, to the
+    stiffness of its hinge and to stiffness x rest angle."""
+
+    @model_serializer(mode="wrap")
+    def _without_tone(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "tone" or value}
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
@@ -80,5 +89,11 @@ class ActuationEntry(Model):
 
     model: str = "torque"
     """Actuation model."""
+    arousal: Number = 1.0
+    """Arousal that the model is written for."""
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""
+
+    @model_serializer(mode="wrap")
+    def _without_usual_arousal(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "arousal" or value != 1}

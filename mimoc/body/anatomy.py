@@ -26,6 +26,13 @@ HEAD_RULE = (
 )
 EYE_RULE = "in the surface of the head"
 NECK_RULE = "capsule from the shoulders up into the head, as thick in proportion to the head as MIMo's"
+MITTENS_FINGERS = "{side}_fingers1"
+GRIP, GRIP_DIMENSIONS = (2.0, 0.02, 0.01), 6
+"""Friction of the inside of a mitten's fingers: sliding as of skin on dry surfaces (M), torsional and rolling as of
+skin that is pressed flat over one to two centimetres (D); the contacts resist rolling, too. With these, and contacts
+that hardly slip, newborns' mittens hold 12 N or more in each direction, though a mitten wraps nothing: infants hang by
+their hands (Robinson 1891, S; fitted, D). If palms or fingertips had such contacts, infants would keep on hands and
+knees from birth or from five months on."""
 FOOT_RULE = (
     "; higher than MIMo's by the factor at which the average child's foot of that age weighs .062 + .0075 kg x age in "
     "months (mean of Sun & Jensen 1994 and Schneider & Zernicke 1992; M)"
@@ -146,13 +153,16 @@ def _maturing(parts: Sided, feet: Collection[str]) -> Sided:
     """Return MIMo's parts as they are by the law `maturing`.
 
     The head is an ellipsoid. The neck is a part of the head: published masses of segments count it with the head, and
-    the joint between trunk and head, at its lower end, carries both. Feet are higher.
+    the joint between trunk and head, at its lower end, carries both. Feet are higher, and hands hold on.
     """
     neck = next(geom for _, part in parts for geom in part.geoms if geom.name == "neck")
     return tuple((side, _maturing_part(part, neck, feet)) for side, part in parts)
 
 
 def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[str]) -> ReferencePart:
+    if any(geom.name == MITTENS_FINGERS for geom in part.geoms):
+        geoms = (_gripping(geom) if geom.name == MITTENS_FINGERS else geom for geom in part.geoms)
+        return replace(part, geoms=tuple(geoms))
     if part.name in feet:
         return replace(part, geoms=tuple(replace(geom, rule=geom.rule + FOOT_RULE) for geom in part.geoms))
     if part.name == "head":
@@ -164,6 +174,10 @@ def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[st
     if neck in part.geoms:
         return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
     return part
+
+
+def _gripping(fingers: ReferenceGeom) -> ReferenceGeom:
+    return replace(fingers, friction=GRIP, condim=GRIP_DIMENSIONS, grips=True)
 
 
 def _ankles(foot: PartKind) -> Iterator[tuple[str, str]]:

@@ -164,4 +164,5 @@ def _geom(figures: ReferenceGeom, side: str, dimensions: BodyGeometry, masses: M
         conaffinity=figures.conaffinity,
         condim=figures.condim,
         material=figures.material.format(side=side),
+        grips=figures.grips,
     )

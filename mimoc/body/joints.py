@@ -1,13 +1,20 @@
-"""Passive joints: stiffness, friction, damping, armature, rest angles and ranges, and what strong motors add to them.
+"""Passive joints: stiffness, damping, armature, rest angles and ranges, and what strong motors add to them.
 
-By the published law they are MIMo's at every age. By the law `maturing`, a passive torque keeps its proportion to
-gravity, which grows by volume x length; with constants, a newborn's neck spring alone would hold up its head (D: no
-stiffness of infants' joints was measured). With v the volume of the part that the joint moves and l the standing
-height, both relative to 18 months, a constant c of MIMo's becomes
+By the published law they are MIMo's at every age. By the law `maturing`, inertia, stiffness and damping of a joint are
+all proportional to the fifth power of height, so that children of every height swing alike (Lebiedowska & Fisk 1999, 5
+to 18 years, S; extrapolated to infants, D). With the volume v of the part that the joint moves and the standing height
+l, both relative to 18 months, stiffness, damping and armature are those of 18 months x s,
 
-    c v l^p,    p = 1 for stiffness and friction, 1.5 for damping, 2 for armature
+    s = v l²
 
-and angles go from the newborn's to MIMo's: q = q_18 + (q_0 - q_18) decay(age).
+and nothing rubs: a relaxed joint has no Coulomb friction to speak of (D). At 18 months, hips, knees, shoulders and
+elbows are those of relaxed limbs that swing freely, with the greatest weight moment W and inertia I of what hangs on
+them over all postures, the stiffness k = kappa W, armature a, and the damping ratio zeta of the pendulum test,
+
+    c = 2 zeta sqrt((k + W) (I + a))
+
+The neck has MIMo's stiffness, and other joints have MIMo's figures. Angles go from the newborn's to those of 18 months:
+q = q_18 + (q_0 - q_18) decay(age). Muscle tone is no spring; see `mimoc.body.tone`.
 """
 
 import math
@@ -16,46 +23,64 @@ from dataclasses import dataclass, replace
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
-from mimoc.body.maturation import NECK, Decay, heavier
+from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
+from mimoc.body.tone import TONE
 from mimoc.body.tree import BodyTree, Joint, MaturationFactors
 
-POWERS: Mapping[str, float] = {"stiffness": 1.0, "frictionloss": 1.0, "damping": 1.5, "armature": 2.0}
-"""Powers of the standing height that a joint's constants grow by, besides the volume of the part (D)."""
+LIMB, HEAD = 0.13, 0.4
+"""Damping ratios zeta of relaxed joints: .07 to .12 (D) of adults' shanks, which swing 8 times (S, recorded pendulum
+tests); that of the neck is a guess (D)."""
 
-TONE = Decay(2.5, 1.5)
-"""Flexor tone, shed over 2 to 4 months and gone by 6 (Amiel-Tison; Ballard 1991; M)."""
 
-_FIST = {
-    f"robot:{{side}}_{finger}_{joint}"
-    for finger in ("ff", "mf", "rf", "lf")
-    for joint in ("knuckle", "middle", "distal")
+@dataclass(frozen=True, slots=True)
+class Relaxed:
+    """A relaxed joint of 18 months, with what hangs on it in the average child of that age."""
+
+    weight_nm: float
+    """W, the greatest weight moment about the joint (D, from the compiled body)."""
+    inertia_kgm2: float
+    """I, the greatest inertia about the joint, without armature (likewise)."""
+    stiffness: float | None = None
+    """kappa; None for MIMo's stiffness. Chosen such that a shank hangs within 15 degrees of the vertical (D)."""
+    rest_deg: float | None = None
+    """Where its spring is at rest (D, a guess); None as in MIMo."""
+    damping_ratio: float = LIMB
+    """zeta."""
+    armature: float = 1.0
+    """Factor on MIMo's armature (D)."""
+
+
+RELAXED: Mapping[str, Relaxed] = {
+    "robot:{side}_hip1": Relaxed(2.08, 0.0482, 0.15, -20.0),
+    "robot:{side}_hip2": Relaxed(2.09, 0.0489, 0.7, -15.0),
+    "robot:{side}_hip3": Relaxed(0.611, 0.00995, 0.8, 20.0),
+    "robot:{side}_knee": Relaxed(0.648, 0.0102, 0.15, -40.0),
+    "robot:{side}_shoulder_horizontal": Relaxed(0.748, 0.0136, 0.1, armature=2.0),
+    "robot:{side}_shoulder_ad_ab": Relaxed(0.672, 0.0121, 0.1),
+    "robot:{side}_shoulder_rotation": Relaxed(0.210, 0.00248, 0.05),
+    "robot:{side}_elbow": Relaxed(0.215, 0.0026, 0.15, -30.0),
+    "robot:head_swivel": Relaxed(0.832, 0.00837, damping_ratio=HEAD),
+    "robot:head_tilt": Relaxed(0.836, 0.00946, damping_ratio=HEAD),
+    "robot:head_tilt_side": Relaxed(0.600, 0.00643, damping_ratio=HEAD),
 }
-"""Joints that close five fingers to a fist."""
+"""Joints that swing; the head's W and I are those of the published, lighter head, since all of a neck grows with it."""
 
-EXTRA_STIFFNESS: Mapping[str, float] = {
-    "robot:{side}_hip1": 0.5,
-    "robot:{side}_knee": 0.5,
-    "robot:{side}_fingers": 0.5,
-    "robot:{side}_elbow": 1.0,
-    **dict.fromkeys(sorted(_FIST), 0.5),
-}
-"""How much stiffer newborns' joints are by their tone, relative to the law (D; arm recoil: Ballard 1991)."""
+EYE_ARMATURE, EYE_DAMPING_PER_S, EYE_STIFFNESS_PER_S2 = 0.1, 20.0, 20.0
+"""Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast
+as adults' (Hainline et al. 1984, S)."""
+FINGER_ARMATURE, FINGER_DAMPING = 4.0, 3.0
+"""Factors on MIMo's figures of joints that close a hand, whose motors are as much stronger at birth (D)."""
 
-NEWBORN_REST_DEG: Mapping[str, float] = {
-    "robot:{side}_hip1": -65.0,
-    "robot:{side}_hip2": -30.0,
-    "robot:{side}_knee": -90.0,
-    "robot:{side}_elbow": -100.0,
+NEWBORN_FIST_DEG: Mapping[str, float] = {
     "robot:{side}_fingers": -100.0,
-    "robot:{side}_foot1": 20.0,
-    **{joint: 50.0 if joint.endswith("distal") else 65.0 for joint in sorted(_FIST)},
+    **{joint: 50.0 if joint.endswith("distal") else 65.0 for joint in FISTS},
 }
-"""Angles at which newborns' springs are at rest: hips bent by 60 to 90 degrees, knees by 90, elbows by 90 to 110, fists
-closed, ankles up (Amiel-Tison, Ballard; M); five fingers are bent as far in their ranges as a mitten's (D)."""
+"""Angles at which newborns' fingers are at rest: fists (Amiel-Tison, Ballard; M); five fingers are bent as far in their
+ranges as a mitten's (D)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,66 +91,129 @@ class Limit:
     decay: Decay
     source: str
     """Publications, with what is known of them: S read in the source, M from memory, D derived."""
+    later_deg: float | None = None
+    """At 18 months; None as in MIMo."""
+
+    def at(self, age_months: float, mimos_deg: float) -> float:
+        """Return the end at some age."""
+        later_deg = mimos_deg if self.later_deg is None else self.later_deg
+        return later_deg + (self.newborn_deg - later_deg) * self.decay(age_months)
 
 
+_HIPS = "Schmale 2003 (S: 40 to 85 out, 25 to 63 in at one year); Coon 1975 (S: out > in); 70 to 90 out at birth (M)"
 UPPER_LIMITS: Mapping[str, Limit] = {
     "robot:{side}_hip1": Limit(
         -32.0, Decay(12.0, 1.0), "Coon 1975 (S); Broughton 1993, Haas 1973, Forero 1989, Waugh 1983, Phelps 1985 (M)"
     ),
+    "robot:{side}_hip3": Limit(80.0, Decay(12.0, 1.0), _HIPS, 60.0),
     "robot:{side}_knee": Limit(-21.4, Decay(5.5, 1.0), "Broughton 1993 (S)"),
     "robot:{side}_foot1": Limit(59.0, Decay(6.0, 1.0), "Waugh 1983 (M)"),
     "robot:{side}_elbow": Limit(-19.0, Decay(3.0, 1.0), "Shah (S)"),
 }
-LOWER_LIMITS: Mapping[str, Limit] = {"robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)")}
-"""Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down."""
+LOWER_LIMITS: Mapping[str, Limit] = {
+    "robot:{side}_hip3": Limit(-40.0, Decay(12.0, 1.0), _HIPS, -40.0),
+    "robot:{side}_knee": Limit(-150.0, Decay(12.0, 1.0), "heel to buttock (M)", -150.0),
+    "robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)"),
+}
+"""Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down. Their hips
+turn further out than in."""
 
 NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
 
 
+@dataclass(frozen=True, slots=True)
+class PassiveFigures:
+    """What a joint of 18 months has by the law `maturing`, and why."""
+
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+    armature_kgm2: float
+    rest_deg: float
+    why: Mapping[str, str]
+    """By attribute in MJCF."""
+
+
 def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFactors | None) -> dict[str, Joint]:
     """Return the joints of a child by name; without *growth*, by the published law, all are as at 18 months."""
     groups, joints = reference.anatomy.groups, dict[str, Joint]()
-    age_months = reference.age_months if growth else REFERENCE_AGE_MONTHS
-    tone = TONE(age_months)
     for side, part in reference.anatomy.parts:
         for figures in part.joints:
-            left, name, rest_deg = side == "left", figures.name.format(side=side), figures.springref_deg
-            scales = _scales(name, groups[name], growth)
-            low, high = figures.range_deg
-            low = _limit(LOWER_LIMITS.get(figures.name), low, age_months)
-            high = _limit(UPPER_LIMITS.get(figures.name), high, age_months)
-            rest_deg += (NEWBORN_REST_DEG.get(figures.name, rest_deg) - rest_deg) * tone
-            stiffness_nm_per_rad = figures.stiffness_nm_per_rad * scales["stiffness"]
-            joints[name] = Joint(
+            left, name = side == "left", figures.name.format(side=side)
+            joint = Joint(
                 name,
                 axis=figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left),
                 anchor_m=mirror(shapes.built[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left),
-                range_deg=(low, high),
-                stiffness_nm_per_rad=stiffness_nm_per_rad * _stiffening(figures.name, tone),
-                damping_nms_per_rad=figures.damping_nms_per_rad * scales["damping"],
-                frictionloss_nm=figures.frictionloss_nm * scales["frictionloss"],
-                armature_kgm2=figures.armature_kgm2 * scales["armature"],
-                springref_deg=min(max(rest_deg, low), high),
+                range_deg=figures.range_deg,
+                stiffness_nm_per_rad=figures.stiffness_nm_per_rad,
+                damping_nms_per_rad=figures.damping_nms_per_rad,
+                frictionloss_nm=figures.frictionloss_nm,
+                armature_kgm2=figures.armature_kgm2,
+                springref_deg=figures.springref_deg,
             )
+            joints[name] = _matured(joint, figures, groups[name], reference.age_months, growth) if growth else joint
     return joints
 
 
-def _scales(joint: str, group: str, growth: MaturationFactors | None) -> dict[str, float]:
-    """Return the factors v l^p on a joint's constants, by attribute, for the neck also x what its head is heavier."""
-    if growth is None:
-        return dict.fromkeys(POWERS, 1.0)
-    size = growth.relative_volumes[joint] * (growth.head_gain if group == NECK else 1.0)
-    return {attribute: size * growth.relative_length**power for attribute, power in POWERS.items()}
+def _matured(joint: Joint, figures: ReferenceJoint, group: str, age_months: float, growth: MaturationFactors) -> Joint:
+    """Return a joint by the law `maturing`."""
+    at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, growth)
+    low, high = figures.range_deg
+    if limit := LOWER_LIMITS.get(figures.name):
+        low = limit.at(age_months, low)
+    if limit := UPPER_LIMITS.get(figures.name):
+        high = limit.at(age_months, high)
+    rest_deg = at_18.rest_deg + (NEWBORN_FIST_DEG.get(figures.name, at_18.rest_deg) - at_18.rest_deg) * TONE(age_months)
+    return replace(
+        joint,
+        range_deg=(low, high),
+        stiffness_nm_per_rad=at_18.stiffness_nm_per_rad * size,
+        damping_nms_per_rad=at_18.damping_nms_per_rad * size,
+        frictionloss_nm=0.0,
+        armature_kgm2=at_18.armature_kgm2 * size,
+        springref_deg=min(max(rest_deg, low), high),
+    )
 
 
-def _stiffening(joint: str, tone: float) -> float:
-    """Return how much stiffer a joint, named with `{side}`, is by some flexor tone (1 at birth)."""
-    return 1 + EXTRA_STIFFNESS.get(joint, 0.0) * tone
-
-
-def _limit(limit: Limit | None, at_18_deg: float, age_months: float) -> float:
-    return at_18_deg + (limit.newborn_deg - at_18_deg) * limit.decay(age_months) if limit else at_18_deg
+def figures_at_18(figures: ReferenceJoint, group: str) -> PassiveFigures:
+    """Return stiffness, damping, armature and rest angle of a joint of 18 months by the law `maturing`."""
+    stiffness, damping = figures.stiffness_nm_per_rad, figures.damping_nms_per_rad
+    armature, rest_deg = figures.armature_kgm2, figures.springref_deg
+    why = {
+        "stiffness": f"{stiffness:g} ({REFERENCE})",
+        "damping": f"{damping:g} ({REFERENCE})",
+        "armature": f"{armature:g} ({REFERENCE})",
+    }
+    if group == EYES:
+        armature *= EYE_ARMATURE
+        why["armature"] += f" x {EYE_ARMATURE:g} (saccades as fast as adults': Hainline et al. 1984, S; D)"
+        damping, stiffness = EYE_DAMPING_PER_S * armature, EYE_STIFFNESS_PER_S2 * armature
+        why["damping"] = f"{EYE_DAMPING_PER_S:g} / s x armature of 18 months (D)"
+        why["stiffness"] = f"{EYE_STIFFNESS_PER_S2:g} / s2 x armature of 18 months (D)"
+    elif figures.name in FINGERS:
+        armature, damping = FINGER_ARMATURE * armature, FINGER_DAMPING * damping
+        why["armature"] += f" x {FINGER_ARMATURE:g} for newborns' stronger fingers (D)"
+        why["damping"] += f" x {FINGER_DAMPING:g} for newborns' stronger fingers (D)"
+    elif relaxed := RELAXED.get(figures.name):
+        armature *= relaxed.armature
+        if relaxed.armature != 1:
+            why["armature"] += f" x {relaxed.armature:g} for its stronger motor (D)"
+        if relaxed.stiffness is not None:
+            stiffness = relaxed.stiffness * relaxed.weight_nm
+            why["stiffness"] = (
+                f"{relaxed.stiffness:g} x weight moment {relaxed.weight_nm:g} N m of 18 months (such that a relaxed "
+                "shank hangs within 15 degrees of the vertical; D)"
+            )
+        if relaxed.rest_deg is not None:
+            rest_deg = relaxed.rest_deg
+        inertia, weight = relaxed.inertia_kgm2 + armature, relaxed.weight_nm + stiffness
+        damping = 2 * relaxed.damping_ratio * math.sqrt(weight * inertia)
+        why["damping"] = (
+            f"2 x {relaxed.damping_ratio:g} x sqrt({weight:.4g} N m x {inertia:.4g} kg m2): damping ratio of the "
+            + ("neck, a guess; D" if group == NECK else "pendulum test, .07 to .12 as recorded in adults; D")
+            + ", with stiffness, weight moment, inertia and armature of 18 months"
+        )
+    return PassiveFigures(stiffness, damping, armature, rest_deg, why)
 
 
 def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTree:
@@ -133,20 +221,20 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
 
     If a motor is stronger than that of the average child of the same age, because a spec makes a part or a child larger
     or stronger, its joint's damping and armature grow with it, as far as needed for neither the speed at which damping
-    balances the motor's torque nor the acceleration of the armature under this torque to exceed MIMo's, or those of
-    the average child if they are more. With the torques T of the motor, T_a of the average child's and T_18 of MIMo's,
-    a joint's constant is multiplied by max(1, T / max(T_a, T_18 c / c_18)), where c is that of the average child and
-    c_18 that of MIMo.
+    balances the motor's torque nor the acceleration of the armature under this torque to exceed the average child's, or
+    MIMo's by the published law if they are more. With the torque T of the motor and T_a of the average child's, by the
+    published law at least MIMo's T_18, a joint's constant c is multiplied by max(1, T c_a / (T_a c)), where c_a is that
+    of the average child. By the law `maturing`, larger children are stronger and have larger joints anyway.
     """
-    at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     joints, usual_joints, matched = tree.joints, average.joints, dict[str, Joint]()
     for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):
-        joint, usual_joint, reference = joints[motor.joint], usual_joints[motor.joint], at_18[motor.joint]
+        joint, usual_joint = joints[motor.joint], usual_joints[motor.joint]
+        usual_nm = usual.gear_nm if tree.growth else max(usual.gear_nm, figures.gear_nm)
         damping, armature = (
-            max(1.0, motor.gear_nm / max(usual.gear_nm, figures.gear_nm * now / then))
-            for now, then in (
-                (usual_joint.damping_nms_per_rad, reference.damping_nms_per_rad),
-                (usual_joint.armature_kgm2, reference.armature_kgm2),
+            max(1.0, motor.gear_nm / usual_nm * (before / now if now else 1.0))
+            for now, before in (
+                (joint.damping_nms_per_rad, usual_joint.damping_nms_per_rad),
+                (joint.armature_kgm2, usual_joint.armature_kgm2),
             )
         )
         if max(damping, armature) > 1 + NOISE:
@@ -171,56 +259,48 @@ def joint_origins(
     """Return where a joint's attributes in MJCF come from, by attribute; *group* is what its strength matures with."""
     published = Origin(f"{REFERENCE}; the same at every age by the law `published`", (LAW_KEY,))
     origins = dict.fromkeys(CONSTANTS, Origin(CONSTANT) if tree.growth else published)
+    usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
     if tree.growth:
-        origins |= _maturing_origins(figures, joint.name, group, tree.age_months, tree.growth)
-    scales = _scales(joint.name, group, tree.growth)
-    for name, value, at_18 in (
-        ("damping", joint.damping_nms_per_rad, figures.damping_nms_per_rad),
-        ("armature", joint.armature_kgm2, figures.armature_kgm2),
-    ):
-        usual = at_18 * scales[name]
-        if not math.isclose(value, usual):
-            start = origins[name].rule if tree.growth else f"{usual:g} ({REFERENCE})"
-            rule = f"{start} x {value / usual:.6g}, by which its motor is stronger than the average child's"
+        at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, tree.growth)
+        origins |= _maturing_origins(figures, joint.name, group, tree.growth)
+        usual = {"damping": at_18.damping_nms_per_rad * size, "armature": at_18.armature_kgm2 * size}
+    for name, value in (("damping", joint.damping_nms_per_rad), ("armature", joint.armature_kgm2)):
+        if not math.isclose(value, usual[name]):
+            start = origins[name].rule if tree.growth else f"{usual[name]:g} ({REFERENCE})"
+            rule = f"{start} x {value / usual[name]:.6g}, by which its motor is stronger than the average child's"
             origins[name] = Origin(rule, (*origins[name].sources, f"actuator.{motor}.gear"))
     return origins
 
 
-def _maturing_origins(
-    figures: ReferenceJoint, joint: str, group: str, age_months: float, growth: MaturationFactors
-) -> dict[str, Origin]:
-    origins = dict[str, Origin]()
-    for name, at_18 in (
-        ("stiffness", figures.stiffness_nm_per_rad),
-        ("frictionloss", figures.frictionloss_nm),
-        ("damping", figures.damping_nms_per_rad),
-        ("armature", figures.armature_kgm2),
-    ):
-        text = (
-            f"{at_18:g} ({REFERENCE}) x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ "
-            f"{POWERS[name]:g}: volume of the part that the strength here follows, and standing height, relative to "
-            f"18 months, by {LAW} (a passive torque keeps its proportion to gravity; D)"
-        )
-        origins[name] = Origin(text + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
-    factor = _stiffening(figures.name, TONE(age_months))
-    if factor > 1:
-        tone = f" x {factor:.6g} for the flexor tone of this age (D; arm recoil: Ballard 1991, S)"
-        origins["stiffness"] = origins["stiffness"].times(tone)
-    return {**origins, **dict(_angle_origins(figures))}
+def _maturing_origins(figures: ReferenceJoint, joint: str, group: str, growth: MaturationFactors) -> dict[str, Origin]:
+    grown = (
+        f" x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ 2: volume of the part that the "
+        f"joint moves, and standing height, relative to 18 months, by {LAW} (Lebiedowska & Fisk 1999, S; D for infants)"
+    )
+    origins = {
+        name: Origin(why + grown + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
+        for name, why in figures_at_18(figures, group).why.items()
+    }
+    rubbing = f"none by {LAW}: a relaxed joint has no Coulomb friction to speak of, and with MIMo's no limb swings (D)"
+    return {**origins, "frictionloss": Origin(rubbing, (LAW_KEY,)), **dict(_angle_origins(figures))}
 
 
 def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:
     """Yield the origins of the angles that change with age."""
-    newborn_deg = NEWBORN_REST_DEG.get(figures.name)
+    newborn_deg, relaxed = NEWBORN_FIST_DEG.get(figures.name), RELAXED.get(figures.name)
     if newborn_deg is not None:
-        rest = f"by {LAW}, from {newborn_deg:g} degrees at birth (flexor tone: Amiel-Tison, Ballard; M)"
+        rest = f"by {LAW}, from {newborn_deg:g} degrees at birth (fists: Amiel-Tison, Ballard; M)"
         text = f"{rest} to {figures.springref_deg:g} at 18 months ({REFERENCE}), within the range"
+        yield "springref", Origin(text, (AGE_KEY, LAW_KEY))
+    elif relaxed and relaxed.rest_deg is not None:
+        text = f"by {LAW}, {relaxed.rest_deg:g} degrees at every age (a guess; D), within the range"
         yield "springref", Origin(text, (AGE_KEY, LAW_KEY))
     ends = ("lower", LOWER_LIMITS, figures.range_deg[0]), ("upper", UPPER_LIMITS, figures.range_deg[1])
     changing = [
-        f"{end} end from {limit.newborn_deg:g} degrees at birth ({limit.source}) to {at_deg:g}"
+        f"{end} end from {limit.newborn_deg:g} degrees at birth to {limit.at(REFERENCE_AGE_MONTHS, at_deg):g} at 18 "
+        f"months ({limit.source}{f'; {REFERENCE}' if limit.later_deg is None else ''})"
         for end, limits, at_deg in ends
         if (limit := limits.get(figures.name))
     ]
     if changing:
-        yield "range", Origin(f"by {LAW}, {', '.join(changing)} at 18 months ({REFERENCE})", (AGE_KEY, LAW_KEY))
+        yield "range", Origin(f"by {LAW}, {', '.join(changing)}", (AGE_KEY, LAW_KEY))

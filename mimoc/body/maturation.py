@@ -14,6 +14,16 @@ from mimoc.fits import Measurements
 
 NECK = "neck"
 """The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
+EYES, HAND = "eyes", "hand"
+"""Groups of their own."""
+FISTS = tuple(
+    f"robot:{{side}}_{finger}_{joint}"
+    for finger in ("ff", "mf", "rf", "lf")
+    for joint in ("knuckle", "middle", "distal")
+)
+"""Joints that close five fingers to a fist."""
+FINGERS = frozenset({"robot:{side}_fingers", *FISTS})
+"""Joints that close either hand."""
 RelativeVolumes = Mapping[str, Mapping[str, float]]
 """Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
 
@@ -74,3 +84,13 @@ def heavier(group: str, growth: MaturationFactors) -> str:
     """Return what is said of the neck's numbers, which grow with its heavier head."""
     gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
     return gain if group == NECK else ""
+
+
+def size_gain(joint: str, group: str, growth: MaturationFactors) -> float:
+    """Return s = v l², by which inertia, stiffness and damping of a joint grow, for the neck also x its heavier head.
+
+    With the volume v of the part that the joint moves and the standing height l, both relative to 18 months, s is
+    proportional to the fifth power of height in children who grow in proportion.
+    """
+    gain = growth.head_gain if group == NECK else 1.0
+    return growth.relative_volumes[joint] * growth.relative_length**2 * gain

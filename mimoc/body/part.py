@@ -68,6 +68,8 @@ class ReferenceGeom:
     """The measurements that only its place comes from."""
     material: str = "skin"
     """Name of its material (`mimoc.looks.appearance`)."""
+    grips: bool = False
+    """Whether its contacts are those of a hand that holds on (`mimoc.body.anatomy.GRIP`)."""
     mass_at_m: tuple[float, ...] = ()
     """The size at which it has this mass, where that is not its size in the average child of 18 months."""
 

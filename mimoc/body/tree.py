@@ -32,6 +32,8 @@ class Geom:
     """Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists."""
     material: str = "skin"
     """Name of its material."""
+    grips: bool = False
+    """Whether its contacts are those of a hand that holds on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +81,25 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class Tone:
+    """The muscle tone of a joint of a quiet infant: a torque -k (q - q_0) within the strength of its motor."""
+
+    stiffness_nm_per_rad: float
+    """k."""
+    angle_deg: float
+    """q_0, beyond the posture that tone holds, since a flexor does not resist flexion."""
+
+
+@dataclass(frozen=True, slots=True)
 class Motor(ReferenceMotor):
     """The motor of one joint of an infant, with the names of its side and the strength of its size and age."""
 
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""
+    tone: Tone | None = None
+    """Its muscle tone; None if it has none, as by the published law."""
+    fastest_rad_s: float | None = None
+    """Speed of the joint at which it no longer pulls at full command; None by the published law."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,11 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import bodies_of
 from mimoc.senses import SENSES
 
+GRIPPING = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.9999, 0.001, 0.5, 1.0)))
+"""Contacts of a hand that holds on: those of the hand, whatever it touches, and so stiff that they hardly slip.
+
+MuJoCo's friction is soft: with other geoms' contacts, 1 to 2 N squeeze a rod out of a newborn's hand (D)."""
+
 
 def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
     """Return every pose of this body as a state that rests on the ground, z = 0."""
@@ -127,6 +132,7 @@ def _geom(geom: Geom, group: int) -> PrintedGeom:
         conaffinity=geom.conaffinity,
         condim=geom.condim,
         group=group,
+        settings=GRIPPING if geom.grips else (),
     )
 
 

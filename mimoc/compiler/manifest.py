@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
+from mimoc.actuation.spec import ActuationEntry, ActuationSpec, ActuatorEntry
 from mimoc.base.kinds import Kinds
 from mimoc.base.rounding import rounded
 from mimoc.body.kinematics import stature
@@ -100,7 +100,7 @@ def make_manifest(
         step_ms=spec.control.step_ms,
         pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec.actuation.model, scene.actuators, commanded),
+        actuation=_actuation(spec.actuation, scene.actuators, commanded),
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
@@ -155,9 +155,10 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
         yield "toys", TOY_SOURCES, spec.scene.toys.source
 
 
-def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
+def _actuation(spec: ActuationSpec, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
     return ActuationEntry(
-        model=model,
+        model=spec.model,
+        arousal=spec.arousal,
         actuators=tuple(
             ActuatorEntry(
                 name=actuator.name,
@@ -165,6 +166,7 @@ def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[
                 joint=actuator.joint,
                 action_low=actuator.control_range[0],
                 action_high=actuator.control_range[1],
+                tone=actuator.tone,
                 commanded=actuator.joint in commanded,
             )
             for actuator in actuators

@@ -5,6 +5,7 @@ from typing import Any
 
 from mimoc import fits
 from mimoc.actuation.build_setup import ActuationSetup, Origin
+from mimoc.base.units import deg_to_rad
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.tree import BodyTree
@@ -109,6 +110,7 @@ MODEL_KEY = "spec.actuation.model"
 OF_JOINTS = {
     "stiffness": ("stiffness_nm_per_rad", "N m/rad"),
     "damping": ("damping_nms_per_rad", "N m s/rad"),
+    "springref": ("springref_deg", "rad"),
 }
 """What an actuation model may change of a joint: its field, and its unit."""
 
@@ -143,7 +145,8 @@ def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Ite
             value = getattr(joint, field)
             if value != getattr(tree.joints[name], field):
                 key, xml = f"joint.{name}.{attribute}", f"infant.xml: joint[@name='{name}']/@{attribute}"
-                yield key, setup.origins.get(key, unknown).entry(value, xml, unit)
+                written = deg_to_rad(value) if unit == "rad" else value
+                yield key, setup.origins.get(key, unknown).entry(written, xml, unit)
 
 
 def _xml(actuator: str, attribute: str) -> str:

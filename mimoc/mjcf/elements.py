@@ -38,6 +38,8 @@ class PrintedGeom:
     condim: int
     group: int
     """0 for the body, 1 for geoms that are only seen."""
+    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +98,9 @@ class Actuator:
     control_range: tuple[float, float]
     settings: tuple[tuple[str, tuple[float, ...]], ...]
     """Its other attributes."""
+    tone: tuple[float, ...] = ()
+    """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as two
+    numbers, to the stiffness of its hinge and to stiffness x rest angle. Empty is no tone."""
 
 
 @dataclass(frozen=True, slots=True)

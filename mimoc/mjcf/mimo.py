@@ -129,6 +129,7 @@ def _halves(range_rad: Range) -> Range:
 
 
 Settings = tuple[tuple[str, str], ...]
+Numbers = tuple[tuple[str, tuple[float, ...]], ...]
 
 OF_ACTIVATIONS = ("actlimited", "dynprm")
 """Attributes that only mean something for actuators with an activation."""
@@ -142,6 +143,11 @@ def at_once(defaults: Settings) -> Settings:
     """
     kept = (pair for pair in defaults if pair[0] not in OF_ACTIVATIONS)
     return tuple((name, "none" if name == "dyntype" else value) for name, value in kept)
+
+
+def without_activation(settings: Numbers) -> Numbers:
+    """Return a motor's own attributes without those of an activation."""
+    return tuple(pair for pair in settings if pair[0] not in OF_ACTIVATIONS)
 
 
 GEOM = "geom:"
@@ -219,7 +225,8 @@ def located(infant: SceneTree, model: str) -> SceneTree:
     """Return an infant, in no world yet, in a body of its own: servos take angles, motors have no activation."""
     within = replace(infant, roots=tuple(map(_located, infant.roots)))
     if model == "torque":
-        return replace(within, actuator_defaults=at_once(infant.actuator_defaults))
+        motors = tuple(replace(motor, settings=without_activation(motor.settings)) for motor in infant.actuators)
+        return replace(within, actuators=motors, actuator_defaults=at_once(infant.actuator_defaults))
     if model != "position":
         return within
     nodes = (node for root in infant.roots for node in root.subtree())

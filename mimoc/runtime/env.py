@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.actuation.arousal import Arousal
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.base.errors import check_name
 from mimoc.base.model_fields import ModelFields
@@ -189,12 +190,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
 
         The infant can also have another age from now on: `options={"age_months": 9.5}`. An environment made from a spec
-        can also change its scene: `options={"scene_seed": N}`.
+        can also change its scene: `options={"scene_seed": N}`, and any its arousal: `options={"arousal": 0}` is slack.
 
         Raises:
             UnknownNameError: If there is no such pose or option.
             TypeError: If the options are no dictionary.
-            ValueError: If the seed is not a non-negative integer, or the age is not one from 0 to 24.
+            ValueError: If the seed is not a non-negative integer, the age none from 0 to 24, or the arousal none to 2.
             MimocError: If there is no such infant; nothing has changed then.
         """
         options = growing.checked_options(options, self._variants)
@@ -207,6 +208,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._noise.restart(seed)
         if variant:
             self._become(variant)
+        self._living.arousal.set(options.get(growing.AROUSAL))
         observation = self._start(pose)
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
@@ -339,11 +341,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._constraints = Constraints(self.manifest.constraints, model)
         self._task = bind_task(self.bundle, model, self._custom_task)
-        fields = (*self._constraints.model_fields, *self._task.model_fields, *expression_fields(self.manifest, model))
-        self._model_fields = ModelFields(model, fields)
+        arousal = Arousal(self.manifest.actuation, model)
+        fields = [field for part in (self._constraints, self._task, arousal) for field in part.model_fields]
+        self._model_fields = ModelFields(model, (*fields, *expression_fields(self.manifest, model)))
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
         self._sites = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name) for name in self.manifest.keypoints]
-        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
+        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise, arousal
         self._living = SimulationState(self.manifest, self._infant.bare, self.data, *parts)
 
     def _open_renderer(self) -> EnvRenderer:

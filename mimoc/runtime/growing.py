@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.base.model_fields import WORLD
 from mimoc.base.random_streams import checked_seed
@@ -19,7 +20,7 @@ from mimoc.runtime.simulation_state import STATE, SimulationState, physics_of
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
-AGE, SEED, POSE = "age_months", "scene_seed", "pose"
+AGE, SEED, POSE, AROUSAL = "age_months", "scene_seed", "pose", "arousal"
 """Options of a reset."""
 
 
@@ -40,11 +41,14 @@ def checked_options(options: Any, variants: Variants | None) -> dict[str, Any]:
     Raises:
         TypeError: If they are no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
+        ValueError: If the arousal is not a number from 0 to 2.
     """
     options = options_given(options)
-    known = [POSE, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
+    known = [POSE, AROUSAL, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
     for key in options.keys() - known:
         raise UnknownNameError("reset option", str(key), known)
+    if AROUSAL in options:
+        options[AROUSAL] = checked_arousal(options[AROUSAL])
     return options
 
 
@@ -122,6 +126,7 @@ def carry_on(former: SimulationState, now: SimulationState) -> None:
     """
     mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
     now.fields.inherit(former.fields)
+    now.arousal.carry_on(former.arousal)
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)
     mujoco.mj_fwdPosition(former.model, former.data)

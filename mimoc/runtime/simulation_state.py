@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.arousal import Arousal
 from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_form
 from mimoc.bundle.manifest import Manifest
@@ -33,6 +34,7 @@ class SimulationState:
     task: Task
     schedule: Schedule
     noise: NoiseStreams
+    arousal: Arousal
 
     @property
     def state(self) -> dict[str, Any]:

@@ -3,21 +3,22 @@
 import pytest
 
 from mimoc.body.anatomy import assemble
-from mimoc.body.strength import FORWARDS, STRENGTH
+from mimoc.body.strength import STRENGTH
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
+AXIAL = (0.24, 0.26, 0.31, 0.39, 0.49, 0.69, 0.90, 0.98, 1, 1, 1)
+LEGS = (0.24, 0.24, 0.25, 0.27, 0.29, 0.34, 0.47, 0.62, 0.81, 1, 1)
 TABLE = {
-    "neck": (0.15, 0.20, 0.27, 0.36, 0.45, 0.62, 0.81, 0.92, 0.98, 1, 1),
-    "neck_front": (0.15, 0.19, 0.27, 0.38, 0.49, 0.69, 0.89, 0.97, 0.99, 1, 1),
-    "trunk": (0.15, 0.21, 0.33, 0.49, 0.63, 0.85, 0.98, 1, 1, 1, 1),
-    "arm": (0.12, 0.13, 0.14, 0.17, 0.21, 0.32, 0.51, 0.71, 0.88, 1, 1),
+    "neck": AXIAL,
+    "trunk": AXIAL,
+    "arm": (0.12, 0.12, 0.13, 0.15, 0.17, 0.24, 0.38, 0.56, 0.77, 1, 1),
     "hand": (0.40, 0.42, 0.46, 0.50, 0.55, 0.64, 0.78, 0.88, 0.95, 1, 1),
-    "hip": (0.30, 0.33, 0.37, 0.42, 0.47, 0.58, 0.73, 0.85, 0.94, 1, 1),
-    "knee": (0.15, 0.15, 0.17, 0.19, 0.23, 0.31, 0.49, 0.68, 0.85, 1, 1),
-    "ankle": (0.10, 0.10, 0.11, 0.13, 0.16, 0.24, 0.40, 0.61, 0.82, 1, 1),
+    "hip": LEGS,
+    "knee": LEGS,
+    "ankle": LEGS,
     "eyes": (1,) * 11,
 }
-"""Read off when the curves were fitted, to two digits."""
+"""Read off when the four numbers were fitted, to two digits."""
 
 
 @pytest.mark.parametrize("group", TABLE)
@@ -34,7 +35,7 @@ def test_every_joint_matures_with_a_group_that_has_a_curve(hands):
     anatomy = assemble(hands, True)
     groups = anatomy.groups
     assert set(groups) == {joint.name.format(side=side) for side, part in anatomy.parts for joint in part.joints}
-    assert set(groups.values()) == set(STRENGTH) - set(FORWARDS.values())
+    assert set(groups.values()) == set(STRENGTH)
     assert {groups[f"robot:left_{joint}"] for joint in ("foot1", "foot2", "foot3")} == {"ankle"}
     assert (groups["robot:left_hip1"], groups["robot:right_knee"], groups["robot:left_elbow"]) == ("hip", "knee", "arm")
     assert groups["robot:head_tilt"] == "neck"

@@ -177,7 +177,7 @@ def test_a_reset_starts_from_the_pose_of_the_spec_otherwise(env):
     [
         ({"pose": "sittin"}, r"'sittin' is not a pose; did you mean 'sitting'\?"),
         ({"pose": 3}, "'3' is not a pose; choose from prone, sitting, standing, supine"),
-        ({"seed": 3}, "'seed' is not a reset option; choose from pose"),
+        ({"seed": 3}, "'seed' is not a reset option; choose from arousal, pose"),
     ],
 )
 def test_bad_reset_options_are_refused_and_change_nothing(env, options, message):

@@ -1,14 +1,29 @@
-"""Muscles: two antagonists for each of MIMo's actuators, in MuJoCo's own muscle model."""
+"""Muscles: two antagonists for each of MIMo's actuators, in MuJoCo's own muscle model.
+
+Under `published`, muscles leave nothing of a joint's spring, as in MIMo; under `maturing` the relaxed joint is there
+with them. Its muscle tone is a spring of the joint, in proportion to arousal, and no least activation: MuJoCo's muscles
+have neither short-range stiffness nor stretch reflexes, so that their torque hardly changes over the range of a joint.
+A least activation of the flexor would bend a newborn's elbow all the way, and of both antagonists, to hold it at 90
+degrees as stiffly as tone does, would take more than all of their strength.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin
+from mimoc.actuation.build_setup import (
+    EYES_RULE,
+    ActuationSetup,
+    Origin,
+    activation,
+    activation_origin,
+    eyes_activation,
+    with_tone,
+)
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
-from mimoc.body.joints import POWERS
-from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
+from mimoc.body.origins import LAW_KEY, REFERENCE
 from mimoc.body.strength import published_fmax
+from mimoc.body.tone import tone_origin
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 
@@ -43,16 +58,34 @@ def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
 
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
-    joints = tree.joints
-    return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))
+    joints, eyes = tree.joints, eyes_activation(tree)
+    return tuple(
+        muscle
+        for motor in tree.motors
+        for muscle in _antagonists(motor, joints[motor.joint], eyes.get(motor.joint, ()))
+    )
 
 
 def limp_joints(tree: BodyTree) -> Mapping[str, Joint]:
-    """Return the hinges by name; only muscles move and stiffen them."""
+    """Return the hinges by name: with muscle tone, or, by the published law, moved and stiffened by muscles alone."""
+    if tree.growth:
+        joints = dict(tree.joints)
+        for motor in tree.motors:
+            if tone := hinge_tone(motor):
+                joints[motor.joint] = with_tone(joints[motor.joint], *tone)
+        return joints
     return {
         name: replace(joint, stiffness_nm_per_rad=0.0, damping_nms_per_rad=DAMPING * joint.damping_nms_per_rad)
         for name, joint in tree.joints.items()
     }
+
+
+def hinge_tone(motor: Motor) -> tuple[float, ...]:
+    """Return stiffness and stiffness x rest angle of the muscle tone at a motor's joint; nothing without tone."""
+    if motor.tone is None:
+        return ()
+    stiffness = motor.tone.stiffness_nm_per_rad
+    return stiffness, stiffness * deg_to_rad(motor.tone.angle_deg)
 
 
 def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
@@ -66,7 +99,15 @@ def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
         negative, positive = motor.fmax
     else:
         negative, positive = (PEAK * motor.gear_nm * abs(share) / _moment_arm(joint) for share in motor.force_range)
-    return motor.vmax_lengths_per_s, negative, positive
+    return vmax(motor, joint), negative, positive
+
+
+def vmax(motor: Motor, joint: Joint) -> float:
+    """Return the speed at which the muscles of a motor no longer pull, in optimal lengths a second.
+
+    By the law `maturing`, it is at least that of the joint's fastest speed; with MIMo's, newborns cannot kick.
+    """
+    return max(motor.vmax_lengths_per_s, (motor.fastest_rad_s or 0.0) * _moment_arm(joint))
 
 
 def _moment_arm(joint: Joint) -> float:
@@ -75,14 +116,19 @@ def _moment_arm(joint: Joint) -> float:
     return (LONGEST - SHORTEST) / (high - low)
 
 
-def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
+def _antagonists(motor: Motor, joint: Joint, activation: tuple[float, ...]) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
-    _, negative, positive = (force * _moment_arm(joint) for force in parameters(motor, joint))
-    yield _muscle(motor, "negative", 1.0, (low, high), negative)
-    yield _muscle(motor, "positive", -1.0, (-high, -low), positive)
+    fastest, *forces = parameters(motor, joint)
+    negative, positive = (force * _moment_arm(joint) for force in forces)
+    first = _muscle(motor, "negative", 1.0, (low, high), negative, fastest)
+    pair = replace(first, tone=hinge_tone(motor)), _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
+    of_eyes = (("dynprm", activation),) if activation else ()
+    yield from (replace(muscle, settings=(*muscle.settings, *of_eyes)) for muscle in pair)
 
 
-def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float) -> Actuator:
+def _muscle(
+    motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float, fastest: float
+) -> Actuator:
     """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
     curve = MuscleParameters(
         shortest=SHORTEST,
@@ -91,7 +137,7 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
         scale=SCALE,
         least_active=LEAST_ACTIVE,
         most_active=MOST_ACTIVE,
-        vmax=motor.vmax_lengths_per_s,
+        vmax=fastest,
         passive=PASSIVE_FORCE,
         lengthening=LENGTHENING_FORCE,
     )
@@ -105,21 +151,17 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
     )
 
 
-DAMPING_LAW = (
-    f"volume of the part that the strength here follows x standing height ^ {POWERS['damping']:g}, relative to 18 "
-    "months (D), for the neck also x what its head is heavier"
-)
-
-
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     """Yield where the numbers of the muscles come from, and of the joints."""
-    damping, sources = f"that of {REFERENCE}; the same at every age by the law `published`", (LAW_KEY,)
-    if tree.growth:
-        damping = f"what it is with torque motors at this age by {LAW}: that of {REFERENCE} x {DAMPING_LAW}"
-        sources = (LENGTH_KEY, AGE_KEY, LAW_KEY)
-    for name in tree.joints:
-        yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo, by either law", (MODEL_KEY,))
-        yield f"joint.{name}.damping", Origin(f"{DAMPING:g} x {damping}", (MODEL_KEY, *sources))
+    damping = f"{DAMPING:g} x that of {REFERENCE}; the same at every age by the law `published`"
+    for name in () if tree.growth else tree.joints:
+        yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo", (MODEL_KEY, LAW_KEY))
+        yield f"joint.{name}.damping", Origin(damping, (MODEL_KEY, LAW_KEY))
+    for motor in tree.motors:
+        if motor.tone:
+            rule = "the relaxed joint's, and with muscles, as a spring, " + tone_origin(motor).rule + ", x arousal"
+            yield f"joint.{motor.joint}.stiffness", Origin(rule, (MODEL_KEY, *tone_origin(motor).sources))
+            yield f"joint.{motor.joint}.springref", Origin(rule, (MODEL_KEY, *tone_origin(motor).sources))
     motors = {motor.name: motor for motor in tree.motors}
     for muscle in muscles(tree):
         motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"
@@ -127,10 +169,12 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         torque = Origin(f"{PEAK:g} x gear x part of forcerange", strength)
         if motor.fmax:
             torque = published_fmax(motor, "FMAX")
+        fastest = f", at least {motor.fastest_rad_s:g} rad/s of the joint; D" if motor.fastest_rad_s else ""
         curve = (
             f"lengths at the ends of the joint's range, largest isometric torque in N m = {torque.rule}, MuJoCo's "
-            f"scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"
+            f"scale, lengths where active, vmax ({REFERENCE}{fastest}), passive and lengthening force"
         )
+        yield f"{at}.dynprm", Origin(EYES_RULE, (LAW_KEY,), "s")
         yield f"{at}.gainprm", Origin(curve, torque.sources)
         yield f"{at}.biasprm", Origin(curve, torque.sources)
         length = "the range of its joint, as it pulls"

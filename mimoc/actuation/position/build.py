@@ -27,8 +27,7 @@ from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
-from mimoc.body.origins import LAW, REFERENCE
-from mimoc.body.strength import FORWARDS
+from mimoc.body.origins import REFERENCE
 from mimoc.body.tree import BodyTree, Geom, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Keyframe
@@ -137,10 +136,9 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         at, constants = f"actuator.{motor.name}", ("range", "stiffness", "springref", "damping", "armature")
         masses = (f"body.{body}.mass" for body in moved[motor.joint])
         gains = (*(f"joint.{motor.joint}.{constant}" for constant in constants), STEP_KEY, *masses)
-        matures = f", towards positive angles x strength of its front by that of its back at this age by {LAW}; D"
         limits = (
             f"gear x part of it that is reached towards negative and positive angles: {low:.6g} and {high:.6g} "
-            f"({REFERENCE}{matures if tree.growth and motor.name in FORWARDS else ''})"
+            f"({REFERENCE})"
         )
         bias = f"torque at angle 0, then by angle: -{_STIFFNESS}, less the joint's own spring, and by speed: -{_STOP}"
         yield f"{at}.forcerange", Origin(limits, (f"{at}.gear",), "N m")

@@ -91,5 +91,5 @@ def test_a_co_contracted_elbow_resists_a_push(open_env):
             env.step(command)
         return abs(float(env.data.qpos[elbow.qposadr[0]] - elbow.range.mean()))
 
-    assert moved_rad(0.8, 0.0) < 1e-3
+    assert moved_rad(0.8, 0.0) < 0.02
     assert moved_rad(0.8, 0.3) < 0.5 * moved_rad(0.0, 0.3)

@@ -1,0 +1,73 @@
+"""Muscle tone: what a quiet infant's muscles do without a command, by joint and age.
+
+Tone is a drive and no spring: it acts within the limits of a motor's strength, grows with arousal, and is gone when an
+infant is slack. Of a quiet infant, its torque is
+
+    tau = -k (q - q_0),    k = kappa W s M(age)
+
+with the greatest weight moment W of what hangs on the joint at 18 months, the growth s of passive joints (see
+`mimoc.body.joints`), and the newborn share M, 1 at birth. The angles q_0 lie beyond the posture that tone holds against
+gravity, since a flexor does not resist flexion.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mimoc.body.maturation import FISTS, Decay
+from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, Origin
+from mimoc.body.tree import Motor, Tone
+
+TONE = Decay(2.5, 1.5)
+"""Flexor tone, shed over 2 to 4 months and gone by 6 (Amiel-Tison; Ballard 1991; M)."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewbornTone:
+    """Tone at birth, for a body of the size of 18 months."""
+
+    stiffness_nm_per_rad: float
+    """kappa W (D)."""
+    angle_deg: float
+    """q_0 (D)."""
+
+
+NEWBORN_TONE: Mapping[str, NewbornTone] = {
+    "robot:{side}_hip1": NewbornTone(0.4 * 2.08, -130.0),
+    "robot:{side}_hip2": NewbornTone(1.0 * 2.09, -30.0),
+    "robot:{side}_hip3": NewbornTone(1.0 * 0.611, 40.0),
+    "robot:{side}_knee": NewbornTone(2.5 * 0.648, -90.0),
+    "robot:{side}_elbow": NewbornTone(2.5 * 0.215, -100.0),
+    "robot:{side}_foot1": NewbornTone(0.5 * 1.29, 20.0),
+    "robot:{side}_fingers": NewbornTone(0.5 * 0.017, -100.0),
+    **{joint: NewbornTone(0.0004, 50.0 if joint.endswith("distal") else 65.0) for joint in FISTS},
+}
+"""Chosen such that newborns rest with hips bent by 55 degrees, knees by 90 and elbows by 90, and kick by 50 degrees
+with less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and fingers, k is half of
+MIMo's stiffness of their joints."""
+
+SOURCE = "posture of newborns: Amiel-Tison, Ballard, M; fitted to it, D"
+
+
+def tone_of(joint: str, size: float, age_months: float) -> Tone | None:
+    """Return the tone of a joint, named with `{side}`; None if it has none at this age.
+
+    Args:
+        joint: Its name.
+        size: The growth s of passive joints, relative to 18 months.
+        age_months: The age.
+    """
+    newborn, share = NEWBORN_TONE.get(joint), TONE(age_months)
+    if newborn is None or not share:
+        return None
+    return Tone(newborn.stiffness_nm_per_rad * size * share, newborn.angle_deg)
+
+
+def tone_origin(motor: Motor) -> Origin:
+    """Return where the muscle tone of a motor comes from."""
+    if motor.tone is None:
+        return Origin("no muscle tone at this joint and age", (AGE_KEY, LAW_KEY))
+    rule = (
+        f"muscle tone of a quiet infant by {LAW}, {motor.tone.stiffness_nm_per_rad:.6g} N m/rad towards "
+        f"{motor.tone.angle_deg:g} degrees, within the strength of the motor ({SOURCE}; lost over 2 to 4 months, M)"
+    )
+    return Origin(rule, (LENGTH_KEY, AGE_KEY, LAW_KEY, "spec.actuation.arousal"))
