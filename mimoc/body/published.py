@@ -36,10 +36,11 @@ TRUNK_GEOMS: Mapping[str, tuple[float, float]] = {
 """Places of the trunk's geoms along x, which do not grow, and along z, in MIMo's reference body."""
 
 
-def standing_height(m: Measurements) -> float:
-    """Return the height of a child with some measurements, from the soles to the crown, in [m]."""
+def standing_height(child: Measurements) -> float:
+    """Return the height of a child, from the soles to the crown, in [m]."""
+    m = dict(child)
     radius_m, half_m = thigh(m)
-    trunk_m, head_m = 0.298 * m.slenderness * share(m, "hip_breadth"), 0.147 * share(m, "head_circumference")
+    trunk_m, head_m = 0.298 * child.slenderness * share(m, "hip_breadth"), 0.147 * share(m, "head_circumference")
     return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * share(m, "knee_sole_length") + foot_half_height(m)
 
 
