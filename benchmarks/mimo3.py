@@ -104,7 +104,8 @@ def compare_speed(ask: Ask, hands: str, pose: str, pixels: int, rounds: int) -> 
         names = ("MIMo 3, bare", "mimoc, bare")
         both = [ask("physics", name=name, hands=hands, pose=pose, scene=scene, own=name == names[0]) for name in names]
         sizes["physics"] = both[0], both[1]
-        episodes["physics"] = tuple(partial(ask, "episode", name=name) for name in names)  # type: ignore[assignment]
+        theirs, ours = (partial(ask, "episode", name=name) for name in names)
+        episodes["physics"] = theirs, ours
         for senses in [name for name in CONTROL_STEPS if name != "physics"]:
             theirs = ask("open", name=senses, hands=hands, pose=pose, senses=senses, pixels=pixels, scene=scene)
             ours, episode = opened(spec, senses, pixels)

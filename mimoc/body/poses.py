@@ -190,7 +190,7 @@ def _disproportion(tree: BodyTree) -> float:
     average = measure(tree.age_months, CURVES[tree.development])
     girth_m, height_m = average["mid_thigh_circumference"], average[HEIGHT]
     if tree.development == "published":
-        girth_m, height_m = 2 * math.pi * published.thigh(average)[0], published.standing_height(average)
+        girth_m, height_m = 2 * math.pi * published.thigh(dict(average))[0], published.standing_height(average)
     thighs = [tree.geoms[name] for name in ("left_upper_leg1", "right_upper_leg1") if name in tree.geoms]
     if not thighs:
         return 0.0

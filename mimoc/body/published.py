@@ -5,7 +5,6 @@ is part of those results and kept (`published_figures.DEFECTS`; docs/published.m
 the neck are those of MIMo's later release.
 """
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from operator import or_
@@ -14,15 +13,17 @@ from types import MappingProxyType
 from mimoc.base.errors import GeometryError
 from mimoc.base.kinds import PartKind
 from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.parts.five_finger import FINGERS
+from mimoc.body.parts.five_finger import FINGERS, finger_dimensions
 from mimoc.body.published_figures import SIZES_M
 from mimoc.body.sections import CLEARANCE_M
-from mimoc.body.segments import REFERENCE_M
+from mimoc.body.segments import REFERENCE_M, foot_half_height, hand_half_thickness, radius_of, share
 from mimoc.fits import Measurements
 from mimoc.geometry.rotations import Vec3
 
 TINY_M = 1e-6
 """Half length of the neck, a ball that nothing touches and that weighs nothing."""
+TIP = 0.45125
+"""By how much of its radius the straight part of a fingertip is shorter than half of the bone before it."""
 
 
 TRUNK_GEOMS: Mapping[str, tuple[float, float]] = {
@@ -35,11 +36,12 @@ TRUNK_GEOMS: Mapping[str, tuple[float, float]] = {
 """Places of the trunk's geoms along x, which do not grow, and along z, in MIMo's reference body."""
 
 
-def standing_height(m: Measurements) -> float:
-    """Return the height of a child with some measurements, from the soles to the crown, in [m]."""
+def standing_height(child: Measurements) -> float:
+    """Return the height of a child, from the soles to the crown, in [m]."""
+    m = dict(child)
     radius_m, half_m = thigh(m)
-    trunk_m, head_m = 0.298 * m.slenderness * _share(m, "hip_breadth"), 0.147 * _share(m, "head_circumference")
-    return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * _share(m, "knee_sole_length") + _foot_height(m)
+    trunk_m, head_m = 0.298 * child.slenderness * share(m, "hip_breadth"), 0.147 * share(m, "head_circumference")
+    return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * share(m, "knee_sole_length") + foot_half_height(m)
 
 
 def published_dimensions(child: Measurements, side: str, kinds: Iterable[PartKind]) -> BodyGeometry:
@@ -78,17 +80,12 @@ def _higher(pos_m: Vec3, factor: float) -> Vec3:
     return x, y, factor * z
 
 
-def _share(m: Mapping[str, float], name: str) -> float:
-    """Return a measurement as a multiple of the reference child's."""
-    return m[name] / REFERENCE_M[name]
-
-
 def _trunk(m: Mapping[str, float]) -> BodyGeometry:
-    s = _share(m, "hip_breadth")
+    s = share(m, "hip_breadth")
     shapes = {
         name: GeomShape(_times(SIZES_M[name], s), (x_m, 0.0, z_m * s)) for name, (x_m, z_m) in TRUNK_GEOMS.items()
     }
-    radius_m = 0.018375 * _share(m, "head_circumference")
+    radius_m = 0.018375 * share(m, "head_circumference")
     neck = GeomShape((radius_m, TINY_M), (0.0, 0.0, 0.131 * s + TINY_M))
     joints = {level: (0.0, 0.0, -shapes[geom].size_m[0]) for level, geom in ((1, "cb"), (2, "ub1"))}
     return BodyGeometry(
@@ -105,7 +102,7 @@ def _trunk(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _head(m: Mapping[str, float]) -> BodyGeometry:
-    s = _share(m, "head_circumference")
+    s = share(m, "head_circumference")
     eye_y_m = 0.0245 * s
     return BodyGeometry(
         shapes={"head": GeomShape((0.0735 * s,), (0.01 * s, 0.0, 0.0735 * s))},
@@ -114,7 +111,7 @@ def _head(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _eyes(m: Mapping[str, float]) -> BodyGeometry:
-    s = _share(m, "head_circumference")
+    s = share(m, "head_circumference")
     return BodyGeometry(
         origins={"{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
         shapes={"{side}_eye1": GeomShape((0.01125 * s,), (0.0, 0.0, 0.0))},
@@ -134,9 +131,9 @@ def _limb(m: Mapping[str, float], geom: str, girth: str, whole: str, less: str =
     radius_m, half_m = SIZES_M[geom]
 
     def straight_m(of: Mapping[str, float]) -> float:
-        return (of[whole] - (of[less] if less else 0.0)) / 2 - of[girth] / (2 * math.pi)
+        return (of[whole] - (of[less] if less else 0.0)) / 2 - radius_of(of[girth])
 
-    return radius_m * _share(m, girth), half_m * straight_m(m) / straight_m(REFERENCE_M)
+    return radius_m * share(m, girth), half_m * straight_m(m) / straight_m(REFERENCE_M)
 
 
 def _arm(m: Mapping[str, float]) -> BodyGeometry:
@@ -144,7 +141,7 @@ def _arm(m: Mapping[str, float]) -> BodyGeometry:
     fore_m, fore_half_m = _forearm(m)
     return BodyGeometry(
         origins={
-            "{side}_upper_arm": (0.0, -0.088 * _share(m, "hip_breadth") - radius_m / 4, 0.0),
+            "{side}_upper_arm": (0.0, -0.088 * share(m, "hip_breadth") - radius_m / 4, 0.0),
             "{side}_lower_arm": (0.0, 0.0, 2 * half_m),
         },
         shapes={
@@ -160,30 +157,26 @@ def _forearm(m: Mapping[str, float]) -> tuple[float, float]:
 
 def _mitten(m: Mapping[str, float]) -> BodyGeometry:
     fore_m, fore_half_m = _forearm(m)
-    long, fist, half_m = _share(m, "hand_length"), _share(m, "maximum_fist_breadth"), m["hand_breadth"] / 2
-    thick = _hand_thickness(m)
-    rim_m, palm_m = 0.01 * thick + 2 * CLEARANCE_M, 0.0208 * long
-    fingers_m, thumb_m = 0.0207 * long, 0.005 * thick
+    long, fist, half_m = share(m, "hand_length"), share(m, "maximum_fist_breadth"), m["hand_breadth"] / 2
+    thick_m = hand_half_thickness(m)
+    rim_m, palm_m = thick_m + 2 * CLEARANCE_M, 0.0208 * long
+    fingers_m, thumb_m = 0.0207 * long, thick_m / 2
     return BodyGeometry(
         origins={
             "{side}_hand": (0.0, 0.0, 0.087 / 0.097 * (fore_m + 2 * fore_half_m)),
             "{side}_fingers": (0.0, 0.0, 2 * palm_m),
         },
         shapes={
-            "{side}_hand1": GeomShape((0.0281 * fist, 0.01 * thick, palm_m), (thumb_m, 0.0, palm_m)),
+            "{side}_hand1": GeomShape((0.0281 * fist, thick_m, palm_m), (thumb_m, 0.0, palm_m)),
             "{side}_hand2": GeomShape((rim_m, 0.0281 * fist), (thumb_m, 0.0, 2 * palm_m)),
-            "{side}_fingers1": GeomShape((half_m - 2 * CLEARANCE_M, 0.01 * thick, fingers_m), (0.0, 0.0, fingers_m)),
+            "{side}_fingers1": GeomShape((half_m - 2 * CLEARANCE_M, thick_m, fingers_m), (0.0, 0.0, fingers_m)),
             "{side}_fingers2": GeomShape((rim_m, half_m), (0.0, 0.0, 2 * fingers_m)),
         },
     )
 
 
-def _hand_thickness(m: Mapping[str, float]) -> float:
-    return (m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"])
-
-
 def _five_fingers(m: Mapping[str, float]) -> BodyGeometry:
-    thick_m, wide = 0.00584 * _hand_thickness(m), _share(m, "hand_breadth")
+    thick_m, wide = 0.584 * hand_half_thickness(m), share(m, "hand_breadth")
     palm_m, half_m = m["hand_length"] / 4 - thick_m, m["hand_length"] / 8
     middle_m = m["middle_finger_diameter"] / 2
     knuckle_x_m = 0.01712 * wide - CLEARANCE_M - 0.95 * middle_m
@@ -198,19 +191,19 @@ def _five_fingers(m: Mapping[str, float]) -> BodyGeometry:
     dimensions = _palm(m, palm_m, thick_m)
     for name, root in roots.items():
         girth, length = FINGERS[name]
-        dimensions |= _finger(name, root, girth * middle_m, length * half_m)
+        dimensions |= finger_dimensions(name, root, girth * middle_m, length * half_m, TIP)
     return dimensions | _thumb(m)
 
 
 def _palm(m: Mapping[str, float], palm_m: float, thick_m: float) -> BodyGeometry:
     fore_m, fore_half_m = _forearm(m)
-    wide, half_m = _share(m, "hand_breadth"), m["hand_breadth"] / 2
+    wide, half_m = share(m, "hand_breadth"), m["hand_breadth"] / 2
     side_m, outer_m, inner_m, rim_m = 0.00588 * wide, 0.00508 * wide, 0.01712 * wide, thick_m + CLEARANCE_M
     hand_x_m, meta_x_m = 0.007 * wide, -0.00882 * wide - CLEARANCE_M
     anchors = {k: (-hand_x_m, 0.0, -share * palm_m) for k, share in ((1, 3 / 5), (2, 4 / 5), (3, 1.0))}
     return BodyGeometry(
         origins={
-            "{side}_hand": (hand_x_m, 0.0, 0.11032 / (2 * (0.023 + 0.037)) * 2 * (fore_m + fore_half_m)),
+            "{side}_hand": (hand_x_m, 0.0, 0.11032 / (0.023 + 0.037) * (fore_m + fore_half_m)),
             "{side}_lfmetacarpal": (-0.01498 * wide, 0.0, 0.0031 * wide),
         },
         shapes={
@@ -227,26 +220,10 @@ def _palm(m: Mapping[str, float], palm_m: float, thick_m: float) -> BodyGeometry
     )
 
 
-def _finger(name: str, root: Vec3, radius_m: float, half_m: float) -> BodyGeometry:
-    tip_m = half_m / 2 - 0.45125 * radius_m
-    return BodyGeometry(
-        origins={
-            f"{{side}}_{name}knuckle": root,
-            f"{{side}}_{name}middle": (0.0, 0.0, 2 * half_m),
-            f"{{side}}_{name}distal": (0.0, 0.0, half_m),
-        },
-        shapes={
-            f"{{side}}_{name}knuckle1": GeomShape((radius_m, half_m), (0.0, 0.0, half_m)),
-            f"{{side}}_{name}middle1": GeomShape((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
-            f"{{side}}_{name}distal1": GeomShape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
-        },
-    )
-
-
 def _thumb(m: Mapping[str, float]) -> BodyGeometry:
     whole_m, radius_m = m["hand_length"] / 8, m["thumb_diameter"] / 2
     bones = {"base": (radius_m, 0.75), "hub": (0.95 * radius_m, 0.525), "distal": (0.9025 * radius_m, 0.4875)}
-    root = 0.0123 * _share(m, "hand_breadth"), -0.00423 * _hand_thickness(m), -0.01602 * _share(m, "hand_length")
+    root = 0.0123 * share(m, "hand_breadth"), -0.423 * hand_half_thickness(m), -0.01602 * share(m, "hand_length")
     return BodyGeometry(
         origins={
             "{side}_thbase": root,
@@ -267,11 +244,11 @@ def thigh(m: Mapping[str, float]) -> tuple[float, float]:
 
 def _leg(m: Mapping[str, float]) -> BodyGeometry:
     radius_m, half_m = thigh(m)
-    calf_m, ankle_m = (m[f"{part}_circumference"] / (2 * math.pi) for part in ("calf", "ankle"))
-    s = _share(m, "knee_sole_length")
+    calf_m, ankle_m = (radius_of(m[f"{part}_circumference"]) for part in ("calf", "ankle"))
+    s = share(m, "knee_sole_length")
     return BodyGeometry(
         origins={
-            "{side}_upper_leg": (0.005, -0.051 * _share(m, "hip_breadth"), -0.007),
+            "{side}_upper_leg": (0.005, -0.051 * share(m, "hip_breadth"), -0.007),
             "{side}_lower_leg": (0.0, 0.0, -2 * radius_m - half_m),
             "{side}_foot": (0.0, 0.0, -0.176 * s),
         },
@@ -283,13 +260,8 @@ def _leg(m: Mapping[str, float]) -> BodyGeometry:
     )
 
 
-def _foot_height(m: Mapping[str, float]) -> float:
-    """Return half of the height of a foot."""
-    return 0.01 * (m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"])
-
-
 def _foot(m: Mapping[str, float]) -> BodyGeometry:
-    s, half_m, height_m = _share(m, "foot_length"), m["foot_breadth"] / 2, _foot_height(m)
+    s, half_m, height_m = share(m, "foot_length"), m["foot_breadth"] / 2, foot_half_height(m)
     return BodyGeometry(
         shapes={
             "{side}_foot1": GeomShape((half_m - CLEARANCE_M, height_m - CLEARANCE_M), (-0.016 * s, 0.0, 0.0)),
@@ -301,7 +273,7 @@ def _foot(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _toes(name: str, m: Mapping[str, float], half_m: float, widths_m: tuple[float, float], y_m: float) -> BodyGeometry:
-    s, height_m = _share(m, "foot_length"), _foot_height(m)
+    s, height_m = share(m, "foot_length"), foot_half_height(m)
     box_m, tip_m = widths_m
     return BodyGeometry(
         origins={f"{{side}}_{name}": (0.054 * s, y_m, 0.0)},
@@ -318,7 +290,7 @@ def _flat_foot(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _two_toed_foot(m: Mapping[str, float]) -> BodyGeometry:
-    wide = _share(m, "foot_breadth")
+    wide = share(m, "foot_breadth")
     big = _toes("big_toe", m, 0.0095, (0.007 * wide, 0.0075 * wide), 0.0175 * wide)
     return _foot(m) | big | _toes("toes", m, 0.0095, (0.016 * wide, 0.0165 * wide), -0.0075 * wide)
 

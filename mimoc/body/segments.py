@@ -21,8 +21,8 @@ def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: flo
     far apart as shoulders are broad. By the law `maturing`, strength and masses follow the volumes of these shapes;
     bodies have other ones (`measured_trunk`), which have the measured girths, breadths and lengths.
     """
-    pelvis_radius_m = 0.048 * _share(m, "hip_circumference")
-    belly_scale = _share(m, "chest_circumference")
+    pelvis_radius_m = 0.048 * share(m, "hip_circumference")
+    belly_scale = share(m, "chest_circumference")
     shoulder_y_m = m["shoulder_breadth"] / 2
     axial = axial_spacing(m["crown_rump_length"], head_radius_m, pelvis_radius_m)
     belly_radius_m = min(0.052 * belly_scale, 0.129 * axial - pelvis_radius_m)
@@ -31,13 +31,13 @@ def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: flo
     return Trunk(
         axial=axial,
         pelvis=(pelvis_radius_m, m["hip_breadth"] / 2),
-        waist=(0.053 * _share(m, "waist_circumference"), (m["hip_breadth"] + m["chest_breadth"]) / 4),
+        waist=(0.053 * share(m, "waist_circumference"), (m["hip_breadth"] + m["chest_breadth"]) / 4),
         belly=(belly_radius_m, m["chest_breadth"] / 2),
         ribs=(0.048 * belly_scale, m["chest_breadth"] / 2),
         girdle=(0.041 * belly_scale, shoulder_y_m - arm_radius_m - CLEARANCE_M),
         shoulder_y_m=shoulder_y_m,
         arm_inwards_m=0.0,
-        hip_y_m=0.051 * _share(m, "hip_breadth"),
+        hip_y_m=0.051 * share(m, "hip_breadth"),
         rump_m=pelvis_radius_m - 0.012 * axial,
         buttocks_m=pelvis_radius_m,
     )
@@ -46,7 +46,7 @@ def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: flo
 def _mimos_arm(m: Mapping[str, float]) -> tuple[float, float]:
     """Return the lengths of MIMo's upper arm and forearm, in the reference body's proportion to measured ones."""
     to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
-    return 0.1076 * _share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
+    return 0.1076 * share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
 
 
 def _mimos_leg(
@@ -57,8 +57,8 @@ def _mimos_leg(
     They are in proportion to rump-knee and knee-sole length, as in the reference body; if one of these was replaced,
     its segment changes in the same proportion.
     """
-    thigh_m = 0.135 * _share(base, "rump_knee_length")
-    shank_m = 0.187 * _share(base, "knee_sole_length") - foot_height_m
+    thigh_m = 0.135 * share(base, "rump_knee_length")
+    shank_m = 0.187 * share(base, "knee_sole_length") - foot_height_m
     unit_m = leg_m / (thigh_m + shank_m)
     return (
         unit_m * thigh_m * m["rump_knee_length"] / base["rump_knee_length"],
@@ -66,7 +66,7 @@ def _mimos_leg(
     )
 
 
-def _share(m: Mapping[str, float], name: str) -> float:
+def share(m: Mapping[str, float], name: str) -> float:
     """Return a measurement as a multiple of the reference child's."""
     return m[name] / REFERENCE_M[name]
 
@@ -171,8 +171,8 @@ def proportions(
     Raises:
         GeometryError: If a measurement does not fit the others.
     """
-    head_radius_m = _radius(m["head_circumference"])
-    arm_radius_m, foot = _radius(m["upper_arm_circumference"]), _foot(m, foot_height)
+    head_radius_m = radius_of(m["head_circumference"])
+    arm_radius_m, foot = radius_of(m["upper_arm_circumference"]), _foot(m, foot_height)
     if mimos:
         trunk = _mimos_trunk(m, head_radius_m, arm_radius_m)
         upper_arm_m, forearm_m = _mimos_arm(m)
@@ -181,19 +181,19 @@ def proportions(
         trunk = measured_trunk(m, base, head_radius_m, arm_radius_m)
         upper_arm_m, forearm_m = _arm(m)
         thigh_m, shank_m = _leg(m, base, trunk, foot)
-    thigh = Limb(thigh_m, _radius(m["mid_thigh_circumference"]))
-    shank = Limb(shank_m, _radius(m["calf_circumference"]))
+    thigh = Limb(thigh_m, radius_of(m["mid_thigh_circumference"]))
+    shank = Limb(shank_m, radius_of(m["calf_circumference"]))
     return Proportions(
         head_radius_m=head_radius_m,
         head_half_axes_m=_head_half_axes(m),
         trunk=trunk,
         upper_arm=Limb(upper_arm_m, arm_radius_m),
-        forearm=Limb(forearm_m, _radius(m["forearm_circumference"])),
+        forearm=Limb(forearm_m, radius_of(m["forearm_circumference"])),
         hand=_hand(m, base),
         thigh=thigh,
         shank=shank,
         knee_forward_m=KNEE_FORWARD * max(0.0, thigh.radius_m - shank.radius_m),
-        ankle_radius_m=_radius(m["ankle_circumference"]),
+        ankle_radius_m=radius_of(m["ankle_circumference"]),
         foot=foot,
     )
 
@@ -204,7 +204,7 @@ def _arm(m: Mapping[str, float]) -> tuple[float, float]:
     Shoulder-elbow length is taken from the top of the shoulder to below the bent elbow, elbow-hand length from behind
     it to the fingertips.
     """
-    upper_radius_m, radius_m = (_radius(m[f"{part}_circumference"]) for part in ("upper_arm", "forearm"))
+    upper_radius_m, radius_m = (radius_of(m[f"{part}_circumference"]) for part in ("upper_arm", "forearm"))
     whole_m, to_wrist_m = m["shoulder_elbow_length"], m["elbow_hand_length"] - m["hand_length"]
     beyond_m = min(upper_radius_m + radius_m, UPPER_ARM_FLESH * whole_m)
     behind_m = min(max(upper_radius_m, radius_m), FOREARM_FLESH * to_wrist_m)
@@ -213,12 +213,11 @@ def _arm(m: Mapping[str, float]) -> tuple[float, float]:
 
 def _hand(m: Mapping[str, float], base: Mapping[str, float]) -> Hand:
     """Return a hand; in a stout child the thickness of fingers is limited by their spacing, unless it is given."""
-    thickness = (m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"])
     return Hand(
         length_m=m["hand_length"],
         half_breadth_m=m["hand_breadth"] / 2,
         half_fist_m=m["maximum_fist_breadth"] / 2,
-        half_thickness_m=0.01 * thickness,
+        half_thickness_m=hand_half_thickness(m),
         finger_radius_m=_finger_radius(m, base, "middle_finger_diameter", FINGER_ROOM),
         thumb_radius_m=_finger_radius(m, base, "thumb_diameter", THUMB_ROOM),
     )
@@ -228,9 +227,18 @@ def _finger_radius(m: Mapping[str, float], base: Mapping[str, float], name: str,
     return m[name] / 2 if m[name] != base[name] else min(m[name] / 2, room * m["hand_length"])
 
 
+def hand_half_thickness(m: Mapping[str, float]) -> float:
+    """Return half of the thickness of a hand, MIMo's in proportion to its length and breadth, in [m]."""
+    return 0.01 * ((m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"]))
+
+
 def _foot(m: Mapping[str, float], relative_height: float) -> Foot:
-    height = (m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"])
-    return Foot(m["foot_length"], m["foot_breadth"] / 2, 0.01 * height * relative_height)
+    return Foot(m["foot_length"], m["foot_breadth"] / 2, foot_half_height(m) * relative_height)
+
+
+def foot_half_height(m: Mapping[str, float]) -> float:
+    """Return half of the height of a foot, MIMo's in proportion to its length and breadth, in [m]."""
+    return 0.01 * ((m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"]))
 
 
 def _head_half_axes(m: Mapping[str, float]) -> tuple[float, float]:
@@ -246,7 +254,7 @@ def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: 
     proportion; if one of these was replaced, the segment changes by as much.
     """
     leg_m = _leg_length(m, trunk, foot)
-    thigh_radius_m, calf_radius_m = (_radius(base[f"{part}_circumference"]) for part in ("mid_thigh", "calf"))
+    thigh_radius_m, calf_radius_m = (radius_of(base[f"{part}_circumference"]) for part in ("mid_thigh", "calf"))
     behind_m = min(trunk.buttocks_m + calf_radius_m, THIGH_FLESH * base["rump_knee_length"])
     above_m = thigh_radius_m - KNEE_FORWARD * max(0.0, thigh_radius_m - calf_radius_m)
     above_m = min(above_m, SHANK_FLESH * base["knee_sole_length"]) + foot.half_height_m
@@ -264,5 +272,6 @@ def _leg_length(m: Mapping[str, float], trunk: Trunk, foot: Foot) -> float:
     return leg_m
 
 
-def _radius(circumference_m: float) -> float:
+def radius_of(circumference_m: float) -> float:
+    """Return the radius of a circle, in [m]."""
     return circumference_m / (2 * math.pi)

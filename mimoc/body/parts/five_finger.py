@@ -262,7 +262,7 @@ def fingers_dimensions(p: Proportions) -> BodyGeometry:
     }
     for name, root in roots.items():
         girth, length = FINGERS[name]
-        dimensions |= _finger_dimensions(name, root, girth * h.finger_radius_m, length * h.length_m / 8)
+        dimensions |= finger_dimensions(name, root, girth * h.finger_radius_m, length * h.length_m / 8)
     return dimensions | _thumb_dimensions(h, palm_m, wide)
 
 
@@ -291,9 +291,17 @@ def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide
     )
 
 
-def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) -> BodyGeometry:
-    """Return three phalanges, the first twice as long, from joint to joint, as each of the others."""
-    tip_m = half_m / 2 - 0.45 * radius_m
+def finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float, tip: float = 0.45) -> BodyGeometry:
+    """Return three phalanges, the first twice as long, from joint to joint, as each of the others.
+
+    Args:
+        name: Of the finger.
+        root: Place of its first joint, in the frame of the part that it is on, in [m].
+        radius_m: Of the first phalanx.
+        half_m: Half of its length.
+        tip: By how much of that radius the last one's straight part is shorter than the second's.
+    """
+    tip_m = half_m / 2 - tip * radius_m
     return BodyGeometry(
         origins={
             f"{{side}}_{name}knuckle": root,
