@@ -22,8 +22,8 @@ from functools import partial
 
 import numpy as np
 
-from mimoc.actuation.build_setup import ActuationSetup, Origin
-from mimoc.actuation.muscle.build import LONGEST, SHORTEST
+from mimoc.actuation.build_setup import ActuationSetup, Origin, eyes_activation
+from mimoc.actuation.muscle.build import LONGEST, SHORTEST, hinge_tone
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
@@ -176,7 +176,13 @@ def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
         timestep_s: Of the physics; the longer, the softer are the servos, so that none of them shakes.
     """
     joints, inertias_kgm2, step_s = tree.joints, inertias(tree), max(timestep_s, FINEST_STEP_S)
-    return tuple(_servo(motor, joints[motor.joint], *inertias_kgm2[motor.joint], step_s) for motor in tree.motors)
+    eyes, made = eyes_activation(tree), list[Actuator]()
+    for motor in tree.motors:
+        of_eyes = eyes.get(motor.joint, ())
+        lag_s = of_eyes[0] if of_eyes else LAG_S
+        servo = _servo(motor, joints[motor.joint], *inertias_kgm2[motor.joint], step_s, lag_s)
+        made.append(replace(servo, settings=(*servo.settings, ("dynprm", of_eyes))) if of_eyes else servo)
+    return tuple(made)
 
 
 def servo_joints(tree: BodyTree) -> Mapping[str, Joint]:
@@ -198,7 +204,7 @@ def held(tree: BodyTree, keyframe: Keyframe) -> Keyframe:
     return replace(keyframe, settings=(("act", tuple(commands)), ("ctrl", tuple(commands))))
 
 
-def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, step_s: float) -> Actuator:
+def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, step_s: float, lag_s: float) -> Actuator:
     """Return the servo of a joint; it makes up for the joint's own spring.
 
     What it damps by itself would stop the joint at its lightest within one physics step, and no more than that: MuJoCo
@@ -206,9 +212,11 @@ def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, s
     """
     middle, half = _range(joint)
     damping = least_kgm2 / step_s
-    lag_s = max(LAG_S, STEPS_OF_LAG * step_s, _braking_s(motor, joint, largest_kgm2))
+    lag_s = max(lag_s, STEPS_OF_LAG * step_s, _braking_s(motor, joint, largest_kgm2))
     stiffness = (damping + _damping(motor, joint)) / lag_s
     at_zero_nm = stiffness * middle - joint.stiffness_nm_per_rad * deg_to_rad(joint.springref_deg)
+    by_angle = joint.stiffness_nm_per_rad - stiffness
+    tone = _tone(motor)
     low, high = motor.force_range
     return Actuator(
         name=motor.name,
@@ -219,9 +227,16 @@ def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, s
         settings=(
             ("forcerange", (low * (motor.gear_nm or 1.0), high * (motor.gear_nm or 1.0))),
             ("gainprm", (stiffness * half,)),
-            ("biasprm", AffineBias(at_zero_nm, joint.stiffness_nm_per_rad - stiffness, -damping)),
+            ("biasprm", AffineBias(at_zero_nm + tone.at_zero, by_angle + tone.by_length, -damping)),
         ),
+        tone=tone if motor.fastest_rad_s else (),
     )
+
+
+def _tone(motor: Motor) -> AffineBias:
+    """Return what muscle tone adds to the bias of a servo."""
+    stiffness, moment_nm = hinge_tone(motor) or (0.0, 0.0)
+    return AffineBias(moment_nm, -stiffness, 0.0)
 
 
 def _braking_s(motor: Motor, joint: Joint, inertia_kgm2: float) -> float:
@@ -238,11 +253,13 @@ def _braking_s(motor: Motor, joint: Joint, inertia_kgm2: float) -> float:
 
 
 def _damping(motor: Motor, joint: Joint) -> float:
-    """Return the joint's own damping, or what takes up its motor's peak torque at the speed of its muscles.
+    """Return the joint's own damping, by the published law at least what takes up its motor's peak torque.
 
-    A muscle is as long as .75 to 1.05 optimal lengths over the range of its joint, and does not pull at VMAX lengths a
+    That is at the speed at which its muscles no longer pull: a muscle is as long as .75 to 1.05 optimal lengths over the range of its joint, and does not pull at VMAX lengths a
     second (MIMo).
     """
+    if motor.fastest_rad_s:
+        return joint.damping_nms_per_rad
     _, half = _range(joint)
     fastest_rad_s = motor.vmax_lengths_per_s * 2 * half / (LONGEST - SHORTEST)
     return max(joint.damping_nms_per_rad, motor.gear_nm * max(map(abs, motor.force_range)) / fastest_rad_s)

@@ -32,8 +32,11 @@ class DelayedMotors:
     near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
     """
 
-    def __init__(self, infant: TrialInfant, interval_s: float):
-        """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval."""
+    def __init__(self, infant: TrialInfant, interval_s: float, bias: FloatArray | None = None):
+        """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval.
+
+        Torques are those beside a *bias* of motors and servos, shape (nu, mjNBIAS); their whole bias unless given.
+        """
         model = infant.model
         self._model, self._interval_s = model, interval_s
         self._slot = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
@@ -42,7 +45,9 @@ class DelayedMotors:
         self._low, self._high = model.actuator_ctrlrange.T
         self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
         self._gain = model.actuator_gainprm[:, 0]
-        self._bias = AffineBias(*(model.actuator_biasprm[:, column] for column in range(len(AffineBias._fields))))
+        self.biases = model.actuator_biasprm if bias is None else bias
+        """Bias parameters beside which torques are counted, shape (nu, mjNBIAS)."""
+        self._bias = AffineBias(*(self.biases[:, column] for column in range(len(AffineBias._fields))))
         filtered = np.flatnonzero(model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE)
         self._filtered, self._states = filtered, model.actuator_actadr[filtered]
         times_s = model.actuator_dynprm[filtered, TIME_CONSTANT]

@@ -55,6 +55,8 @@ class TrialInfant:
     """Its delays of senses and of commands."""
     servos: bool = False
     """Whether its commands are angles that servos go to."""
+    toneless_bias: FloatArray | None = None
+    """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them."""
 
     @cached_property
     def angles(self) -> IntArray:
@@ -188,8 +190,19 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     grown = grown_to(spec, age_months, conditions)
     with errors_at(spec, age_months):
         model = compile_infant(grown)
-    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
-    return TrialInfant(model, joints, longest_delays_s(grown), has_servos(grown))
+    return in_trial(model, grown)
+
+
+def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
+    """Return the infant of a model that was compiled from some spec, perhaps with other things in its world."""
+    joints, servos = np.unique(model.actuator_trnid[:, 0]).astype(np.intp), has_servos(spec)
+    bias = compile_infant(without_tone(spec)).actuator_biasprm if servos else None
+    return TrialInfant(model, joints, longest_delays_s(spec), servos, bias)
+
+
+def without_tone(spec: InfantSpec) -> InfantSpec:
+    """Return a spec whose infant has no muscle tone."""
+    return spec.model_copy(update={"actuation": spec.actuation.model_copy(update={"arousal": 0.0})})
 
 
 @lru_cache(maxsize=64)

@@ -2,8 +2,8 @@
 
 A motor's control, and the activation of the muscle that pulls the wanted way, is the share itself, through the filter
 of its activation. So a share is one of the torque limit in the stronger direction, and the weaker direction gives its
-own limit at most. Of a servo, the control is found that makes it give as much at the end of the coming physics step:
-left alone, it would hold its joint stiffly instead of leaving it quiet.
+own limit at most. Of a servo, the control is found that makes it give as much at the end of the coming physics step,
+beside its muscle tone: left alone, it would hold its joint stiffly instead of leaving it quiet.
 """
 
 import copy
@@ -41,7 +41,7 @@ class Drive:
         self._gear = model.actuator_gear[:, 0].copy()
         self._muscles = _muscles(model)
         self._limits = (model.actuator_forcerange * self._gear[:, None]).T
-        self._servos = DelayedMotors(infant, model.opt.timestep) if infant.servos else None
+        self._servos = DelayedMotors(infant, model.opt.timestep, infant.toneless_bias) if infant.servos else None
         self._scratch = mujoco.MjData(model)
 
     def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
@@ -65,16 +65,33 @@ class Drive:
         return np.clip(wanted, *self._infant.model.actuator_ctrlrange.T)
 
     def _of_servos(self, servos: DelayedMotors, data: mujoco.MjData, shares: FloatArray) -> FloatArray:
-        torques_nm = np.zeros(len(shares))
-        torques_nm[self._slots] = np.clip(shares[self._slots] * np.abs(self._limits).max(axis=0), *self._limits)
-        self._scratch.actuator_length[:] = self._gear * data.qpos[self._infant.angles][self._slots]
-        return servos.controls(self._scratch, data.act, torques_nm, data.qvel[self._infant.dofs])
+        infant, peaks_nm, torques_nm = self._infant, np.abs(self._limits).max(axis=0), np.zeros(len(shares))
+        lengths = self._gear * data.qpos[infant.angles][self._slots]
+        bias = infant.model.actuator_biasprm - servos.biases
+        tone_nm = self._gear * (bias[:, 0] + bias[:, 1] * lengths)
+        torques_nm[self._slots] = np.clip(shares[self._slots] * peaks_nm, *self._limits)
+        acting_nm = np.zeros(len(shares))
+        acting_nm[self._slots] = np.clip(torques_nm[self._slots] + tone_nm, *self._limits)
+        soon_rad_s = self._speeds_soon(data, acting_nm)
+        self._scratch.actuator_length[:] = lengths
+        return servos.controls(self._scratch, data.act, torques_nm, soon_rad_s[infant.dofs])
+
+    def _speeds_soon(self, data: mujoco.MjData, torques_nm: FloatArray) -> FloatArray:
+        """Return the speeds, shape (nv,), after a step with torques at the driven hinges: servos damp those."""
+        model, scratch = self._infant.model, self._scratch
+        scratch.qpos[:], scratch.qvel[:] = data.qpos, data.qvel
+        mujoco.mj_fwdPosition(model, scratch)
+        mujoco.mj_fwdVelocity(model, scratch)
+        force, acceleration = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias, np.zeros((1, model.nv))
+        force[self._infant.dofs] += torques_nm
+        mujoco.mj_solveM(model, scratch, acceleration, force[None])
+        return data.qvel + model.opt.timestep * acceleration[0]
 
 
 def slack(infant: TrialInfant) -> TrialInfant:
-    """Return an infant without any activity, tone included: its joints have their passive properties alone.
+    """Return an infant whose motors and servos give nothing, and whose muscles are at rest.
 
-    Motors and servos give nothing; muscles are at rest, and resist being stretched as before.
+    Muscles resist being stretched as before; a muscle tone that is a spring of joints stays (see `Subject.slack`).
     """
     model = copy.copy(infant.model)
     muscles = _muscles(model)

@@ -13,7 +13,7 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.measuring import infant_files
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.studies.milestones.infant import TrialInfant, has_servos, longest_delays_s
+from mimoc.studies.milestones.infant import TrialInfant, in_trial
 from mimoc.studies.movement.drive import has_joint
 
 HAND, ROD = "left_hand", "rod"
@@ -97,9 +97,7 @@ def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
     size = [RADIUS * hand.length_m, ROD_HALF_M, 0.0]
     capsule = mujoco.mjtGeom.mjGEOM_CAPSULE
     rod.add_geom(name=ROD, type=capsule, size=size, mass=ROD_KG, friction=list(ROD_FRICTION), condim=4)
-    model = scene.compile()
-    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
-    return TrialInfant(model, joints, longest_delays_s(spec), has_servos(spec))
+    return in_trial(scene.compile(), spec)
 
 
 def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 from mimoc.quantities import Quantity
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones.infant import TrialInfant
+from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at, without_tone
+from mimoc.studies.movement.drive import slack
 
 Values = Mapping[str, float | None]
 """What was measured, by the name of the measure; None if it did not happen, as a kick that never gets far enough."""
@@ -18,6 +19,11 @@ class Subject:
     infant: TrialInfant
     spec: InfantSpec
     """At its age, for trials that add something to its world."""
+
+    @property
+    def slack(self) -> TrialInfant:
+        """The infant without any activity, muscle tone included: its joints have their passive properties alone."""
+        return slack(compile_at(without_tone(self.spec), self.spec.age_months, Conditions()))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
-from mimoc.studies.movement.drive import all_but, angle_deg, floating, slack
+from mimoc.studies.movement.drive import all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 SWINGING_S = 8.0
@@ -42,12 +42,12 @@ def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[s
     """Return how a limb swings that is let go, all other joints held and nothing touched.
 
     Args:
-        infant: The infant; it is made slack.
+        infant: A slack infant.
         joint: The hinge that swings, without `robot:`.
         start_deg: Its angle before it is let go.
         posture_deg: Angles of the others, by hinge; the trunk is upright.
     """
-    held = all_but(floating(slack(infant)), joint)
+    held = all_but(floating(infant), joint)
     data = held.placed(0.0, {**posture_deg, joint: start_deg}, ABOVE_M)
     trace = [angle_deg(held, data, joint)]
     for _ in range(round(SWINGING_S / held.model.opt.timestep)):
@@ -92,7 +92,7 @@ THIGHS_LEVEL_DEG = {"left_hip1": -90.0, "right_hip1": -90.0}
 
 
 def _pendulum(subject: Subject) -> Values:
-    infant = subject.infant
+    infant = subject.slack
     straight_deg = min(infant.range_deg("left_knee")[1], 0.0)
     shank = swing(infant, "left_knee", straight_deg, THIGHS_LEVEL_DEG)
     return {
@@ -104,7 +104,7 @@ def _pendulum(subject: Subject) -> Values:
 
 
 def _damping(subject: Subject) -> Values:
-    infant = slack(subject.infant)
+    infant = subject.slack
     return {f"damping_{name}": damping_ratio(infant, joint) for name, joint in JOINTS.items()}
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones import Conditions, TrialInfant, compile_at
+from mimoc.studies.movement.trial import Subject
 from mimoc.studies.movement.trials.pendulum import LEAST_DEG, damping_ratio, swing
 
 LENGTH_M, MASS_KG, RADIUS_M, ARMATURE, GRAVITY = 0.15, 0.3, 0.02, 1e-4, 9.81
@@ -77,7 +78,7 @@ def test_a_compiled_shank_with_less_damping_swings_more():
     spec = InfantSpec(mimoc=1, name="child", age_months=6)
     swings = []
     for factor in (1.0, 0.05):
-        body = compile_at(spec, 6.0, Conditions())
+        body = Subject(compile_at(spec, 6.0, Conditions()), spec).slack
         body.model.dof_damping[:] *= factor
         body.model.dof_frictionloss[:] = 0.0
         swings.append(swing(body, "left_knee", 0.0, {"left_hip1": -90.0}).swings)
