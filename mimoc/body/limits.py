@@ -9,7 +9,8 @@ joint. Its limits act from
     m = min(max(0, w h - OVERSHOOT), range / 4)
 
 before its end, such that a joint no faster than w goes `OVERSHOOT` too far at most, if its range is not small (D). Of
-physics steps of 5 ms, m is 2 degrees of limbs, 5 of fingers and toes, and 0 of eyes.
+physics steps of 5 ms, m is 2 degrees of limbs, 8 of fingers and toes, and 0 of eyes. What `margin` means to joints is
+the same from MuJoCo 3.5 on.
 """
 
 from mimoc.base.units import deg_to_rad
@@ -20,15 +21,15 @@ PUBLISHED_TAU_S, TAU_S = 0.02, 0.01
 IMPEDANCE = (0.98, 0.99, 0.001, 0.5, 1.0)
 """MIMo's `solimplimit`."""
 
-LIMBS_RAD_S, LIGHT_RAD_S, EYES_RAD_S = 35.0, 45.0, 13.5
+LIMBS_RAD_S, LIGHT_RAD_S, EYES_RAD_S = 35.0, 55.0, 13.5
 """Speed w: at which motors no longer pull (`mimoc.body.strength.FASTEST_RAD_S`); what blows give fingers and toes (D,
 random commands); and torque by damping of an eye."""
 LIGHT_KGM2 = 5e-4
 """Largest armature of fingers and toes at 18 months (MIMo)."""
 OVERSHOOT_DEG = 8.0
 """Goal of the largest overshoot (D); contacts and other joints add to it."""
-SMALL = 0.25
-"""Part of its range that a margin leaves free on either side at least half of (D)."""
+LARGEST_SHARE = 0.25
+"""Largest margin, as a share of the range: half of a small range stays free (D)."""
 
 
 def limits_of(development: Development) -> tuple[tuple[str, tuple[float, ...]], ...]:
@@ -48,4 +49,4 @@ def limit_margin(joint: Joint, timestep_s: float) -> float:
     """Return how far before both ends of a joint's range its limits act, m, in [rad]; 0 by the published law."""
     low, high = joint.range_deg
     early_rad = joint.stopped_rad_s * timestep_s - deg_to_rad(OVERSHOOT_DEG)
-    return min(max(0.0, early_rad), SMALL * deg_to_rad(high - low))
+    return min(max(0.0, early_rad), LARGEST_SHARE * deg_to_rad(high - low))
