@@ -73,9 +73,10 @@ RELAXED: Mapping[str, Relaxed] = {
 EYE_ARMATURE, EYE_DAMPING_PER_S, EYE_STIFFNESS_PER_S2 = 0.1, 20.0, 20.0
 """Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast
 as adults' (Hainline et al. 1984, S)."""
-LEAST_ARMATURE_KGM2 = 4e-4
-"""Least armature at 18 months but of eyes: that of joints that close a hand. Thumbs, toes and fingers that spread have
-1e-4 in MIMo, so that their motors accelerate them by up to 3,600 rad/s2, and blows throw them beyond their ends (D)."""
+LEAST_ARMATURE_KGM2 = 5e-4
+"""Least armature at 18 months but of eyes and of joints that close a hand: MIMo's of a mitten's toes. Two-toed feet,
+thumbs and fingers that spread have 1e-4 in MIMo: their motors accelerate them by up to 3,600 rad/s2, and blows throw
+them beyond their ends (D)."""
 FINGER_ARMATURE, FINGER_DAMPING = 4.0, 3.0
 """Factors on MIMo's figures of joints that close a hand, whose motors are as much stronger at birth (D)."""
 
@@ -200,7 +201,7 @@ def figures_at_18(figures: ReferenceJoint, group: str) -> PassiveFigures:
         why["armature"] += f" x {FINGER_ARMATURE:g} for newborns' stronger fingers (D)"
         why["damping"] += f" x {FINGER_DAMPING:g} for newborns' stronger fingers (D)"
     elif armature < LEAST_ARMATURE_KGM2:
-        armature, why["armature"] = LEAST_ARMATURE_KGM2, f"{LEAST_ARMATURE_KGM2:g}, as of fingers that close (D)"
+        armature, why["armature"] = LEAST_ARMATURE_KGM2, f"{LEAST_ARMATURE_KGM2:g}, as of toes that move together (D)"
     elif relaxed := RELAXED.get(figures.name):
         armature *= relaxed.armature
         if relaxed.armature != 1:
