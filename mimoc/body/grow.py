@@ -165,4 +165,5 @@ def _geom(figures: ReferenceGeom, side: str, dimensions: BodyGeometry, masses: M
         condim=figures.condim,
         material=figures.material.format(side=side),
         grips=figures.grips,
+        slippery=figures.slippery,
     )

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
+from mimoc.body.limits import stopped_speed
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
@@ -72,6 +73,10 @@ RELAXED: Mapping[str, Relaxed] = {
 EYE_ARMATURE, EYE_DAMPING_PER_S, EYE_STIFFNESS_PER_S2 = 0.1, 20.0, 20.0
 """Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast
 as adults' (Hainline et al. 1984, S)."""
+LEAST_ARMATURE_KGM2 = 5e-4
+"""Least armature at 18 months but of eyes and of joints that close a hand: MIMo's of a mitten's toes. Two-toed feet,
+thumbs and fingers that spread have 1e-4 in MIMo: their motors accelerate them by up to 3,600 rad/s2, and blows throw
+them beyond their ends (D)."""
 FINGER_ARMATURE, FINGER_DAMPING = 4.0, 3.0
 """Factors on MIMo's figures of joints that close a hand, whose motors are as much stronger at birth (D)."""
 
@@ -171,6 +176,7 @@ def _matured(joint: Joint, figures: ReferenceJoint, group: str, age_months: floa
         damping_nms_per_rad=at_18.damping_nms_per_rad * size,
         frictionloss_nm=0.0,
         armature_kgm2=at_18.armature_kgm2 * size,
+        stopped_rad_s=stopped_speed(figures, group),
         springref_deg=min(max(rest_deg, low), high),
     )
 
@@ -194,6 +200,8 @@ def figures_at_18(figures: ReferenceJoint, group: str) -> PassiveFigures:
         armature, damping = FINGER_ARMATURE * armature, FINGER_DAMPING * damping
         why["armature"] += f" x {FINGER_ARMATURE:g} for newborns' stronger fingers (D)"
         why["damping"] += f" x {FINGER_DAMPING:g} for newborns' stronger fingers (D)"
+    elif armature < LEAST_ARMATURE_KGM2:
+        armature, why["armature"] = LEAST_ARMATURE_KGM2, f"{LEAST_ARMATURE_KGM2:g}, as of toes that move together (D)"
     elif relaxed := RELAXED.get(figures.name):
         armature *= relaxed.armature
         if relaxed.armature != 1:

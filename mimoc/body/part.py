@@ -70,6 +70,8 @@ class ReferenceGeom:
     """Name of its material (`mimoc.looks.appearance`)."""
     grips: bool = False
     """Whether its contacts are those of a hand that holds on (`mimoc.body.anatomy.GRIP`)."""
+    slippery: bool = False
+    """Whether nothing rubs on it."""
     mass_at_m: tuple[float, ...] = ()
     """The size at which it has this mass, where that is not its size in the average child of 18 months."""
 

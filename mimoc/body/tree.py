@@ -34,6 +34,8 @@ class Geom:
     """Name of its material."""
     grips: bool = False
     """Whether its contacts are those of a hand that holds on."""
+    slippery: bool = False
+    """Whether nothing rubs on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,8 @@ class Joint:
     frictionloss_nm: float
     armature_kgm2: float
     springref_deg: float
+    stopped_rad_s: float = 0.0
+    """Largest speed that its limits stop in time (`mimoc.body.limits`)."""
 
 
 @dataclass(frozen=True, slots=True)

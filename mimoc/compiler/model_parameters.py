@@ -69,10 +69,13 @@ TENDON = _form(PrintedTendon, "tendons", "range_rad")
 FURNITURE = _form(WorldGeom, "geoms", "pos_m euler_rad size_m")
 OBJECT = _form(FreeObject, "bodies", "pos_m quat")
 LOCK = _form(Lock, "equalities", "angle_rad")
-JOINT = _form(
-    PrintedJoint,
-    "joints",
-    "axis pos_m range_rad stiffness_nm_per_rad damping_nms_per_rad frictionloss_nm armature_kgm2 springref_rad",
+JOINT = _with_settings(
+    _form(
+        PrintedJoint,
+        "joints",
+        "axis pos_m range_rad stiffness_nm_per_rad damping_nms_per_rad frictionloss_nm armature_kgm2 springref_rad",
+        "settings",
+    )
 )
 ACTUATOR = _with_settings(_form(Actuator, "actuators", "gear control_range", "settings"))
 KEYFRAME = _with_settings(_form(Keyframe, "keys", "qpos", "settings"))

@@ -19,6 +19,8 @@ class PrintedJoint:
     frictionloss_nm: float
     armature_kgm2: float
     springref_rad: float
+    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,6 +51,8 @@ class SceneTree:
     excluded: tuple[tuple[str, str], ...]
     frictionless: tuple[tuple[str, str], ...]
     """Pairs of geoms that slide on each other."""
+    joint_defaults: tuple[tuple[str, tuple[float, ...]], ...]
+    """Attributes that all hinges have in common."""
     actuator_defaults: tuple[tuple[str, str], ...]
     """Attributes that all actuators have in common."""
     actuators: tuple[Actuator, ...]

@@ -7,6 +7,7 @@ nothing. A listed pair bypasses the tree and costs a hundredth of a microsecond;
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.elements import Camera, Node, PrintedGeom
@@ -174,13 +175,15 @@ def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
 
 
 def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
-    """Return a contact with what MuJoCo mixes of two geoms that are equally soft."""
-    sliding, spinning, rolling = map(max, barrier.friction, geom.friction)
+    """Return a contact with what MuJoCo mixes of two geoms that are equally soft, or takes of one with priority."""
+    settings: Mapping[str, Any] = dict(geom.settings) if isinstance(geom, PrintedGeom) else {}
+    decisive = (geom,) if "priority" in settings else (barrier, geom)
+    sliding, spinning, rolling = map(max, zip(*(side.friction for side in decisive), strict=True))
     return Pair(
         geom1=barrier.name,
         geom2=geom.name,
-        condim=max(barrier.condim, geom.condim),
+        condim=max(side.condim for side in decisive),
         friction=(sliding, sliding, spinning, rolling, rolling),
-        solref=barrier.solref,
-        solimp=barrier.solimp,
+        solref=settings.get("solref", barrier.solref),
+        solimp=settings.get("solimp", barrier.solimp),
     )
