@@ -6,8 +6,9 @@ A motor's torque at full command is
 
 with MIMo's torque T_18 at 18 months, the volume v of the part that it moves and the standing height l, both relative to
 18 months, and the share r of its muscle group's strength that an infant of that age has; f is 1 but for the shoulder's
-horizontal flexion and newborns' fingers. The load of its joint grows by v l, so r alone decides whether an infant can
-hold its own weight. Of the eyes, T = T_18 v l², in proportion to their inertia. By the published law, T = T_18 v.
+horizontal flexion, the middle joints of fingers and newborns' fingers. The load of its joint grows by v l, so r alone
+decides whether an infant can hold its own weight. Of the eyes, T = T_18 v l², in proportion to their inertia. By the
+published law, T = T_18 v.
 
 No dynamometry of infants exists. Four numbers were fitted (D), each to one fact: `NEWBORN_SHARE` to the age at which
 prone infants lift their heads, `AXIAL_MONTHS` to that at which they sit, `LIMB_MONTHS` to that at which they stand (WHO
@@ -80,6 +81,10 @@ HORIZONTAL_FLEXION = 3.0
 `NEWBORN_ARM_SHARE` to supine newborns that lift a hand; 2.3 to 3 do).
 
 MIMo gives abduction 4.0 N m, whereas adults' adduction is twice as strong as their abduction (Ivey et al. 1985, S)."""
+MIDDLE = 1.8
+"""Factor on MIMo's torque of the middle joints of four fingers, at every age: .6 of that of their knuckles, as in jars
+that are opened with all strength (Purves & Berme 1980, .6 and 1.0 N m, S), and as the arms of the flexors' tendons at
+both are (An et al. 1983, .61, M); MIMo has a third, with which the fingers of newborns are pulled open by 7 N (D)."""
 GRASP = 5.0
 GRASP_DECAY = Decay(4.0, 1.5)
 """By how much newborns' fingers are stronger than the law of the hand has it, relative to it: newborns hang by their
@@ -141,6 +146,9 @@ def _gain(figures: ReferenceMotor, group: str, age_months: float, growth: Matura
     if figures.joint in FINGERS:
         grasp = 1 + GRASP * GRASP_DECAY(age_months)
         why += f" x {grasp:.6g}, by which newborns grasp harder (Robinson 1891, S; fitted, D)"
+        if figures.joint.endswith("_middle"):
+            why += f" x {MIDDLE:g}, .6 of the knuckle's torque (Purves & Berme 1980, S; An et al. 1983, M)"
+            grasp *= MIDDLE
         return gain * grasp, why
     return gain, why + heavier(group, growth)
 

@@ -31,6 +31,20 @@ class NewbornTone:
     """q_0 (D)."""
 
 
+_FINGERS = {"ff": 0.006, "mf": 0.012, "rf": 0.008, "lf": 0.002}
+"""k of the knuckles, by finger: by a radian, a tenth of their strength at 18 months, or 3 % of a newborn's (D). A hand
+that is straightened is a fist again within 3 s; by half of MIMo's stiffness, it would take half a minute."""
+_JOINTS = {"knuckle": (1.0, 65.0), "middle": (0.6, 65.0), "distal": (0.25, 50.0)}
+"""k by that of the knuckle, as strength is, and q_0."""
+
+
+def _fist(joint: str) -> NewbornTone:
+    """Return the tone of a joint that closes a finger."""
+    _, finger, place = joint.rsplit("_", 2)
+    share, angle_deg = _JOINTS[place]
+    return NewbornTone(share * _FINGERS[finger], angle_deg)
+
+
 NEWBORN_TONE: Mapping[str, NewbornTone] = {
     "robot:{side}_hip1": NewbornTone(0.4 * 2.08, -130.0),
     "robot:{side}_hip2": NewbornTone(1.0 * 2.09, -30.0),
@@ -39,10 +53,10 @@ NEWBORN_TONE: Mapping[str, NewbornTone] = {
     "robot:{side}_elbow": NewbornTone(2.5 * 0.215, -100.0),
     "robot:{side}_foot1": NewbornTone(0.5 * 1.29, 20.0),
     "robot:{side}_fingers": NewbornTone(0.5 * 0.017, -100.0),
-    **{joint: NewbornTone(0.0004, 50.0 if joint.endswith("distal") else 65.0) for joint in FISTS},
+    **{joint: _fist(joint) for joint in FISTS},
 }
 """Chosen such that newborns rest with hips bent by 55 degrees, knees by 90 and elbows by 90, and kick by 50 degrees
-with less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and fingers, k is half of
+with less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and mittens, k is half of
 MIMo's stiffness of their joints."""
 
 SOURCE = "posture of newborns: Amiel-Tison, Ballard, M; fitted to it, D"

@@ -45,11 +45,12 @@ def swings(joint: str) -> bool:
     return joint.replace("left", "{side}").replace("right", "{side}") in RELAXED
 
 
-def test_at_18_months_motors_are_mimos_but_for_the_neck_with_its_heavier_head_and_horizontal_flexion(bodies, anatomy):
+def test_at_18_months_motors_are_mimos_but_for_heavier_heads_horizontal_flexion_and_middle_joints(bodies, anatomy):
     maturing = bodies[18]
     assert maturing.growth is not None
     for ours, (_, mimos) in zip(maturing.motors, anatomy.motors, strict=True):
         factor = maturing.growth.head_gain if of_neck(ours.name) else 3.0 if "horizontal" in ours.name else 1.0
+        factor = 1.8 if ours.name.endswith("f_middle") else factor
         assert ours.gear_nm == mimos.gear_nm * (1.0 if "eye" in ours.name else factor), ours.name
         assert ours.force_range == mimos.force_range
         assert ours.tone is None

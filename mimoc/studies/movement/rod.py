@@ -19,10 +19,12 @@ from mimoc.studies.movement.drive import has_joint
 HAND, ROD = "left_hand", "rod"
 KNUCKLES = {"left_fingers": 0.72, "left_mf_knuckle": 0.5}
 """The hinge at the knuckles, in mittens and in hands with five fingers (that of the middle finger), and the share of
-their range by which the fingers are bent when the rod is put between them and the palm."""
+its range by which the hand is closed when the rod is put between fingers and palm."""
 WRIST = ("left_hand1", "left_hand2", "left_hand3")
-NOT_BENDING = ("_side", "_meta", "_swivel", "_adduction", "_pivot")
-"""Joints of fingers and thumb that do not bend them."""
+NOT_CLOSING = ("_side", "_meta", "_adduction", "_pivot")
+"""Joints of fingers and thumb that neither bend them nor put the thumb before the palm."""
+STRAIGHT = ("_th_middle", "_th_distal")
+"""Joints that are straight when the rod is put in: a thumb that is half bent would be in its way."""
 RADIUS = 0.14
 """Radius of the rod by the length of a straight finger: .5 cm at birth, half of the 19 mm of the bar that newborns have
 hung by; a mitten's one finger does not get around more."""
@@ -39,8 +41,9 @@ ABOVE_M = 1.0
 class Hand:
     """A left hand with bent fingers; unit vectors of the world, shape (3,) each."""
 
-    bending_rad: dict[str, float]
-    """Hinges that bend the fingers, without `robot:`, and the angle of each at the bent end of its range."""
+    closing_rad: dict[str, float]
+    """Hinges that bend fingers and thumb, and the one that puts the thumb before the palm, without `robot:`, and the
+    angle of each at the closed end of its range."""
     knuckle_m: FloatArray
     axis: FloatArray
     """About which the knuckles bend."""
@@ -51,7 +54,7 @@ class Hand:
     length_m: float
     """Of a straight finger, from the knuckle."""
     closed_deg: dict[str, float]
-    """Angles of the fingers when the rod is put in."""
+    """Angles of these hinges when the rod is put in."""
 
     @property
     def out_of_palm(self) -> FloatArray:
@@ -68,18 +71,21 @@ def hand_of(infant: TrialInfant) -> Hand:
     """Return the left hand of an infant, its fingers bent as far as they are when the rod is put in."""
     model = infant.model
     knuckle = next(name for name in KNUCKLES if has_joint(infant, name))
-    bending_rad = {name: _bent_rad(infant, name) for name in _bending(infant)}
+    closing_rad = {name: _closed_rad(infant, name) for name in _closing(infant)}
     straight = infant.placed(0.0, {}, ABOVE_M)
     hinge = model.joint(f"robot:{knuckle}").id
     palm, fingers = _solids(infant.model, int(model.jnt_bodyid[hinge]))
     tips_m = [np.linalg.norm(straight.geom_xpos[geom] - straight.xanchor[hinge]) for geom in fingers]
     outermost = fingers[int(np.argmax(tips_m))]
     length_m = float(max(tips_m) + model.geom_size[outermost, 0])
-    closed = {name: float(np.degrees(KNUCKLES[knuckle] * bent)) for name, bent in bending_rad.items()}
+    closed = {
+        name: 0.0 if name.endswith(STRAIGHT) else float(np.degrees(KNUCKLES[knuckle] * end_rad))
+        for name, end_rad in closing_rad.items()
+    }
     data = infant.placed(0.0, closed, ABOVE_M)
     anchor, axis = data.xanchor[hinge].copy(), data.xaxis[hinge].copy()
     to_wrist, to_fingers = (_across(data.geom_xpos[geoms[0]] - anchor, axis) for geoms in (palm, fingers))
-    return Hand(bending_rad, anchor, axis, to_wrist, to_fingers, length_m, closed)
+    return Hand(closing_rad, anchor, axis, to_wrist, to_fingers, length_m, closed)
 
 
 def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
@@ -137,15 +143,15 @@ def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
     return palm, np.flatnonzero(in_subtrees(model, [finger])[model.geom_bodyid]).astype(np.intp)
 
 
-def _bending(infant: TrialInfant) -> Iterator[str]:
-    """Yield the driven hinges that bend fingers and thumb."""
+def _closing(infant: TrialInfant) -> Iterator[str]:
+    """Yield the driven hinges that close the hand."""
     hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
     for joint, name in zip(infant.joints, infant.joint_names, strict=True):
-        if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_BENDING):
+        if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
             yield name
 
 
-def _bent_rad(infant: TrialInfant, joint: str) -> float:
+def _closed_rad(infant: TrialInfant, joint: str) -> float:
     low, high = infant.model.joint(f"robot:{joint}").range
     return float(low if -low > high else high)
 

@@ -85,7 +85,7 @@ def _withstands(infant: TrialInfant, hand: Hand, start: mujoco.MjData, way: Floa
 
 def _close(infant: TrialInfant, hand: Hand, data: mujoco.MjData, seconds: float) -> None:
     drive = Drive(infant)
-    shares = {name: float(np.sign(bent)) for name, bent in hand.bending_rad.items()}
+    shares = {name: float(np.sign(end_rad)) for name, end_rad in hand.closing_rad.items()}
     for _ in range(round(seconds / infant.model.opt.timestep)):
         data.ctrl[:] = drive(data, shares)
         mujoco.mj_step(infant.model, data)
