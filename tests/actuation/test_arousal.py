@@ -122,7 +122,7 @@ def test_a_recording_is_replayed_with_the_arousal_of_its_time(tmp_path):
             env.unwrapped.set_arousal(0.4)
             env.step(still)
     episodes = mimoc.read_recording(tmp_path / "calm")
-    assert [episode.options for episode in episodes][0] == {"arousal": 0.0}
+    assert next(episode.options for episode in episodes) == {"arousal": 0.0}
     assert [changes for episode in episodes for changes in episode.changes.values()] == [[("arousal", 0.4)]] * 3
     assert [again.difference for again in mimoc.replay_recording(tmp_path / "calm")] == [None] * 3
 
