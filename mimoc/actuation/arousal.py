@@ -16,12 +16,13 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.base.model_fields import ModelField
 
 OF_BIAS, OF_HINGE = 3, 2
 """Number of parameters that tone changes."""
 MOST = 2.0
 """Largest arousal."""
+FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"
+"""Arrays of the model that arousal changes: of motors, and of hinges with muscles."""
 
 
 class Arousal:
@@ -29,38 +30,47 @@ class Arousal:
 
     def __init__(self, entry: ActuationEntry, model: mujoco.MjModel):
         """Find the actuators of *entry* with muscle tone in *model*, in which no episode has changed anything yet."""
-        self._model, self.as_built = model, entry.arousal
-        toned = [actuator for actuator in entry.actuators if any(actuator.tone)]
-        motors = [actuator for actuator in toned if len(actuator.tone) == OF_BIAS]
-        muscles = [actuator for actuator in toned if len(actuator.tone) == OF_HINGE]
-        self._motors = np.array([model.actuator(motor.name).id for motor in motors], np.intp)
-        self._hinges = np.array([model.joint(muscle.joint).id for muscle in muscles], np.intp)
-        self._angles = model.jnt_qposadr[self._hinges].astype(np.intp)
-        self._tone = np.array([motor.tone for motor in motors]).reshape(-1, OF_BIAS)
-        self._stiffness, self._moment = np.array([muscle.tone for muscle in muscles]).reshape(-1, OF_HINGE).T
+        self._model, self.as_built, self._level = model, entry.arousal, entry.arousal
+        self.of_motors, self.of_hinges = np.zeros((model.nu, OF_BIAS)), np.zeros((model.njnt, OF_HINGE))
+        """Tone of all actuators and of all joints."""
+        for actuator in entry.actuators:
+            if len(actuator.tone) == OF_BIAS:
+                self.of_motors[model.actuator(actuator.name).id] = actuator.tone
+            elif actuator.tone:
+                self.of_hinges[model.joint(actuator.joint).id] = actuator.tone
+        self._motors, self._hinges = (np.flatnonzero(tone.any(axis=1)) for tone in (self.of_motors, self.of_hinges))
+        self._angles = model.jnt_qposadr[self._hinges]
         self._bias = model.actuator_biasprm[self._motors, :OF_BIAS]
         self._relaxed = model.jnt_stiffness[self._hinges], model.qpos_spring[self._angles]
-        self.level = self.as_built
-        """Arousal now."""
 
     @property
-    def model_fields(self) -> tuple[ModelField, ...]:
-        """What it changes in the model."""
-        rows = {"actuator_biasprm": self._motors, "jnt_stiffness": self._hinges, "qpos_spring": self._angles}
-        return tuple(ModelField(name, which) for name, which in rows.items() if which.size)
+    def fields(self) -> tuple[str, ...]:
+        """Names of the arrays of the model that it changes."""
+        return (*(FIELDS[:1] if self._motors.size else ()), *(FIELDS[1:] if self._hinges.size else ()))
 
-    def carry_on(self, former: "Arousal") -> None:
-        """Keep what an episode has changed of the arousal of the same infant at another age."""
-        self.set(None if former.level == former.as_built else former.level)
+    @property
+    def level(self) -> float:
+        """Arousal now, from 0 to 2; setting it changes the model. A published infant has no muscle tone to change."""
+        return self._level
 
-    def set(self, level: float | None) -> None:
-        """Change the arousal, to that as built for None; a published infant has no muscle tone to change."""
-        self.level = self.as_built if level is None else level
-        more, (stiffness, rest_rad) = self.level - self.as_built, self._relaxed
-        self._model.actuator_biasprm[self._motors, :OF_BIAS] = self._bias + more * self._tone
-        now = stiffness + more * self._stiffness
-        self._model.jnt_stiffness[self._hinges] = now
-        self._model.qpos_spring[self._angles] = rest_rad + more * (self._moment - self._stiffness * rest_rad) / now
+    @level.setter
+    def level(self, level: float) -> None:
+        self._level = checked_arousal(level)
+        more = np.array([self._level - self.as_built])
+        self._model.actuator_biasprm[self._motors, :OF_BIAS] = more_bias(self._bias, self.of_motors[self._motors], more)
+        stiffness, rest_rad = more_spring(*self._relaxed, self.of_hinges[self._hinges], more)
+        self._model.jnt_stiffness[self._hinges], self._model.qpos_spring[self._angles] = stiffness, rest_rad
+
+
+def more_bias(bias: Any, tone: Any, more: Any) -> Any:
+    """Return bias parameters, shape (..., n, 3), of motors with so much more arousal, shape (..., 1)."""
+    return bias + more[..., None] * tone
+
+
+def more_spring(stiffness: Any, rest_rad: Any, tone: Any, more: Any) -> tuple[Any, Any]:
+    """Return stiffness and angle at rest, shape (..., n), of hinges with so much more arousal, shape (..., 1)."""
+    now = stiffness + more * tone[..., 0]
+    return now, rest_rad + more * (tone[..., 1] - tone[..., 0] * rest_rad) / now
 
 
 def checked_arousal(level: Any) -> float:

@@ -75,6 +75,8 @@ class Change(Model):
     """Complete state that was restored."""
     expression: str | None = None
     """Facial expression that it has had since."""
+    arousal: Number | None = None
+    """Arousal that it has had since."""
     physics: dict[str, Any] | None = None
     """State of the simulation that a script has set."""
     action_dtype: str | None = None

@@ -189,6 +189,10 @@ class RecordingObserver(Observer):
         """Keep an expression."""
         self._change("expression", expression)
 
+    def aroused(self, level: float) -> None:
+        """Keep an arousal."""
+        self._change("arousal", level)
+
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""
         if self._episode is not None:

@@ -20,7 +20,7 @@ from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.growing import AGE, AROUSAL, SEED
 from mimoc.runtime.simulation_state import check_physics, set_physics
 from mimoc.senses.sense import Observation
 
@@ -191,11 +191,15 @@ class _Replay:
         env, episode = self._env, self._episode
         with _damage_message(episode):
             if (before := episode.before) is None:
-                return env.set_state(episode.start), {}
+                return self._restore(episode.start), {}
             if before[SEED] != env.manifest.seed:
                 env.reset(options={SEED: before[SEED], AGE: before[AGE]})
             env.set_state({**env.get_state(), **before})
         return env.reset(seed=episode.seed, options=dict(episode.options))
+
+    def _restore(self, state: Mapping[str, Any]) -> Observation:
+        """Restore a state; those that were recorded before infants had an arousal lack it."""
+        return self._env.set_state({AROUSAL: self._env.arousal, **state})
 
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
@@ -204,9 +208,11 @@ class _Replay:
             if what == "age_months":
                 env.grow(to=value)
             elif what == "state":
-                env.set_state(value)
+                self._restore(value)
             elif what == "expression":
                 env.set_expression(value)
+            elif what == "arousal":
+                env.set_arousal(value)
             elif what == "physics":
                 check_physics(value, env.model)
                 set_physics(env.model, env.data, value)

@@ -12,15 +12,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.arousal import Arousal
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.base.errors import check_name
-from mimoc.base.model_fields import ModelFields
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import begin, bounded, is_unstable, pose_of
+from mimoc.bundle.model import bounded, is_unstable, pose_of
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
@@ -28,8 +26,7 @@ from mimoc.noise.noise import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
-from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.expression import expression_fields, set_expression
+from mimoc.runtime.expression import set_expression
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
@@ -173,6 +170,20 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         set_expression(expression, self.manifest, self._infant.bare)
         self.observer.expressed(expression)
 
+    @property
+    def arousal(self) -> float:
+        """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
+        return self._living.arousal.level
+
+    def set_arousal(self, level: float) -> None:
+        """Change the arousal for the rest of the episode, from the next physics step on.
+
+        Raises:
+            ValueError: If it is none from 0 to 2.
+        """
+        self._living.arousal.level = level
+        self.observer.aroused(level)
+
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
 
@@ -183,8 +194,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
-        sites = np.array(self._sites, int)[:, None]
-        return np.where(sites < 0, np.nan, self.data.site_xpos[sites[:, 0]])
+        names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
+        sites = np.array([mujoco.mj_name2id(self._infant.bare, site, name) for name in names], int)
+        return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -208,7 +220,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._noise.restart(seed)
         if variant:
             self._become(variant)
-        self._living.arousal.set(options.get(growing.AROUSAL))
+        self._living.arousal.level = options.get(growing.AROUSAL, self.manifest.actuation.arousal)
         observation = self._start(pose)
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
@@ -269,7 +281,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
-        """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.
+        """Return the complete state: physics, delayed signals, noise, arousal, task and random generator.
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
@@ -321,7 +333,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
-        rebuilt = {"_infant": self._infant.again(self._model_fields.model_as_built()), "state": self.get_state()}
+        rebuilt = {"_infant": self._infant.again(self._living.model_as_built()), "state": self.get_state()}
         return {name: value for name, value in self.__dict__.items() if name not in BOUND} | rebuilt
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
@@ -339,15 +351,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.data = mujoco.MjData(model)
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
-        self._constraints = Constraints(self.manifest.constraints, model)
         self._task = bind_task(self.bundle, model, self._custom_task)
-        arousal = Arousal(self.manifest.actuation, model)
-        fields = [field for part in (self._constraints, self._task, arousal) for field in part.model_fields]
-        self._model_fields = ModelFields(model, (*fields, *expression_fields(self.manifest, model)))
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
-        self._sites = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name) for name in self.manifest.keypoints]
-        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise, arousal
-        self._living = SimulationState(self.manifest, self._infant.bare, self.data, *parts)
+        self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
@@ -362,12 +368,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     @contextmanager
     def _undone_on_failure(self) -> Iterator[dict[str, Any]]:
         """Yield the state; let the infant go on in it if anything fails, be it in a sense of the caller's own."""
-        former, fields, state = self._infant, self._model_fields, self.get_state()
+        former, living, state = self._infant, self._living, self.get_state()
         try:
             yield state
         except Exception:
             if self._infant is not former:
-                self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
+                self.bundle, self._infant = former.bundle, former.again(living.model_as_built())
                 self._bind(self._senses)
                 self._renderer.set_model(self._infant.bare, self.data)
             self._restore(state)
@@ -382,12 +388,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
-        mujoco.mj_resetDataKeyframe(self._infant.bare, self.data, self._infant.bare.key(pose).id)
-        mujoco.mj_kinematics(self._infant.bare, self.data)
-        self._constraints.keep(self.data)
-        begin(self._infant.bare, self.data)
-        self._task.start(self.data, self.np_random)
-        self._schedule.reset(self.data)
+        self._living.start(pose, self.np_random)
         return self._observe()
 
     def _observe(self) -> Observation:
@@ -395,6 +396,5 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return {**self._schedule.observe(), **self._task.observe()}
 
 
-BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_sites", "_renderer"}
-BOUND |= {"_living", "_noise", "observer", "closed"}
+BOUND = {"data", "_act", "_senses", "_task", "_schedule", "_renderer", "_living", "_noise", "observer", "closed"}
 """Attributes that are not copied but bound anew."""

@@ -126,7 +126,7 @@ def carry_on(former: SimulationState, now: SimulationState) -> None:
     """
     mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
     now.fields.inherit(former.fields)
-    now.arousal.carry_on(former.arousal)
+    now.arousal.level = former.arousal.level
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)
     mujoco.mj_fwdPosition(former.model, former.data)

@@ -45,6 +45,9 @@ class Observer:
     def expressed(self, expression: str) -> None:
         """Be told of a new facial expression."""
 
+    def aroused(self, level: float) -> None:
+        """Be told of another arousal within an episode."""
+
 
 NO_OBSERVER = Observer()
 """The observer of an infant that nobody observes."""

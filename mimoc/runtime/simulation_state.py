@@ -12,9 +12,11 @@ from mimoc.actuation.arousal import Arousal
 from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_form
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import begin
 from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.expression import expression_fields
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.task import Task
 
@@ -36,6 +38,34 @@ class SimulationState:
     noise: NoiseStreams
     arousal: Arousal
 
+    @classmethod
+    def bound(
+        cls,
+        manifest: Manifest,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        task: Task,
+        schedule: Schedule,
+        noise: NoiseStreams,
+    ) -> "SimulationState":
+        """Find in a model, in which no episode has changed anything yet, what episodes change."""
+        constraints, arousal = Constraints(manifest.constraints, model), Arousal(manifest.actuation, model)
+        changed = *constraints.model_fields, *task.model_fields, *expression_fields(manifest, model)
+        return cls(manifest, model, data, constraints, ModelFields(model, changed), task, schedule, noise, arousal)
+
+    def start(self, pose: str, chance: np.random.Generator) -> None:
+        """Put the infant into a pose, at rest, and start its task.
+
+        Raises:
+            ModelError: If there are more contacts than in any scene.
+        """
+        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
+        mujoco.mj_kinematics(self.model, self.data)
+        self.constraints.keep(self.data)
+        begin(self.model, self.data)
+        self.task.start(self.data, chance)
+        self.schedule.reset(self.data)
+
     @property
     def state(self) -> dict[str, Any]:
         """All that its next steps depend on, but for what the environment counts and draws."""
@@ -45,7 +75,15 @@ class SimulationState:
             "model": self.fields.state,
             "task": self.task.state,
             "noise": self.noise.state,
+            "arousal": self.arousal.level,
         }
+
+    def model_as_built(self) -> mujoco.MjModel:
+        """Return a copy of the model in which no episode has changed anything."""
+        level, self.arousal.level = self.arousal.level, self.arousal.as_built
+        built = self.fields.model_as_built()
+        self.arousal.level = level
+        return built
 
     @contextmanager
     def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
@@ -64,6 +102,7 @@ class SimulationState:
     def restore(self, state: dict[str, Any]) -> None:
         """Restore a state, which is not kept."""
         self.fields.state, self.task.state = state["model"], state["task"]
+        self.arousal.level = state["arousal"]
         set_physics(self.model, self.data, state["physics"])
         self.schedule.state, self.noise.state = state["signals"], state["noise"]
 

@@ -62,10 +62,83 @@ def test_an_infant_that_grows_stays_as_aroused(env):
     assert tone(env.model) == pytest.approx(tone(written), rel=1e-6, abs=1e-8)
 
 
+def test_an_infant_that_grows_after_a_state_is_as_aroused_as_the_state(env):
+    env.set_arousal(0.5)
+    state = env.get_state()
+    env.reset(options={"age_months": 18.0})
+    env.set_state(state)
+    env.grow(to=18.0)
+    assert env.arousal == 0.5
+    written = load_model(mimoc.build(spec_of(env.manifest.actuation.model, 0.5, age_months=18.0)))
+    assert tone(env.model) == pytest.approx(tone(written), rel=1e-6, abs=1e-8)
+
+
+def test_one_arousal_after_another_leaves_nothing_of_the_first(env):
+    env.set_arousal(0.3)
+    once = tone(env.model)
+    for level in (1.7, 0.0, 0.3):
+        env.set_arousal(level)
+    assert np.array_equal(tone(env.model), once)
+
+
+def test_a_slack_infant_has_relaxed_joints_and_no_bias():
+    motors, muscles = mimoc.make(spec_of()).unwrapped, mimoc.make(spec_of("muscle")).unwrapped
+    relaxed = motors.model.jnt_stiffness.copy(), motors.model.qpos_spring.copy()
+    motors.set_arousal(0)
+    muscles.set_arousal(0)
+    assert np.abs(motors.model.actuator_biasprm[:, :3]).max() < 1e-9
+    assert muscles.model.jnt_stiffness == pytest.approx(relaxed[0], rel=1e-6, abs=1e-9)
+    assert muscles.model.qpos_spring == pytest.approx(relaxed[1], rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("model", ["torque", "muscle"])
+def test_infants_of_a_batch_have_what_each_has_alone(model):
+    spec, levels = spec_of(model), [0.0, None, 1.5]
+    envs, alone = mimoc.make_vec(spec, 3), [mimoc.make(spec).unwrapped for _ in levels]
+    envs.reset(seed=0, options={"arousal": levels})
+    for seed, (env, level) in enumerate(zip(alone, levels, strict=True)):
+        env.reset(seed=seed, options={} if level is None else {"arousal": level})
+    for later in ([1.0, 0.2, 2.0], 0.7):
+        envs.set_arousal(later)
+        for env, level in zip(alone, np.broadcast_to(later, 3).tolist(), strict=True):
+            env.set_arousal(level)
+        envs.step(np.zeros(envs.action_space.shape, np.float32))
+        for index, env in enumerate(alone):
+            env.step(np.zeros(env.action_space.shape, np.float32))
+            assert np.array_equal(env.data.qpos, envs.infants[index].data.qpos)
+    assert envs.get_attr("arousal") == (0.7, 0.7, 0.7)
+    with pytest.raises(ValueError, match="expected one arousal for all, or 3"):
+        envs.set_arousal([1.0, 0.0])
+    envs.reset(options={"reset_mask": np.array([False, True, False])})
+    assert envs.get_attr("arousal") == (0.7, 1.0, 0.7)
+
+
+def test_a_recording_is_replayed_with_the_arousal_of_its_time(tmp_path):
+    still = np.zeros(44, np.float32)
+    with mimoc.Recorder(mimoc.make(spec_of()), tmp_path / "calm") as env:
+        for options in ({"arousal": 0.0}, None, {"arousal": 1.5, "age_months": 1.0}):
+            env.reset(seed=0, options=options)
+            env.step(still)
+            env.unwrapped.set_arousal(0.4)
+            env.step(still)
+    episodes = mimoc.read_recording(tmp_path / "calm")
+    assert next(episode.options for episode in episodes) == {"arousal": 0.0}
+    assert [changes for episode in episodes for changes in episode.changes.values()] == [[("arousal", 0.4)]] * 3
+    assert [again.difference for again in mimoc.replay_recording(tmp_path / "calm")] == [None] * 3
+
+
+def test_a_state_with_an_impossible_arousal_is_refused(env):
+    before = tone(env.model)
+    with pytest.raises(ValueError, match="expected an arousal"):
+        env.set_state({**env.get_state(), "arousal": 9.0})
+    assert np.array_equal(tone(env.model), before)
+
+
 @pytest.mark.parametrize("arousal", [-0.1, 2.1, float("nan"), "calm", True])
 def test_what_is_no_arousal_is_refused(env, arousal):
-    with pytest.raises(ValueError, match="expected an arousal from 0 to 2"):
-        env.reset(options={"arousal": arousal})
+    for change in (env.set_arousal, lambda level: env.reset(options={"arousal": level})):
+        with pytest.raises(ValueError, match="expected an arousal from 0 to 2"):
+            change(arousal)
 
 
 def test_published_infants_and_servos_have_no_tone():

@@ -41,6 +41,7 @@ BUILT = {
     "body.expression": "happy",
     "body.skin": False,
     "actuation.model": "muscle",
+    "actuation.arousal": 0.5,
     "actuation.strength_age_months": 12,
     "actuation.strength": {"neck": 0.5},
     "actuation.regions": ["arms"],

@@ -329,6 +329,24 @@ def test_servos_for_mimo_push_as_mimocs_do(target):
         assert other.data.actuator_force == pytest.approx(plain.data.actuator_force, rel=1e-5, abs=1e-9)
 
 
+@pytest.mark.parametrize("target", TARGETS)
+def test_motors_for_mimo_have_the_same_tone(target):
+    """Built quiet or slack, or made slack by mimoc's own reset."""
+    plain, quiet, slack = (
+        mimoc.InfantEnv(
+            mimoc.build(spec(age_months=0, body={"chest_joint": False}, actuation={"arousal": arousal}), name)
+        )
+        for arousal, name in ((1, None), (1, target), (0, target))
+    )
+    for name in names(plain.model, "actuator"):
+        assert quiet.model.actuator(name).biastype == mujoco.mjtBias.mjBIAS_AFFINE
+        assert quiet.model.actuator(name).biasprm == pytest.approx(plain.model.actuator(name).biasprm)
+    assert np.abs(quiet.model.actuator_biasprm[:, :2]).max() > 0
+    quiet.reset(options={"arousal": 0})
+    for env in (quiet, slack):
+        assert np.abs(env.model.actuator_biasprm).max() < 1e-9
+
+
 # One of mimoc's bundles.
 
 

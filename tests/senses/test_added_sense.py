@@ -107,10 +107,10 @@ def spec(**keys) -> mimoc.InfantSpec:
     return mimoc.InfantSpec.model_validate({**usual, **keys})
 
 
-def heights(env: mimoc.InfantEnv, count: int) -> list[float]:
+def heights(env: mimoc.InfantEnv, count: int, command: float = 0.0) -> list[float]:
     env.reset(seed=0)
-    rest = np.zeros(env.action_space.shape, np.float32)
-    return [float(env.step(rest)[0]["height"][0]) for _ in range(count)]
+    action = np.full(env.action_space.shape, command, np.float32)
+    return [float(env.step(action)[0]["height"][0]) for _ in range(count)]
 
 
 def test_it_is_observed_in_its_unit_and_within_its_bounds():
@@ -123,7 +123,7 @@ def test_it_is_observed_in_its_unit_and_within_its_bounds():
 
 
 def test_it_is_late_by_its_own_delay_in_whole_physics_steps():
-    prompt, late = (heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": ms}))), 12) for ms in (0, 40))
+    prompt, late = (heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": ms}))), 12, 1.0) for ms in (0, 40))
     assert late[4:] == prompt[:-4]
     assert len(set(prompt)) == len(prompt)
 

@@ -11,6 +11,7 @@ from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_differing_spaces, batch_space
 
+from mimoc.actuation.arousal import checked_arousal
 from mimoc.actuation.binding import numbers_of
 from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
@@ -61,6 +62,17 @@ def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, 
             if item is not None:
                 of_infant[name] = item.item() if isinstance(item, np.generic) else item
     return options_by_infant
+
+
+def arousals_of(levels: Any, count: int) -> list[float]:
+    """Return the arousal of each infant: the same of all, or the i-th of a list or an array.
+
+    Raises:
+        ValueError: If one is none from 0 to 2, or there is not one for each infant.
+    """
+    if np.shape(levels) not in ((), (count,)):
+        raise ValueError(f"expected one arousal for all, or {count}, got shape {np.shape(levels)}")
+    return [checked_arousal(level) for level in np.broadcast_to(np.asarray(levels, object), count)]
 
 
 def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:

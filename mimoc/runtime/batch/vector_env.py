@@ -14,6 +14,7 @@ from mimoc.runtime.batch.control_step import ControlStep
 from mimoc.runtime.batch.gymnasium_forms import (
     InfantVectorEnv,
     Infos,
+    arousals_of,
     check_mixture,
     joined_infos,
     options_of,
@@ -189,6 +190,18 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             self._grow_one(infant, options)
         self._refresh_models()
         return self._observe()
+
+    def set_arousal(self, levels: float | Sequence[float] | npt.NDArray[Any]) -> None:
+        """Change the arousal of infants for the rest of their episodes; see `InfantEnv.set_arousal`.
+
+        Args:
+            levels: That of all, or, as a list or an array, one for each.
+
+        Raises:
+            ValueError: If one is none from 0 to 2, or a list has not one for each; nothing has changed then.
+        """
+        for infant, level in zip(self.infants, arousals_of(levels, self.num_envs), strict=True):
+            infant.set_arousal(level)
 
     def seek(self, steps_done: int) -> None:
         """Go on as after a number of control steps of each, as a training does that is resumed; a reset must follow."""

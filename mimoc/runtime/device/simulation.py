@@ -10,8 +10,10 @@ import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
+from mimoc.actuation.arousal import Arousal
 from mimoc.base.units import ms_to_s, to_steps
 from mimoc.delays.spec import MOTOR
+from mimoc.runtime.device.arousal import DeviceArousal
 from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
 from mimoc.runtime.device.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
@@ -43,7 +45,10 @@ class DeviceSimulation:
         self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
         manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
         self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
-        self.model = batched_model(models, body_of_world, {name for infant in infants for name in changed_rows(infant)})
+        arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
+        changed = {name for infant in infants for name in changed_rows(infant)}
+        changed |= {name for arousal in arousals for name in arousal.fields}
+        self.model = batched_model(models, body_of_world, changed)
         self.room = Room.at_first(infants, self.model.nxn_geom_pair_filtered.numpy(), room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
@@ -54,6 +59,7 @@ class DeviceSimulation:
         self._worlds = device_worlds(self.data)
         self.body, self.clock = put(body_of_world), put(0)
         """Which body lives in each world, and control steps so far."""
+        self.arousal = DeviceArousal(arousals, self.body, models[0].jnt_qposadr, self.model)
         self.task, self.chance = DeviceTask(infants, self.body), CounterRandom(put(np.arange(count)))
         self._open_signals(touch)
         self.ended = EpisodeEnds(infants, self.body, max_steps, mode)
@@ -104,7 +110,15 @@ class DeviceSimulation:
             self._motor_noise.begin(self.commands.arrived, begins)
         for name, sense in self.senses.items():
             sense.refill(starts.samples[name][start], begins)
+        self.arousal.begin(begins)
         self.ended.steps.masked_fill_(begins, 0)
+
+    def arouse(self, levels: Mapping[int, float]) -> None:
+        """Give some worlds another arousal."""
+        if levels:
+            level = self.arousal.level.clone()
+            level[list(levels)] = put(list(levels.values()))
+            self.arousal.set(level)
 
     def step(self) -> None:
         """Make a control step of all worlds with `actions`, and begin new episodes as the mode says.

@@ -9,12 +9,15 @@ import torch
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import UnknownNameError
 from mimoc.bundle.model import pose_of
 from mimoc.runtime.batch.gymnasium_forms import (
     RESET_MASK,
     InfantVectorEnv,
+    arousals_of,
     check_mixture,
+    options_of,
     refuse_ended,
     reset_indices,
     seeds_of,
@@ -27,9 +30,11 @@ from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
 from mimoc.runtime.device.vision.reader import VISION, NoVision
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import options_given
+from mimoc.runtime.growing import AROUSAL, options_given
 from mimoc.senses.sense import Sense
 
+KNOWN = ("pose", AROUSAL, RESET_MASK)
+"""Options of a reset."""
 STARTS = 256
 """InitialStates that are drawn of each infant whose episodes begin with chance."""
 
@@ -113,29 +118,48 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
         Args:
             seed: Infant i is reset with `seed + i`, or with the i-th of a list.
-            options: `pose`, one for all, and `reset_mask`.
+            options: `pose`, one for all, `arousal`, for all or, as a list or an array, for each, and `reset_mask`.
 
         Raises:
             TypeError: If the options are no dictionary.
-            ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
+            ValueError: If a seed is not a non-negative integer, an arousal is none from 0 to 2, or a list has not one
+                value for each infant.
             UnknownNameError: If there is no such pose or option.
             ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
         options = options_given(options)
-        for name in options.keys() - {"pose", RESET_MASK}:
-            raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
+        for name in options.keys() - KNOWN:
+            raise UnknownNameError("reset option on a device", str(name), KNOWN)
         seeds = seeds_of(seed, self.num_envs)
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
-        which = reset_indices(options, self.num_envs)
+        which, aroused = reset_indices(options, self.num_envs), options_of(options, self.num_envs)
+        levels = {world: checked_arousal(aroused[world][AROUSAL]) for world in which if AROUSAL in aroused[world]}
         with present(self.device):
             self.worlds.settle()
             starts = self._starts_in(options.get("pose"))
             self.worlds.begin(starts, put(self._choices(starts, seeds, which)))
+            self.worlds.arouse(levels)
             self.worlds.ended.ended[which] = False
             self.worlds.observe()
             return self._observed(), {}
+
+    def set_arousal(self, levels: Any) -> None:
+        """Change the arousal of infants for the rest of their episodes.
+
+        Args:
+            levels: That of all, or of each, shape (n,): of NumPy, or on the device of any library that knows DLPack,
+                where what is beyond 0 and 2 is clipped.
+
+        Raises:
+            ValueError: If one of NumPy's is none from 0 to 2, or there is not one for each infant.
+            ClosedEnvironmentError: If the environment is closed.
+        """
+        with present(self.device):
+            if not hasattr(levels, "__dlpack__") or isinstance(levels, (np.ndarray, np.generic)):
+                levels = put(arousals_of(levels, self.num_envs))
+            self.worlds.arousal.set(torch.from_dlpack(levels).to(self.worlds.arousal.level).expand(self.num_envs))
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Apply an action of each infant for one control step; those whose episode has ended are reset as agreed.

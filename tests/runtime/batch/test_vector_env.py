@@ -205,7 +205,7 @@ def test_a_picture_shows_all_infants_in_rows(bundle):
 
 def test_attributes_and_methods_of_each_infant_can_be_had(three):
     assert three.get_attr("max_steps") == (None,) * 3
-    assert three.call("effort") == (0.0,) * 3
+    assert three.call("effort") == pytest.approx((0.0,) * 3, abs=1e-6)  # Muscle tone is almost gone at this age.
     three.set_attr("mark", [1, 2, 3])
     assert three.get_attr("mark") == (1, 2, 3)
     assert three.threads >= 1
