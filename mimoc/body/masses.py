@@ -1,8 +1,8 @@
 """Masses of the parts of a child.
 
 By the published law, a geom's mass is m = rho V: its density, the same at every age, times the volume V of MIMo's solid
-with the child's measurements. By the law `maturing`, head and feet are heavier at the expense of the trunk; all other
-parts, and the whole body, weigh what they do by the published law.
+with the child's measurements. By the law `maturing`, head, thighs and feet are heavier at the expense of the trunk; all
+other parts, and the whole body, weigh what they do by the published law.
 """
 
 import math
@@ -22,6 +22,9 @@ NECK_SHARE = 0.08
 LEAST_TRUNK = 0.4
 """Of its mass by the published law, which a trunk keeps in any case; it limits the heads of children far outside of
 WHO's percentiles."""
+THIGH, TISSUE_KG_M3 = "{side}_upper_leg1", 1060.0
+"""The geom of a thigh, and its density: that of muscle (M). MIMo's is 790 to 950, with which thighs weigh two thirds of
+what Sun & Jensen 1994 (M) found at 2 to 9 months."""
 
 HEAD_KEY = "measurements.head_circumference_cm"
 HEAD_SHARES = (
@@ -53,7 +56,9 @@ class Masses:
         density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
         usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
         if maturing and part.region == "trunk":
-            text = f"{usual} x {self.trunk_left:.6g}: by {LAW}, the trunk gives what head, neck and feet gain (D)"
+            text = (
+                f"{usual} x {self.trunk_left:.6g}: by {LAW}, the trunk gives what head, neck, thighs and feet gain (D)"
+            )
             return Origin(text, (*sources, HEAD_KEY, AGE_KEY, LAW_KEY))
         if maturing and part.name == "head":
             share = NECK_SHARE if figures.name == "neck" else 1 - NECK_SHARE
@@ -61,6 +66,9 @@ class Masses:
             return Origin(f"by {LAW}, {text}; the neck has {NECK_SHARE:g} of that (D)", (HEAD_KEY, AGE_KEY, LAW_KEY))
         if maturing and part.name in self.feet:
             text = f"{density}, the density of {REFERENCE}, x volume, which by {LAW} is larger than there (D)"
+            return Origin(text, (f"geom.{name}.size", LAW_KEY))
+        if maturing and figures.name == THIGH:
+            text = f"{TISSUE_KG_M3:g} kg/m3, the density of muscle (M), by {LAW} x volume"
             return Origin(text, (f"geom.{name}.size", LAW_KEY))
         weighing = f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as "
         weighing = "the density of " if figures.mass_at_m else weighing
@@ -76,18 +84,18 @@ def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
 
 
 def _maturing(shapes: Shapes, reference: Reference) -> Masses:
-    """Return the published masses, of which the trunk gives what head, neck and feet gain.
+    """Return the published masses, of which the trunk gives what head, neck, thighs and feet gain.
 
-    With g the gain of the head, m the published masses and f = rho V those of the feet with the height of their age,
-    the trunk keeps the share t = 1 - ((g - 1) m_head + 2 (f - m_foot)) / m_trunk, which is at least `LEAST_TRUNK`. Gain
-    and share are those of the child before its spec changes any single part.
+    With g the gain of the head, m the published masses and f = rho V those of a leg's thigh and foot with the density
+    of tissue and the height of their age, the trunk keeps the share t = 1 - ((g - 1) m_head + 2 (f - m)) / m_trunk,
+    which is at least `LEAST_TRUNK`. Gain and share are those of the child before its spec changes any single part.
     """
     trunk = [geom for _, part in reference.anatomy.parts if part.region == "trunk" for geom in part.geoms]
-    usual_kg, usual_feet_kg = _published_kg(reference, shapes.usual_m3), _feet_kg(reference, shapes.usual)
+    usual_kg, usual_legs_kg = _published_kg(reference, shapes.usual_m3), _legs_kg(reference, shapes.usual)
     trunk_kg = math.fsum(usual_kg[geom.name] for geom in trunk)
-    foot_kg = math.fsum(feet_kg - usual_kg[name] for name, feet_kg in usual_feet_kg.items())
-    gain = min(reference.head_gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * foot_kg) / usual_kg["head"])
-    left = 1 - ((gain - 1) * usual_kg["head"] + 2 * foot_kg) / trunk_kg
+    leg_kg = math.fsum(kg - usual_kg[name] for name, kg in usual_legs_kg.items())
+    gain = min(reference.head_gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * leg_kg) / usual_kg["head"])
+    left = 1 - ((gain - 1) * usual_kg["head"] + 2 * leg_kg) / trunk_kg
 
     def of_side(side: str) -> dict[str, float]:
         published_kg = _published_kg(reference, shapes.mimos_m3[side])
@@ -95,7 +103,7 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
         return {
             **published_kg,
             **{geom.name: left * published_kg[geom.name] for geom in trunk},
-            **_feet_kg(reference, shapes.built[side]),
+            **_legs_kg(reference, shapes.built[side]),
             "head": (1 - NECK_SHARE) * head_kg,
             "neck": NECK_SHARE * head_kg,
         }
@@ -114,9 +122,11 @@ def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict
     return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in reference.densities_kg_m3.items()}
 
 
-def _feet_kg(reference: Reference, dimensions: BodyGeometry) -> dict[str, float]:
-    """Return the masses of the geoms of a foot with its toes."""
+def _legs_kg(reference: Reference, dimensions: BodyGeometry) -> dict[str, float]:
+    """Return the masses of a thigh, and of the geoms of a foot with its toes."""
+    thighs = (geom for _, part in reference.anatomy.parts for geom in part.geoms if geom.name == THIGH)
+    densities = {**reference.densities_kg_m3, THIGH: TISSUE_KG_M3}
     return {
-        geom.name: reference.densities_kg_m3[geom.name] * volume(geom.type, dimensions.shapes[geom.name].size_m)
-        for geom in reference.anatomy.of_foot()
+        geom.name: densities[geom.name] * volume(geom.type, dimensions.shapes[geom.name].size_m)
+        for geom in (*reference.anatomy.of_foot(), *thighs)
     }

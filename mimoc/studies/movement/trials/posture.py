@@ -65,7 +65,7 @@ def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> tuple[flo
     return float(seen), float(true)
 
 
-HIP_DRIVE, KNEE_DRIVE = -0.2, -0.15
+HIP_DRIVE, KNEE_DRIVE = -0.25, -0.15
 """What an awake infant of 0 to 7 months bends its legs with, by their strength: behaviour, not body. Fitted to the
 posture of recorded infants, which the trial compares with."""
 NOISE, CORRELATED_S = 0.3, 0.3
