@@ -56,9 +56,7 @@ class Masses:
         density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
         usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
         if maturing and part.region == "trunk":
-            text = (
-                f"{usual} x {self.trunk_left:.6g}: by {LAW}, the trunk gives what head, neck, thighs and feet gain (D)"
-            )
+            text = f"{usual} x {self.trunk_left:.6g}: by {LAW}, it gives what head, neck, thighs and feet gain (D)"
             return Origin(text, (*sources, HEAD_KEY, AGE_KEY, LAW_KEY))
         if maturing and part.name == "head":
             share = NECK_SHARE if figures.name == "neck" else 1 - NECK_SHARE

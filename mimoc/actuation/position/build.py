@@ -1,7 +1,8 @@
 """Servos: the command is an angle, which is gone to and held as well as the strength of an infant's muscles allows.
 
-A servo has the torque limits of the motor it stands for, and its joint has a damper that eats up all of that torque
-at the speed at which the muscles there no longer pull. So force and speed are finite, in plain MuJoCo too.
+A servo has the torque limits of the motor it stands for, and the muscle tone of a quiet infant within them. By the law
+`published`, its joint has a damper that eats up all of that torque at the speed at which the muscles there no longer
+pull. By the law `maturing`, its joint is as relaxed as with motors.
 
 What that strength can hold against gravity is held within 3.5 degrees, 6.5 with physics steps of 20 ms, from 1.5 s
 after the command at the latest; most joints are within half of that. What it cannot hold sags: up to two fifths of a
@@ -255,8 +256,9 @@ def _braking_s(motor: Motor, joint: Joint, inertia_kgm2: float) -> float:
 def _damping(motor: Motor, joint: Joint) -> float:
     """Return the joint's own damping, by the published law at least what takes up its motor's peak torque.
 
-    That is at the speed at which its muscles no longer pull: a muscle is as long as .75 to 1.05 optimal lengths over the range of its joint, and does not pull at VMAX lengths a
-    second (MIMo).
+    That is at the speed at which its muscles no longer pull: a muscle is as long as .75 to 1.05 optimal lengths over
+    the range of its joint, and does not pull at VMAX lengths a second (MIMo). By the law `maturing` nothing but the
+    relaxed joint damps, so that limbs swing: what a servo drives is slowed by its force limits alone.
     """
     if motor.fastest_rad_s:
         return joint.damping_nms_per_rad
