@@ -18,7 +18,8 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from scipy.stats import spearmanr
+import numpy as np
+from scipy.stats import rankdata
 
 import mimoc
 from mimoc.body import strength
@@ -94,10 +95,11 @@ def row(variant: str, results: Mapping[str, SearchResult]) -> str:
         for name, age in ages.items()
     )
     ranked = [LAST_MONTHS if ages[name] is None else ages[name] for name in TRIALS]
-    order = float(spearmanr(ranked, [WINDOWS[name].median_months for name in TRIALS]).statistic)
+    real = [WINDOWS[name].median_months for name in TRIALS]
+    order = np.corrcoef(rankdata(ranked), rankdata(real))[0, 1] if len(set(ranked)) > 1 else np.nan
     shown = " | ".join("-" if ages[name] is None else f"{ages[name]:g}" for name in TRIALS)
     born = sum(result.at_birth for result in results.values())
-    return f"| {variant} | {shown} | {inside} | {born} | {'' if order != order else f'{order:.2f}'} |"
+    return f"| {variant} | {shown} | {inside} | {born} | {order:.2f} |"
 
 
 if __name__ == "__main__":

@@ -158,9 +158,7 @@ def print_movement(report: MovementReport) -> None:
         out.print(reason)
     if report.predicted:
         inside = sum(not row.failed for row in report.predicted)
-        title = (
-            f"predicted, that is, no number of the law was chosen for it: {inside} of {len(report.predicted)} inside"
-        )
+        title = f"predicted: {inside} of {len(report.predicted)} inside"
         out.print(_predictions(report.predicted, title))
     out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is a guess")
     failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]
@@ -184,7 +182,7 @@ def _predictions(rows: Sequence[MovementRow], title: str) -> Table:
     """Return a table of predictions, a row each, and by how much those outside are off."""
     table = new_table("measure", "months", "value", "asked", "off by", title=title, padding=0)
     for row in rows:
-        error = "never" if row.error is None else f"{100 * row.error:+.0f} %" if row.failed else "inside"
+        error = "never" if row.error is None else f"{row.error:+.3g}" if row.failed else "inside"
         window = _range(row.window) if row.window else ""
         table.add_row(row.measure.name, f"{row.age_months:g}", _movement_value(row), window, error)
     return table

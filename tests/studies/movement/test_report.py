@@ -38,6 +38,31 @@ def test_a_value_is_judged_by_the_window_of_its_age_unless_that_is_a_guess(measu
     assert MovementReport("maturing", "torque", [judged]).passed == (verdict in ("inside", "no verdict"))
 
 
+@pytest.mark.parametrize(
+    ("measure", "age_months", "value", "error"),
+    [
+        ("kick_deg", 3.0, 60.0, 0.0),
+        ("kick_deg", 3.0, 40.0, -10.0),
+        ("reach_s", 4.0, 2.5, 0.5),
+        ("kick_s", 3.0, None, None),
+    ],
+)
+def test_a_value_outside_is_off_by_what_it_is_beyond_its_window(measure, age_months, value, error):
+    assert row(measure, age_months, value).error == error
+
+
+def test_predictions_are_the_rows_with_a_verdict_that_nothing_was_fitted_to():
+    rows = [
+        row("kick_deg", 3.0, 40.0),
+        row("kick_share", 3.0, 1.0),
+        row("shank_swings", 3.0, 1.0),
+        row("kick_s", 3.0, 0.3),
+    ]
+    report = MovementReport("maturing", "torque", rows)
+    assert report.predicted == [rows[0], rows[3]]
+    assert report.to_data()["predicted"] == {"inside": 1, "tried": 2}
+
+
 def test_what_is_not_tried_does_not_fail():
     untried = row("kick_deg", 3.0, None, "this infant has no left_foot")
     assert untried.verdict == "not tried"
@@ -138,6 +163,8 @@ def test_the_table_names_what_is_outside_the_sources_and_what_was_not_tried(caps
     assert "15*" in printed
     assert "(0.9)" in printed
     assert "Trujillo-Priego & Smith 2017" in printed
+    assert "predicted: 1 of 3 inside" in printed
+    assert "-35" in printed
     assert "(read; predicted)" in " ".join(printed.split())
 
 

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant, elevation_deg
 from mimoc.studies.movement.drive import Drive, again, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
@@ -39,14 +39,15 @@ class Roller:
 
     infant: TrialInfant
     start: mujoco.MjData = field(init=False)
-    moved: FloatArray = field(init=False)
-    """Which of the driven hinges move, shape (n,)."""
+    moved: IntArray = field(init=False)
+    """Indices of the driven hinges that move, shape (m,)."""
 
     def __post_init__(self) -> None:
         """Lay the infant down."""
         self.start = settled(self.infant)
         names = self.infant.joint_names
-        self.moved = np.array([not any(part in f"_{name}" for part in EXCEPT) for name in names])
+        moved = [slot for slot, name in enumerate(names) if not any(part in f"_{name}" for part in EXCEPT)]
+        self.moved = np.array(moved, np.intp)
         self._low, self._high = self.infant.model.jnt_range[self.infant.joints[self.moved]].T
 
     def play(self, sequence: FloatArray) -> float:
@@ -85,7 +86,7 @@ def search_roll(infant: TrialInfant, rounds: int = ROUNDS) -> tuple[float, int]:
         rounds: How often sequences are drawn at most; the usual number takes two minutes of one core.
     """
     roller, random = Roller(infant), np.random.default_rng(SEED)
-    mean, best_deg = np.zeros(POSTURES * int(roller.moved.sum())), -90.0
+    mean, best_deg = np.zeros(POSTURES * len(roller.moved)), -90.0
     spread = np.full(len(mean), SPREAD)
     for count in range(1, rounds + 1):
         draws = np.clip(mean + spread * random.standard_normal((DRAWS, len(mean))), -1.0, 1.0)
