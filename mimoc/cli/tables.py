@@ -156,10 +156,10 @@ def print_movement(report: MovementReport) -> None:
         out.print(f"{', '.join(names)}: {source}", highlight=False)
     for reason in dict.fromkeys(f"{row.trial} was not tried: {row.reason}" for row in report.rows if row.reason):
         out.print(reason)
-    if report.predicted:
-        inside = sum(not row.failed for row in report.predicted)
-        title = f"predicted: {inside} of {len(report.predicted)} inside"
-        out.print(_predictions(report.predicted, title))
+    if report.held_out:
+        inside = sum(not row.failed for row in report.held_out)
+        title = f"held out: {inside} of {len(report.held_out)} inside"
+        out.print(_held_out(report.held_out, title))
     out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is a guess")
     failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]
     if failing:
@@ -178,8 +178,8 @@ def _movement_table(measures: Sequence[Sequence[MovementRow]]) -> Table:
     return table
 
 
-def _predictions(rows: Sequence[MovementRow], title: str) -> Table:
-    """Return a table of predictions, a row each, and by how much those outside are off."""
+def _held_out(rows: Sequence[MovementRow], title: str) -> Table:
+    """Return a table of what is held out, a row each, and how far those outside are below or above their windows."""
     table = new_table("measure", "months", "value", "asked", "off by", title=title, padding=0)
     for row in rows:
         error = "never" if row.error is None else f"{row.error:+.3g}" if row.failed else "inside"

@@ -129,7 +129,7 @@ def validate(
       asks for, and of the average child, within one SD of the mean of boys and girls.
     - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
     - `movement`: how it kicks, swings its shanks, lifts its hands, folds its legs, looks, grips and reaches, in the
-      windows of real infants; what no number of its law was chosen for is listed as predicted.
+      windows of real infants; predictions by which nothing of its law was chosen are listed last.
     - `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means,
       as scaled by the spec.
     """

@@ -39,7 +39,8 @@ class Window(Model):
     """None if there is no lower end, as for `high`."""
     high: float | None
     used: Used
-    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted."""
+    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted; it was still
+    looked at while the law was made unless its trial is held out."""
     certainty: Certainty
     source: str
 
@@ -118,7 +119,7 @@ class Row:
             "age_months": self.age_months,
             "value": self.value,
             "verdict": self.verdict,
-            "used": self.window.used if self.window else None,
+            "held_out": TRIALS[self.trial].held_out,
             "error": self.error,
             "window": self.window.model_dump() if self.window else None,
             "reason": self.reason,
@@ -141,10 +142,10 @@ class MovementReport:
         return not any(row.failed for row in self.rows)
 
     @property
-    def predicted(self) -> Sequence[Row]:
-        """The rows with a verdict for which no number of the law was chosen."""
+    def held_out(self) -> Sequence[Row]:
+        """The rows with a verdict of the trials by which nothing of the law was chosen: its predictions."""
         judged = (row for row in self.rows if row.verdict in ("inside", "outside", "not reached"))
-        return [row for row in judged if row.window and row.window.used == "predicted"]
+        return [row for row in judged if TRIALS[row.trial].held_out]
 
     @property
     def by_measure(self) -> Mapping[str, Sequence[Row]]:
@@ -181,10 +182,7 @@ class MovementReport:
                 "actuation": self.actuation,
                 "passed": self.passed,
                 "trials": self.titles,
-                "predicted": {
-                    "inside": sum(not row.failed for row in self.predicted),
-                    "tried": len(self.predicted),
-                },
+                "held_out": {"inside": sum(not row.failed for row in self.held_out), "tried": len(self.held_out)},
                 "rows": [row.to_data() for row in self.rows],
             }
         )

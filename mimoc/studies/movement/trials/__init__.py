@@ -23,6 +23,5 @@ TRIALS: Mapping[str, MovementTrial] = {
         *(STEPPING, LEG_WEIGHT, POSTURE, ARM_PULL, SPEEDS, REACH, ROLL),
     )
 }
-"""First those looked at while the law `maturing` was made, then those held out, by which nothing was chosen."""
 USUAL: tuple[str, ...] = tuple(trial.name for trial in TRIALS.values() if not trial.on_request)
 """The names of those that are done unless others are asked for."""

@@ -159,4 +159,5 @@ ARM_PULL = MovementTrial(
         Quantity("arm_pull_change", "Hand above shoulder: change by the pull"),
     ),
     ("left_upper_arm", "left_lower_arm", "left_hand"),
+    held_out=True,
 )

@@ -126,6 +126,7 @@ LEG_WEIGHT = MovementTrial(
         Quantity("leg_weight_other_less", "Weight on a leg: share of seeds in which the other moves less"),
     ),
     ("left_lower_leg", "right_lower_leg"),
+    held_out=True,
 )
 POSTURE = MovementTrial(
     "posture",
@@ -137,4 +138,5 @@ POSTURE = MovementTrial(
         *(Quantity(f"posture_{name}_change", f"Kicks on the board, {name}: change of range") for name in TILTS_DEG),
     ),
     ("head", "left_lower_leg", "right_lower_leg"),
+    held_out=True,
 )

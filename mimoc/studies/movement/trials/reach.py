@@ -83,4 +83,5 @@ REACH = MovementTrial(
         Quantity("reach_way_cm", "Reach: way", "cm"),
     ),
     ("head", "right_upper_arm", "right_lower_arm", "right_hand"),
+    held_out=True,
 )

@@ -112,5 +112,6 @@ ROLL = MovementTrial(
     (2.0, 4.0, 6.0),
     (Quantity("roll_deg", "Rolling: faces down by", "deg"), Quantity("roll_tried", "Rolling: movements tried")),
     ("hip", "head", "left_upper_arm", "right_upper_arm", "left_upper_leg", "right_upper_leg"),
+    held_out=True,
     on_request=True,
 )

@@ -60,4 +60,5 @@ SPEEDS = MovementTrial(
     (0.0, 1.0, 3.0, 6.0),
     tuple(Quantity(f"speed_{name}", f"Awake: speed of the {name}, in trunk lengths", "1/s") for name in ENDS),
     (*POINTS, "left_upper_leg", "right_upper_leg", "left_upper_arm", "right_upper_arm"),
+    held_out=True,
 )

@@ -88,4 +88,5 @@ STEPPING = MovementTrial(
         Quantity("step_water_change", "Steps: change of height in water"),
     ),
     ("left_lower_leg", "right_lower_leg"),
+    held_out=True,
 )
