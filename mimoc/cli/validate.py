@@ -95,6 +95,16 @@ VALIDATIONS: Mapping[str, Callable[..., Findings]] = {
 """How an infant, or the average child if none is given, is compared, by the name that a user gives."""
 
 
+_Ages = Annotated[
+    str | None,
+    typer.Option(metavar="MONTHS", help="Ages of the trials of movement, as in 0,3,6; default: those with figures."),
+]
+_Trials = Annotated[
+    str | None,
+    typer.Option(metavar="NAMES", help="Trials of movement, as in kick,roll; default: all but roll, which is slow."),
+]
+
+
 def validate(
     spec: Annotated[
         Path | None,
@@ -110,18 +120,8 @@ def validate(
     delays: Annotated[
         bool, typer.Option("--delays", help="Milestones with the infant's own delays of senses and commands.")
     ] = False,
-    ages: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MONTHS", help="Ages of the trials of movement, as in 0,3,6; default: those with figures."
-        ),
-    ] = None,
-    trials: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAMES", help="Trials of movement, as in kick,roll; default: all but roll, which takes minutes."
-        ),
-    ] = None,
+    ages: _Ages = None,
+    trials: _Trials = None,
 ) -> None:
     """Compare the infant, grown to 0 to 24 months, with children; exit code 1 if it deviates too much.
 
@@ -155,6 +155,8 @@ def _options(against: str, delays: bool, ages: str | None, trials: str | None) -
     """Return what a comparison is given besides the infant, if it takes that."""
     if delays and against != "milestones":
         raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
-    if (ages is not None or trials is not None) and against != "movement":
-        raise typer.BadParameter("only movements have ages and trials of choice; use it with --against movement")
+    if ages is not None and against != "movement":
+        raise typer.BadParameter("only movements are tried at ages of choice; use it with --against movement")
+    if trials is not None and against != "movement":
+        raise typer.BadParameter("only movement has trials of choice; use it with --against movement")
     return {"milestones": {"delays": delays}, "movement": {"ages": ages, "trials": trials}}.get(against, {})

@@ -39,8 +39,7 @@ class Window(Model):
     """None if there is no lower end, as for `high`."""
     high: float | None
     used: Used
-    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted; it was still
-    looked at while the law was made unless its trial is held out."""
+    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted."""
     certainty: Certainty
     source: str
 

@@ -43,11 +43,11 @@ def reach(infant: TrialInfant, planned_s: float) -> Reach:
     held = infant.fixed([*infant.trunk_dofs(), *infant.dofs_of("head")])
     data, hand = held.placed(0.0, SITTING_DEG, ABOVE_M), held.model.body("right_hand").id
     start, end = held.turned(data, {}), held.turned(data, AHEAD_DEG)
-    there = mujoco.MjData(held.model)
-    there.qpos[:] = data.qpos
-    there.qpos[held.angles] = end
-    mujoco.mj_kinematics(held.model, there)
-    goal_m, step_s = there.xpos[hand].copy(), held.model.opt.timestep
+    arrived = mujoco.MjData(held.model)
+    arrived.qpos[:] = data.qpos
+    arrived.qpos[held.angles] = end
+    mujoco.mj_kinematics(held.model, arrived)
+    goal_m, step_s = arrived.xpos[hand].copy(), held.model.opt.timestep
     control, trace = Controller(held, servo(held, data), step_s), [data.xpos[hand].copy()]
     for step in range(round((planned_s + SETTLING_S) / step_s)):
         time = min(step * step_s / planned_s, 1.0)
