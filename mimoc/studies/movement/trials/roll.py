@@ -30,7 +30,8 @@ ROLLED_DEG = 60.0
 DRAWS, KEPT, ROUNDS = 40, 8, 60
 SPREAD, LEAST_SPREAD, SMOOTHING = 0.6, 0.1, 0.7
 """Of draws, by half the range of a joint: at first, and at least; and how far the kept ones move mean and spread."""
-SEED = 0
+SEEDS = 3
+"""Searches, one after the other, until one rolls the infant: what one misses, another may hit on."""
 
 
 @dataclass
@@ -78,14 +79,15 @@ def _between(postures: list[FloatArray], time_s: float) -> FloatArray:
     return postures[number] + share * (postures[number + 1] - postures[number])
 
 
-def search_roll(infant: TrialInfant, rounds: int = ROUNDS) -> tuple[float, int]:
+def search_roll(infant: TrialInfant, rounds: int = ROUNDS, seed: int = 0) -> tuple[float, int]:
     """Return how far the best sequence turns an infant down, in [deg], and how many were tried.
 
     Args:
         infant: The infant.
         rounds: How often sequences are drawn at most; the usual number takes two minutes of one core.
+        seed: Seed of the draws.
     """
-    roller, random = Roller(infant), np.random.default_rng(SEED)
+    roller, random = Roller(infant), np.random.default_rng(seed)
     mean, best_deg = np.zeros(POSTURES * len(roller.moved)), -90.0
     spread = np.full(len(mean), SPREAD)
     for count in range(1, rounds + 1):
@@ -101,15 +103,20 @@ def search_roll(infant: TrialInfant, rounds: int = ROUNDS) -> tuple[float, int]:
 
 
 def _measure(subject: Subject) -> Values:
-    down_deg, tried = search_roll(subject.infant)
-    return {"roll_deg": down_deg, "roll_tried": float(tried)}
+    best_deg, tried = -90.0, 0
+    for seed in range(SEEDS):
+        down_deg, count = search_roll(subject.infant, seed=seed)
+        best_deg, tried = max(best_deg, down_deg), tried + count
+        if best_deg >= ROLLED_DEG:
+            break
+    return {"roll_deg": best_deg, "roll_tried": float(tried)}
 
 
 ROLL = MovementTrial(
     "roll",
     "rolls from its back towards its belly by three postures that a search makes up: how far it faces down after 4 s",
     _measure,
-    (2.0, 4.0, 6.0),
+    (2.0, 5.0, 6.0),
     (Quantity("roll_deg", "Rolling: faces down by", "deg"), Quantity("roll_tried", "Rolling: movements tried")),
     ("hip", "head", "left_upper_arm", "right_upper_arm", "left_upper_leg", "right_upper_leg"),
     held_out=True,
