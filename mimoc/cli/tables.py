@@ -156,6 +156,10 @@ def print_movement(report: MovementReport) -> None:
         out.print(f"{', '.join(names)}: {source}", highlight=False)
     for reason in dict.fromkeys(f"{row.trial} was not tried: {row.reason}" for row in report.rows if row.reason):
         out.print(reason)
+    if report.held_out:
+        inside = sum(not row.failed for row in report.held_out)
+        title = f"held out: {inside} of {len(report.held_out)} inside"
+        out.print(_held_out(report.held_out, title))
     out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is a guess")
     failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]
     if failing:
@@ -167,11 +171,27 @@ def print_movement(report: MovementReport) -> None:
 def _movement_table(measures: Sequence[Sequence[MovementRow]]) -> Table:
     """Return a table of the measures of a trial, a row each, by age."""
     asked = [_asked(rows) for rows in measures]
-    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked"] * any(asked)
+    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked", "used"] * any(asked)
     table = new_table("months", *headings, padding=0)
     for rows, window in zip(measures, asked, strict=True):
-        table.add_row(rows[0].measure.name, *map(_movement_value, rows), *[window] * any(asked))
+        table.add_row(rows[0].measure.name, *map(_movement_value, rows), *[window, _used(rows)] * any(asked))
     return table
+
+
+def _held_out(rows: Sequence[MovementRow], title: str) -> Table:
+    """Return a table of what is held out, a row each, and how far those outside are below or above their windows."""
+    table = new_table("measure", "months", "value", "asked", "off by", title=title, padding=0)
+    for row in rows:
+        error = "never" if row.error is None else f"{row.error:+.3g}" if row.failed else "inside"
+        window = _range(row.window) if row.window else ""
+        table.add_row(row.measure.name, f"{row.age_months:g}", _movement_value(row), window, error)
+    return table
+
+
+def _used(rows: Sequence[MovementRow]) -> str:
+    """Return whether a number of the law was chosen for what is asked of a measure."""
+    uses = list(dict.fromkeys(row.window.used for row in rows if row.window))
+    return "by age" if len(uses) > 1 else "".join(uses)
 
 
 def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:

@@ -90,6 +90,13 @@ def test_movement_is_tried_at_the_ages_asked_for_and_fails_outside_its_windows(i
     assert json.loads(invoke("validate", "--against", "movement", "--json").out)["passed"] is False
 
 
+def test_trials_of_movement_are_those_asked_for(invoke, here):
+    done = invoke("validate", "--against", "movement", "--trials", "rest,damping", "--ages", "0", "--json")
+    assert list(json.loads(done.out)["trials"]) == ["rest", "damping"]
+    assert "did you mean 'roll'" in invoke("validate", "--against", "movement", "--trials", "rol").err
+    assert invoke("validate", "--trials", "roll").code == 2
+
+
 def check_tables(text):
     """Check the width of each table, and that each of its columns has a heading and something below."""
     lines = [line for line in text.splitlines() if line.startswith(tuple("┏┃┡│└"))]

@@ -2,10 +2,11 @@
 
 from mimoc.studies.movement.report import WINDOWS, MovementReport, Row, Window, validate_movement, window_of
 from mimoc.studies.movement.trial import MovementTrial, Subject
-from mimoc.studies.movement.trials import TRIALS
+from mimoc.studies.movement.trials import TRIALS, USUAL
 
 __all__ = [
     "TRIALS",
+    "USUAL",
     "WINDOWS",
     "MovementReport",
     "MovementTrial",

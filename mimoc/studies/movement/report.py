@@ -19,7 +19,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values, missing
-from mimoc.studies.movement.trials import TRIALS
+from mimoc.studies.movement.trials import TRIALS, USUAL
 from mimoc.studies.processes import process_pool
 
 Certainty = Literal["read", "read in another source", "recorded", "from memory", "derived", "guess"]
@@ -50,6 +50,11 @@ class Window(Model):
     def has(self, value: float) -> bool:
         """Return whether a value is inside."""
         return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
+
+    def error(self, value: float) -> float:
+        """Return how far a value is below the lower end, as a number below 0, or above the upper one; 0 inside."""
+        end = self.low if self.low is not None and value < self.low else self.high
+        return 0.0 if self.has(value) or end is None else value - end
 
 
 def _windows() -> Iterator[tuple[str, Window]]:
@@ -93,6 +98,13 @@ class Row:
         return "inside" if self.window.has(self.value) else "outside"
 
     @property
+    def error(self) -> float | None:
+        """How far it is below (below 0) or above its window, in its unit; None if there is no value to judge."""
+        if self.window is None or self.value is None or self.verdict not in ("inside", "outside"):
+            return None
+        return self.window.error(self.value)
+
+    @property
     def failed(self) -> bool:
         """Whether it is outside a window that is no guess."""
         return self.verdict in ("outside", "not reached")
@@ -106,6 +118,8 @@ class Row:
             "age_months": self.age_months,
             "value": self.value,
             "verdict": self.verdict,
+            "held_out": TRIALS[self.trial].held_out,
+            "error": self.error,
             "window": self.window.model_dump() if self.window else None,
             "reason": self.reason,
         }
@@ -125,6 +139,12 @@ class MovementReport:
     def passed(self) -> bool:
         """Whether nothing is outside a window that is no guess."""
         return not any(row.failed for row in self.rows)
+
+    @property
+    def held_out(self) -> Sequence[Row]:
+        """The rows with a verdict of the trials by which nothing of the law was chosen: its predictions."""
+        judged = (row for row in self.rows if row.verdict in ("inside", "outside", "not reached"))
+        return [row for row in judged if TRIALS[row.trial].held_out]
 
     @property
     def by_measure(self) -> Mapping[str, Sequence[Row]]:
@@ -161,6 +181,7 @@ class MovementReport:
                 "actuation": self.actuation,
                 "passed": self.passed,
                 "trials": self.titles,
+                "held_out": {"inside": sum(not row.failed for row in self.held_out), "tried": len(self.held_out)},
                 "rows": [row.to_data() for row in self.rows],
             }
         )
@@ -169,7 +190,7 @@ class MovementReport:
 def validate_movement(
     spec: InfantSpec | None = None,
     *,
-    names: Sequence[str] = tuple(TRIALS),
+    names: Sequence[str] = USUAL,
     ages: Sequence[float] | None = None,
     processes: int = 1,
     progress: Progress | None = None,
@@ -178,7 +199,7 @@ def validate_movement(
 
     Args:
         spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
-        names: The trials, of `mimoc.studies.movement.TRIALS`.
+        names: The trials, of `mimoc.studies.movement.TRIALS`; those that take minutes are done only if they are named.
         ages: Ages to try, in months; None means those of each trial, at which there are figures of real infants.
         processes: Number of processes. With more than one, a script must guard its main part by
             `if __name__ == "__main__"`.

@@ -41,6 +41,10 @@ class MovementTrial:
     """The bodies without which it cannot be tried."""
     needs_one_of: tuple[str, ...] = ()
     """Bodies of which one is needed, as hands of different kinds have different fingers; none if there are none."""
+    held_out: bool = False
+    """Whether nothing of the law `maturing` was chosen with it in view, so that what it gives are predictions."""
+    on_request: bool = False
+    """Whether it takes minutes, so that it is done only if it is asked for by its name."""
 
 
 def missing(trial: MovementTrial, infant: TrialInfant) -> str:

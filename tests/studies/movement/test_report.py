@@ -38,6 +38,33 @@ def test_a_value_is_judged_by_the_window_of_its_age_unless_that_is_a_guess(measu
     assert MovementReport("maturing", "torque", [judged]).passed == (verdict in ("inside", "no verdict"))
 
 
+@pytest.mark.parametrize(
+    ("measure", "age_months", "value", "error"),
+    [
+        ("kick_deg", 3.0, 60.0, 0.0),
+        ("kick_deg", 3.0, 40.0, -10.0),
+        ("reach_s", 4.0, 2.5, 0.5),
+        ("kick_s", 3.0, None, None),
+    ],
+)
+def test_a_value_outside_is_off_by_what_it_is_beyond_its_window(measure, age_months, value, error):
+    assert row(measure, age_months, value).error == error
+
+
+def test_what_is_held_out_is_what_has_a_verdict_in_trials_that_are_predicted_alone():
+    rows = [
+        row("kick_deg", 3.0, 40.0),
+        row("reach_s", 4.0, 2.5),
+        row("reach_s", 6.0, 1.0),
+        row("reach_way_cm", 4.0, 12.0),
+    ]
+    report = MovementReport("maturing", "torque", rows)
+    assert report.held_out == rows[1:3]
+    assert report.to_data()["held_out"] == {"inside": 1, "tried": 2}
+    measures = {measure.name for trial in TRIALS.values() if trial.held_out for measure in trial.measures}
+    assert {window.used for name, window in WINDOWS if name in measures} == {"predicted"}
+
+
 def test_what_is_not_tried_does_not_fail():
     untried = row("kick_deg", 3.0, None, "this infant has no left_foot")
     assert untried.verdict == "not tried"
@@ -126,6 +153,7 @@ REPORT = MovementReport(
         row("kick_s", 0.0, None),
         row("kick_share", 0.0, 0.9),
         row("grip_out_n", 0.0, None, "this infant has no left_hand"),
+        row("reach_s", 4.0, 2.5),
     ],
 )
 
@@ -133,11 +161,13 @@ REPORT = MovementReport(
 def test_the_table_names_what_is_outside_the_sources_and_what_was_not_tried(capsys):
     print_movement(REPORT)
     printed = capsys.readouterr().out
-    assert "failed: outside the window of real infants: kick_deg, kick_s" in " ".join(printed.split())
+    assert "failed: outside the window of real infants: kick_deg, kick_s, reach_s" in " ".join(printed.split())
     assert "grip was not tried: this infant has no left_hand" in printed
     assert "15*" in printed
     assert "(0.9)" in printed
     assert "Trujillo-Priego & Smith 2017" in printed
+    assert "held out: 0 of 1 inside" in printed
+    assert "+0.5" in printed
     assert "(read; predicted)" in " ".join(printed.split())
 
 

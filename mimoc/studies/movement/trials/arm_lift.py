@@ -1,4 +1,4 @@
-"""Arm lift: on its back, an infant brings a hand above the shoulder and keeps it there."""
+"""Arm lift: on its back, an infant brings a hand above the shoulder and keeps it there, also against a pull."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -6,10 +6,11 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from mimoc.compiler.validation.measuring import ROOT
 from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.controller import Controller, servo
-from mimoc.studies.milestones.infant import TrialInfant
+from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
 from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
@@ -26,30 +27,55 @@ HELD_S = 1.0
 EVERY = 10
 """Physics steps between two beginnings of the second in which the hand is to stay up."""
 SETTLING_S = 2.0
+PULL = 0.25
+"""Pull at the hand by the weight of the arm, against which newborns keep an arm up that they see."""
 
 
-def arm_lift(infant: TrialInfant) -> float:
+def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
     """Return the height above the shoulder that a hand keeps for one second, by the length of the arm.
 
     The elbow bends, the shoulder turns the upper arm up, and the elbow straightens, by smooth targets of the controller
     of the milestones; everything but the arm is quiet. Best second of six.
+
+    Args:
+        infant: The infant.
+        pull: Force on the hand towards the toes all the while, in weights of the arm. The controller counters it as it
+            does weight, as newborns do that see their arm.
     """
     resting = settled(infant, SETTLING_S)
     places = _addresses(infant)
     targets = _targets(infant, resting, places)
     data, step_s = again(infant, resting, moving=False), infant.model.opt.timestep
     data.act[:] = 0.0
-    control, drive = Controller(infant, servo(infant, data), step_s), Drive(infant)
+    gains, drive = servo(infant, data), Drive(infant)
+    control, pull_n = Controller(infant, gains, step_s), pull * _pull_n(infant, resting)
     arm = np.isin(infant.model.actuator_trnid[:, 0], hinges_below(infant, "left_upper_arm"))
     shoulder, hand = (infant.model.body(name).id for name in ("left_upper_arm", _knuckles(infant)))
     heights = []
     for step in range(round(TIMES_S[-1] / step_s)):
-        data.ctrl[:] = np.where(arm, control(data, targets(step * step_s)), drive(data, QUIET))
+        target = targets(step * step_s) - _torques(infant, data, pull_n) / gains.stiffness_nm
+        data.ctrl[:] = np.where(arm, control(data, target), drive(data, QUIET))
+        data.body("left_hand").xfrc_applied[:3] = pull_n
         mujoco.mj_step(infant.model, data)
         heights.append(data.xpos[hand, 2] - data.xpos[shoulder, 2])
     second = round(HELD_S / step_s)
     held_m = max(min(heights[start : start + second]) for start in range(0, len(heights) - second, EVERY))
     return float(held_m / _arm_m(infant, resting))
+
+
+def _pull_n(infant: TrialInfant, resting: mujoco.MjData) -> FloatArray:
+    """Return a force of the arm's weight from the head towards the toes of an infant on its back, shape (3,)."""
+    way = resting.body(ROOT).xpos - resting.body("left_upper_arm").xpos
+    way = np.array([way[0], 0.0, 0.0])
+    weight_n = GRAVITY_M_S2 * float(infant.model.body_subtreemass[infant.model.body("left_upper_arm").id])
+    return weight_n * way / np.linalg.norm(way)
+
+
+def _torques(infant: TrialInfant, data: mujoco.MjData, pull_n: FloatArray) -> FloatArray:
+    """Return the torques of a force on the hand at the driven hinges, shape (n,)."""
+    jacobian = np.zeros((3, infant.model.nv))
+    mujoco.mj_jacBodyCom(infant.model, data, jacobian, None, infant.model.body("left_hand").id)
+    return np.asarray(pull_n @ jacobian[:, infant.dofs], np.float64)
 
 
 def _addresses(infant: TrialInfant) -> list[int]:
@@ -110,6 +136,11 @@ def _measure(subject: Subject) -> Values:
     return {"arm_lift": arm_lift(subject.infant)}
 
 
+def _measure_pulled(subject: Subject) -> Values:
+    free, pulled = arm_lift(subject.infant), arm_lift(subject.infant, PULL)
+    return {"arm_pulled": pulled, "arm_pull_change": pulled / free - 1.0 if free > 0 else None}
+
+
 ARM_LIFT = MovementTrial(
     "arm_lift",
     "on its back, brings a hand above the shoulder and keeps it there for 1 s: height in arm lengths",
@@ -117,4 +148,16 @@ ARM_LIFT = MovementTrial(
     (0.0, 1.0, 2.0, 3.0, 4.0),
     (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
     ("left_upper_arm", "left_lower_arm", "left_hand"),
+)
+ARM_PULL = MovementTrial(
+    "arm_pull",
+    "on its back, brings a hand above the shoulder against a pull towards the toes of a quarter of the arm's weight",
+    _measure_pulled,
+    (0.0,),
+    (
+        Quantity("arm_pulled", "Hand above shoulder against a pull, in arm lengths"),
+        Quantity("arm_pull_change", "Hand above shoulder: change by the pull"),
+    ),
+    ("left_upper_arm", "left_lower_arm", "left_hand"),
+    held_out=True,
 )

@@ -1,5 +1,7 @@
 """Postures on the back: at rest asleep and awake, and legs folded as far as they go."""
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 
@@ -76,19 +78,22 @@ EVERY = 20
 """Physics steps between two looks at the legs."""
 
 
-def _awake(subject: Subject) -> Values:
-    infant = subject.infant
+def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:
+    """Yield the state of an infant that lies awake and moves at random, after each physics step."""
     data, drive, step_s = settled(infant, SETTLING_AWAKE_S), Drive(infant), infant.model.opt.timestep
     names = infant.joint_names
     steady = np.array([_steady(name) for name in names])
-    random, noise, lengths = np.random.default_rng(SEED), np.zeros(len(names)), []
-    for step in range(round(AWAKE_S / step_s)):
+    random, noise = np.random.default_rng(SEED), np.zeros(len(names))
+    for _ in range(round(AWAKE_S / step_s)):
         noise += -noise * step_s / CORRELATED_S
         noise += NOISE * np.sqrt(2 * step_s / CORRELATED_S) * random.standard_normal(len(names))
         data.ctrl[:] = drive.controls(data, np.clip(steady + noise, -1.0, 1.0))
         mujoco.mj_step(infant.model, data)
-        if step % EVERY == 0:
-            lengths.append(leg_length(data))
+        yield data
+
+
+def _awake(subject: Subject) -> Values:
+    lengths = [leg_length(data) for step, data in enumerate(awake(subject.infant)) if step % EVERY == 0]
     return {"awake_leg": float(np.median(lengths))}
 
 

@@ -1,6 +1,7 @@
 """Lifts of the legs of an infant held upright, plain, with weights on the shanks, and in water."""
 
 import copy
+from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
@@ -33,12 +34,8 @@ def lifts(infant: TrialInfant, weight_kg: float = 0.0, *, water: bool = False) -
         weight_kg: Weight on each shank.
         water: Whether it stands in water up to the hips.
     """
-    model = copy.copy(infant.model)
-    for side in SIDES:
-        model.body_mass[model.body(f"{side}_lower_leg").id] += weight_kg
-    mujoco.mj_setConst(model, mujoco.MjData(model))
     joints = [f"{side}_{name}" for side in SIDES for name in ("hip1", "knee", "foot1")]
-    held = all_but(replace(infant, model=model), *(joint for joint in joints if has_joint(infant, joint)))
+    held = all_but(with_weights(infant, weight_kg), *(joint for joint in joints if has_joint(infant, joint)))
     model, data, drive = held.model, held.placed(0.0, {}, ABOVE_M), Drive(held)
     legs = [model.body(f"{side}_{part}").id for side in SIDES for part in PARTS if held.has(f"{side}_{part}")]
     lift_n = FLOATING * GRAVITY_M_S2 * model.body_mass[legs] if water else np.zeros(len(legs))
@@ -50,6 +47,15 @@ def lifts(infant: TrialInfant, weight_kg: float = 0.0, *, water: bool = False) -
         trace.append(angle_deg(held, data, "left_hip1"))
     read = np.array(trace)[int(READ_FROM_S / model.opt.timestep) :]
     return float(np.ptp(read)), float(-read.min())
+
+
+def with_weights(infant: TrialInfant, weight_kg: float, sides: Sequence[str] = SIDES) -> TrialInfant:
+    """Return an infant with a weight on some of its shanks."""
+    model = copy.copy(infant.model)
+    for side in sides:
+        model.body_mass[model.body(f"{side}_lower_leg").id] += weight_kg
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return replace(infant, model=model)
 
 
 def _shares(time_s: float) -> dict[str, float]:
@@ -82,4 +88,5 @@ STEPPING = MovementTrial(
         Quantity("step_water_change", "Steps: change of height in water"),
     ),
     ("left_lower_leg", "right_lower_leg"),
+    held_out=True,
 )

@@ -1,0 +1,142 @@
+"""Kicks of both legs in turn, which a weight on one leg or another posture changes."""
+
+import copy
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from mimoc.base.units import deg_to_rad
+from mimoc.compiler.validation.measuring import ROOT
+from mimoc.quantities import Quantity
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
+from mimoc.studies.movement.drive import Drive, again, all_but, angle_deg, has_joint, settled
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+from mimoc.studies.movement.trials.stepping import with_weights
+
+BURST_S, CYCLE_S, BETWEEN_S = 0.35, 2.0, 1.0
+"""How long a hip is driven (flexion lasts .3 to .4 s), how often (active infants kick 20 to 40 times a minute), and by
+how much the right one is later."""
+KICKING_S, READ_FROM_S = 8.0, 2.0
+KNEE = 0.5
+"""Share of the strength of the knee, by that of the hip: in young infants both bend together; the size is a guess."""
+USUAL_DEG = 40.0
+"""Excursion of the hip in an everyday kick."""
+SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+"""Shares of the strength of the hip's flexors, the least of which is taken that bends it by `USUAL_DEG`."""
+WEIGHT_KG = 0.1
+SEEDS, UNEVEN = 12, 0.2
+"""Seeds with which a weighted leg kicks, as a single one would show chance; how uneven kicks are is a guess."""
+TILTS_DEG = {"45": 45.0, "upright": 90.0}
+"""How far the infant and the board on which it lies are tilted."""
+SETTLING_S = 2.0
+SIDES = ("left", "right")
+LEGS = tuple(f"{side}_{name}" for side in SIDES for name in ("hip1", "hip2", "hip3", "knee", "foot1"))
+
+
+def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: int | None = None) -> FloatArray:
+    """Return the ranges of left and right hip, in [deg], in kicks with some share of their strength, shape (2,).
+
+    Args:
+        infant: The infant.
+        start: Where it begins; it is taken to be at rest.
+        share: Share of the strength of the hips' flexors; knees bend with half as much.
+        seed: Makes each kick stronger or weaker by up to `UNEVEN`; None makes all the same.
+    """
+    data, drive, step_s = again(infant, start, moving=False), Drive(infant), infant.model.opt.timestep
+    cycles = int(KICKING_S / CYCLE_S) + 1
+    uneven = np.random.default_rng(seed).uniform(1 - UNEVEN, 1 + UNEVEN, (cycles, 2)) if seed is not None else 1.0
+    kicks = np.minimum(share * np.ones((cycles, 2)) * uneven, 1.0)
+    trace = []
+    for step in range(round(KICKING_S / step_s)):
+        data.ctrl[:] = drive(data, _shares(step * step_s, kicks))
+        mujoco.mj_step(infant.model, data)
+        trace.append([angle_deg(infant, data, f"{side}_hip1") for side in SIDES])
+    return np.asarray(np.ptp(trace[round(READ_FROM_S / step_s) :], axis=0), np.float64)
+
+
+def tilted(infant: TrialInfant, tilt_deg: float) -> TrialInfant:
+    """Return an infant that lies on a board, trunk, head and arms held, and is tilted with it: 90 degrees is upright.
+
+    Gravity is turned instead.
+    """
+    model, supine = copy.copy(infant.model), infant.placed(-90.0, {})
+    to_feet = np.sign(supine.body(ROOT).xpos[0] - supine.body("head").xpos[0])
+    tilt_rad = deg_to_rad(tilt_deg)
+    model.opt.gravity[:] = GRAVITY_M_S2 * np.array([to_feet * np.sin(tilt_rad), 0.0, -np.cos(tilt_rad)])
+    turned = replace(infant, model=model)
+    return all_but(turned, *(joint for joint in LEGS if has_joint(infant, joint)))
+
+
+def usual_share(infant: TrialInfant, start: mujoco.MjData) -> float:
+    """Return the least share of strength with which the left hip moves by 40 degrees; 1 if none does."""
+    return next((share for share in SHARES if excursions(infant, start, share)[0] >= USUAL_DEG), SHARES[-1])
+
+
+def _shares(time_s: float, kicks: FloatArray) -> dict[str, float]:
+    """Return what hips and knees do at a time, by the share of each kick, shape (cycles, 2)."""
+    shares = {}
+    for slot, side in enumerate(SIDES):
+        cycle, since_s = divmod(time_s + slot * BETWEEN_S, CYCLE_S)
+        if since_s < BURST_S:
+            share = kicks[int(cycle), slot]
+            shares |= {f"{side}_hip1": -share, f"{side}_knee": -KNEE * share}
+    return shares
+
+
+def _weighted(subject: Subject) -> Values:
+    infant, heavy = subject.infant, with_weights(subject.infant, WEIGHT_KG, ("left",))
+    start, loaded = settled(infant, SETTLING_S), settled(heavy, SETTLING_S)
+    share = usual_share(infant, start)
+    plain = np.array([excursions(infant, start, share, seed) for seed in range(SEEDS)])
+    changed = np.array([excursions(heavy, loaded, share, seed) for seed in range(SEEDS)])
+    changes, less = changed.mean(axis=0) / plain.mean(axis=0) - 1.0, (changed < plain).mean(axis=0)
+    return {
+        "leg_kick_deg": float(plain[:, 0].mean()),
+        "leg_weight_change": float(changes[0]),
+        "leg_weight_other_change": float(changes[1]),
+        "leg_weight_less": float(less[0]),
+        "leg_weight_other_less": float(less[1]),
+    }
+
+
+def _tilted(subject: Subject) -> Values:
+    start, supine = settled(subject.infant, SETTLING_S), tilted(subject.infant, 0.0)
+    share = usual_share(supine, start)
+    plain = float(excursions(supine, start, share)[0])
+    bodies = {name: tilted(subject.infant, tilt_deg) for name, tilt_deg in TILTS_DEG.items()}
+    changes = {
+        f"posture_{name}_change": float(excursions(body, start, share)[0]) / plain - 1.0 if plain else None
+        for name, body in bodies.items()
+    }
+    return {"posture_supine_deg": plain, **changes}
+
+
+LEG_WEIGHT = MovementTrial(
+    "leg_weight",
+    "on its back, kicks with both legs in turn by 40 degrees at the hip: then with 100 g on the left shank; 12 seeds",
+    _weighted,
+    (1.5, 3.0),
+    (
+        Quantity("leg_kick_deg", "Kicks in turn: range of the hip", "deg"),
+        Quantity("leg_weight_change", "Weight on a leg: change of its range"),
+        Quantity("leg_weight_other_change", "Weight on a leg: change of the other's range"),
+        Quantity("leg_weight_less", "Weight on a leg: share of seeds in which it moves less"),
+        Quantity("leg_weight_other_less", "Weight on a leg: share of seeds in which the other moves less"),
+    ),
+    ("left_lower_leg", "right_lower_leg"),
+    held_out=True,
+)
+POSTURE = MovementTrial(
+    "posture",
+    "on a board, trunk held, kicks with both legs in turn by 40 degrees at the hip: then tilted by 45° and upright",
+    _tilted,
+    (3.0,),
+    (
+        Quantity("posture_supine_deg", "Kicks on the board: range of the hip", "deg"),
+        *(Quantity(f"posture_{name}_change", f"Kicks on the board, {name}: change of range") for name in TILTS_DEG),
+    ),
+    ("head", "left_lower_leg", "right_lower_leg"),
+    held_out=True,
+)
