@@ -50,8 +50,13 @@ PUBLISHED_LAP: Mapping[str, Angles] = {
     for hands, arm_deg in {"mitten": (40, 25, 0, -45), "five_finger": (40, 25, 30, -70)}.items()
 }
 """Likewise of the published body, whose arms are nearer to the midline: from the lap its hands would slide."""
-ELBOW, LIFT_DEG = "{side}_elbow", 1.5
-"""How much elbows of sitting infants with five fingers are lifted in the end, lest fingers sink in between ages."""
+SITTING_LIFT_DEG = {"{side}_elbow": -1.5}
+LIFTS_DEG: Mapping[tuple[str, str, str], Angles] = {
+    ("maturing", "sitting", "five_finger"): SITTING_LIFT_DEG,
+    ("published", "sitting", "five_finger"): SITTING_LIFT_DEG,
+    ("maturing", "standing", "mitten"): {"{side}_shoulder_rotation": -1.4, "{side}_shoulder_ad_ab": 0.3},
+}
+"""How much arms are lifted in the end, lest fingers sink in between ages, or in children of other sizes."""
 
 
 def first_deg(name: str, development: str, hands: str) -> Angles:
@@ -89,8 +94,8 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     old = series(spec, name, OLD_MONTHS[::-1], {})
     young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
     found = [*young, *reversed(old)]
-    if name == "sitting" and hands == "five_finger":
-        found = [{**angles, ELBOW: round(angles[ELBOW] - LIFT_DEG, 1)} for angles in found]
+    for joint, lift_deg in LIFTS_DEG.get((development, name, hands), {}).items():
+        found = [{**angles, joint: round(angles[joint] + lift_deg, 1)} for angles in found]
     return found
 
 

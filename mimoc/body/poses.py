@@ -142,11 +142,13 @@ POSES: Mapping[str, Pose] = {
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
 FREE_DEG: Mapping[str, Mapping[str, float]] = {
-    "supine": {"{side}_shoulder_ad_ab": 75.0},
+    "supine": {"{side}_shoulder_ad_ab": 75.0, "{side}_fingers": -40.0},
+    "prone": {"{side}_hip2": -60.0},
     "sitting": {"{side}_shoulder_ad_ab": 75.0, "{side}_elbow": -90.0},
-    "standing": {"{side}_shoulder_ad_ab": 50.0, "{side}_elbow": -60.0},
+    "standing": {"{side}_shoulder_ad_ab": 35.0, "{side}_elbow": -60.0},
 }
-"""Angles at which arms are free of trunk and thighs, in poses in which they lie on them."""
+"""Angles at which arms are free of trunk and thighs, hands of forearms and feet of each other, in poses in which they
+lie on them."""
 FREED, ALIKE = 2.0, 0.01
 """Share of the way to these angles, for each unit by which a child differs in proportion from the average child, beyond
 a difference that changes nothing. Fitted to P1 and P99 in length, weight and head, at 0, 6 and 24 months."""
@@ -170,14 +172,14 @@ def poses_of(tree: BodyTree) -> dict[str, Pose]:
     Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk.
     """
     hands = tree.hands if tree.hands == "five_finger" else "mitten"  # Others' hands were not laid down.
-    share = FREED * max(0.0, _disproportion(tree) - ALIKE)
+    share = min(1.0, FREED * max(0.0, _disproportion(tree) - ALIKE))
     poses = {}
     for name, wanted in POSES.items():
         settled = settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, name, tree.age_months)
         pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
         for joint, free_deg in FREE_DEG.get(name, {}).items():
             if share and joint in settled:
-                settled[joint] += min(1.0, share) * (free_deg - settled[joint])
+                settled[joint] += share * (free_deg - settled[joint])
         poses[name] = replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
     return poses
 
