@@ -56,9 +56,9 @@ class Relaxed:
 
 
 RELAXED: Mapping[str, Relaxed] = {
-    "robot:{side}_hip1": Relaxed(2.08, 0.0482, 0.15, -20.0),
-    "robot:{side}_hip2": Relaxed(2.09, 0.0489, 0.7, -15.0),
-    "robot:{side}_hip3": Relaxed(0.611, 0.00995, 0.8, 20.0),
+    "robot:{side}_hip1": Relaxed(2.21, 0.0504, 0.15, -20.0),
+    "robot:{side}_hip2": Relaxed(2.21, 0.0507, 0.7, -15.0),
+    "robot:{side}_hip3": Relaxed(0.614, 0.0101, 0.8, 20.0),
     "robot:{side}_knee": Relaxed(0.648, 0.0102, 0.15, -40.0),
     "robot:{side}_shoulder_horizontal": Relaxed(0.748, 0.0136, 0.1, armature=2.0),
     "robot:{side}_shoulder_ad_ab": Relaxed(0.672, 0.0121, 0.1),

@@ -6,11 +6,12 @@ begins beyond it. MIMo's 20 ms let limbs that swing freely, of 25 to 40 rad/s, g
 `maturing`, tau is 10 ms, or 2 h for steps longer than 5 ms, the shortest that MuJoCo admits: a single step then stops a
 joint. Its limits act from
 
-    m = min(max(0, w h - OVERSHOOT), range / 4)
+    m = min(max(0, w h - OVERSHOOT), range / 4),    h = 5 ms at most
 
-before its end, such that a joint no faster than w goes `OVERSHOOT` too far at most, if its range is not small (D). Of
-physics steps of 5 ms, m is 2 degrees of limbs, 8 of fingers and toes, and 0 of eyes. What `margin` means to joints is
-the same from MuJoCo 3.5 on.
+before its end, such that with physics steps of 5 ms a joint no faster than w goes `OVERSHOOT` too far at most, if its
+range is not small (D): 2 degrees of limbs, 8 of fingers and toes, and 0 of eyes. A slowly moved joint stops there, too;
+so longer steps, which would need 12 degrees of limbs, have no more and overshoot further. What `margin` means to joints
+is the same from MuJoCo 3.5 on.
 """
 
 from mimoc.base.units import deg_to_rad
@@ -28,6 +29,8 @@ LIGHT_KGM2 = 5e-4
 """Largest armature of fingers and toes at 18 months (MIMo)."""
 OVERSHOOT_DEG = 8.0
 """Goal of the largest overshoot (D); contacts and other joints add to it."""
+LONGEST_STEP_S = 0.005
+"""Longest physics step for which joints stop in time."""
 LARGEST_SHARE = 0.25
 """Largest margin, as a share of the range: half of a small range stays free (D)."""
 
@@ -48,5 +51,5 @@ def stopped_speed(figures: ReferenceJoint, group: str) -> float:
 def limit_margin(joint: Joint, timestep_s: float) -> float:
     """Return how far before both ends of a joint's range its limits act, m, in [rad]; 0 by the published law."""
     low, high = joint.range_deg
-    early_rad = joint.stopped_rad_s * timestep_s - deg_to_rad(OVERSHOOT_DEG)
+    early_rad = joint.stopped_rad_s * min(timestep_s, LONGEST_STEP_S) - deg_to_rad(OVERSHOOT_DEG)
     return min(max(0.0, early_rad), LARGEST_SHARE * deg_to_rad(high - low))

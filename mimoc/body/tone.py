@@ -46,9 +46,9 @@ def _fist(joint: str) -> NewbornTone:
 
 
 NEWBORN_TONE: Mapping[str, NewbornTone] = {
-    "robot:{side}_hip1": NewbornTone(0.4 * 2.08, -130.0),
-    "robot:{side}_hip2": NewbornTone(1.0 * 2.09, -30.0),
-    "robot:{side}_hip3": NewbornTone(1.0 * 0.611, 40.0),
+    "robot:{side}_hip1": NewbornTone(0.38 * 2.21, -130.0),
+    "robot:{side}_hip2": NewbornTone(0.95 * 2.21, -30.0),
+    "robot:{side}_hip3": NewbornTone(1.0 * 0.614, 40.0),
     "robot:{side}_knee": NewbornTone(2.5 * 0.648, -88.0),
     "robot:{side}_elbow": NewbornTone(2.5 * 0.215, -100.0),
     "robot:{side}_foot1": NewbornTone(0.5 * 1.29, 20.0),

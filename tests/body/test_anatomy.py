@@ -96,7 +96,7 @@ def test_no_part_is_of_cork_or_lead(age_months, hands):
     for development in ("published", "maturing"):
         for name, geom in grow_average(age_months, assemble(hands, True, development)).geoms.items():
             density = geom.mass_kg / volume(geom.type, geom.size_m)
-            lowest, highest = (450, 1350) if name in TRUNK else (640, 1210)
+            lowest, highest = (440, 1350) if name in TRUNK else (640, 1210)
             assert lowest < density < highest or geom.mass_kg == 0, name
 
 

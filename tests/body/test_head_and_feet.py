@@ -47,7 +47,7 @@ def part(tree: BodyTree, name: str) -> Body:
 
 
 def is_heavier(name: str) -> bool:
-    return name == "head" or "foot" in name or "toe" in name
+    return name == "head" or any(part in name for part in ("foot", "toe", "upper_leg"))
 
 
 @given(
@@ -55,13 +55,14 @@ def is_heavier(name: str) -> bool:
     hands=kinds_of_hands,
     factors=st.fixed_dictionaries({name: st.floats(0.95, 1.05) for name in SCALED}),
 )
-def test_head_and_feet_gain_what_the_trunk_loses(age_months, hands, factors):
+def test_head_thighs_and_feet_gain_what_the_trunk_loses(age_months, hands, factors):
     mimos, own = both(age_months, hands, **factors)
     assert own.mass_kg == pytest.approx(sum(mimos.masses_kg.values()), rel=1e-12)
     shares = []
     for name, mass_kg in mimos.masses_kg.items():
         share, is_lighter = part(own, name).mass_kg / mass_kg, mimos.regions[name] == "trunk"
-        assert share > 1.1 if is_heavier(name) else is_lighter or share == pytest.approx(1, rel=1e-12), name
+        least = 1.0 if "upper_leg" in name else 1.1
+        assert share > least if is_heavier(name) else is_lighter or share == pytest.approx(1, rel=1e-12), name
         shares += [share] if is_lighter else []
     assert max(shares) < 1
     assert shares == pytest.approx([shares[0]] * len(shares), rel=1e-12)
@@ -150,24 +151,31 @@ def test_soles_of_high_feet_are_flat(infants):
 
 @pytest.mark.parametrize("age_months", DUMMIES)
 def test_shares_of_mass_are_near_the_dummies(age_months):
-    """Head, torso and arms; their legs are a fifth to a third lighter than ours, and Sun & Jensen's heavier."""
+    """Head and arms; their legs are a fifth to two fifths lighter than ours, and their torsos heavier by as much.
+
+    Sun & Jensen's thighs, which ours follow, are as much heavier.
+    """
     _, own = both(age_months, "mitten")
     shares = {segment: mass_kg / own.mass_kg for segment, mass_kg in segment_masses(own).items()}
-    for segment, tolerance in {HEAD: 0.03, TORSO: 0.04, ARMS: 0.03}.items():
+    for segment, tolerance in {HEAD: 0.03, TORSO: 0.065, ARMS: 0.03}.items():
         assert shares[segment] == pytest.approx(DUMMIES[age_months][segment], abs=tolerance), segment
-    assert DUMMIES[age_months][LEGS] < shares[LEGS] < 0.3
+    assert DUMMIES[age_months][LEGS] < shares[LEGS] < 0.31
 
 
-@pytest.mark.parametrize("age_months", [0, 3, 6, 9, 12, 18, 24])
+@pytest.mark.parametrize("age_months", [0, 1, 3, 6, 9, 12, 18, 24])
 def test_masses_are_near_the_regressions(age_months):
-    """Of the head within .03 of the body's mass, of feet within .045 kg; thighs are known to be lighter."""
+    """Of the head within .03 of the body's mass, of feet within .045 kg; thighs within a tenth from 1 to 6 months.
+
+    Outside of 2 to 9 months, which Sun & Jensen measured, their line lies above what girths and lengths give.
+    """
     _, own = both(age_months, "mitten")
     ours = segment_masses(own)
-    bounds = {HEAD: 0.03 * own.mass_kg, FOOT: 0.045, SHANK: 0.09, THIGH: 0.6}
+    bounds = {HEAD: 0.03 * own.mass_kg, FOOT: 0.045, SHANK: 0.09, THIGH: 0.35}
     for regression in REGRESSIONS:
         theirs_kg = regression.mass_kg(measure(age_months), own.mass_kg)
         assert ours[regression.segment] == pytest.approx(theirs_kg, abs=bounds[regression.segment]), regression.source
-        assert regression.segment != THIGH or 0.6 < ours[THIGH] / theirs_kg < 0.75
+        least = 0.9 if 1 <= age_months <= 6 else 0.74
+        assert regression.segment != THIGH or least < ours[THIGH] / theirs_kg < 1
 
 
 def test_the_page_on_masses_shows_these_tables():

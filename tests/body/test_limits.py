@@ -38,15 +38,15 @@ def test_limits_of_maturing_joints_act_at_most_a_quarter_of_the_range_before_its
     assert (model.jnt_margin[hinges] <= LARGEST_SHARE * np.ptp(model.jnt_range[hinges], axis=1) + 1e-8).all()
 
 
-def test_the_longer_the_physics_step_the_earlier_limits_of_fast_joints_act():
+def test_limits_of_fast_joints_act_earlier_up_to_steps_of_five_milliseconds():
     names = "left_knee", "right_elbow", "left_toes", "right_ff_knuckle", "left_lf_meta", "left_eye_horizontal"
     assert margins_deg(infant(1), *names) == [0] * 6
     assert margins_deg(infant(5), *names) == [2.0, 2.0, 7.8, 7.8, 7.8, 0]
-    assert margins_deg(infant(10), *names) == [12.1, 12.1, 23.5, 23.5, 10.0, 0]
+    assert margins_deg(infant(10), *names) == [2.0, 2.0, 7.8, 7.8, 7.8, 0]
 
 
 def test_a_fast_knee_is_stopped_within_ten_degrees():
-    for step_ms in (5, 10):
+    for step_ms, beyond_deg in ((5, 10), (10, 20)):
         model = infant(step_ms, hands="mitten")
         knee, data = model.joint("robot:left_knee"), mujoco.MjData(model)
         for start_deg in np.linspace(-70, -50, 9):
@@ -57,7 +57,7 @@ def test_a_fast_knee_is_stopped_within_ten_degrees():
             for _ in range(round(0.1 / model.opt.timestep)):
                 mujoco.mj_step(model, data)
                 last_rad.append(data.qpos[knee.qposadr[0]])
-            assert np.degrees(max(last_rad) - knee.range[1]) < 10
+            assert np.degrees(max(last_rad) - knee.range[1]) < beyond_deg
 
 
 @pytest.mark.parametrize(("law", "turns"), [("maturing", False), ("published", True)])

@@ -1,12 +1,13 @@
 """Servos: the command is an angle, which is gone to and held as well as the strength of an infant's muscles allows.
 
-A servo has the torque limits of the motor it stands for, and the muscle tone of a quiet infant within them. By the law
-`published`, its joint has a damper that eats up all of that torque at the speed at which the muscles there no longer
-pull. By the law `maturing`, its joint is as relaxed as with motors.
+A servo has the torque limits of the motor it stands for, the muscle tone of a quiet infant within them, and its joint
+has a damper that eats up all of that torque at the speed at which the muscles there no longer pull. So force and speed
+are finite, in plain MuJoCo too.
 
-What that strength can hold against gravity is held within 3.5 degrees, 6.5 with physics steps of 20 ms, from 1.5 s
-after the command at the latest; most joints are within half of that. What it cannot hold sags: up to two fifths of a
-newborn's joints, whose muscles are weak against its limbs, a tenth of them from 9 months on. A joint may go up to 8
+What that strength can hold against gravity is held within 3.5 degrees, 6.5 with physics steps of 20 ms, 1.4 times as
+many by newborns with their muscle tone, from 1.5 s after the command at the latest; most joints are within half of
+that. What it cannot hold sags: up to two fifths of a newborn's joints, whose muscles are weak against its limbs, a
+seventh of them at 9 months. A joint may go up to 8
 degrees past its target on the way. (`tests/actuation/position/test_build.py`)
 
 A servo has no activation beside its target, which follows the command within 30 ms under either law. Its torque rises
@@ -254,17 +255,18 @@ def _braking_s(motor: Motor, joint: Joint, inertia_kgm2: float) -> float:
 
 
 def _damping(motor: Motor, joint: Joint) -> float:
-    """Return the joint's own damping, by the published law at least what takes up its motor's peak torque.
+    """Return the joint's own damping, with what takes up its motor's peak torque at the speed of its muscles.
 
-    That is at the speed at which its muscles no longer pull: a muscle is as long as .75 to 1.05 optimal lengths over
-    the range of its joint, and does not pull at VMAX lengths a second (MIMo). By the law `maturing` nothing but the
-    relaxed joint damps, so that limbs swing: what a servo drives is slowed by its force limits alone.
+    By the law `maturing`, muscles no longer pull at the fastest speed of every joint. By the published law, a muscle is
+    as long as .75 to 1.05 optimal lengths over the range of its joint, does not pull at VMAX lengths a second (MIMo),
+    and the larger of the two counts.
     """
+    peak_nm = motor.gear_nm * max(map(abs, motor.force_range))
     if motor.fastest_rad_s:
-        return joint.damping_nms_per_rad
+        return joint.damping_nms_per_rad + peak_nm / motor.fastest_rad_s
     _, half = _range(joint)
     fastest_rad_s = motor.vmax_lengths_per_s * 2 * half / (LONGEST - SHORTEST)
-    return max(joint.damping_nms_per_rad, motor.gear_nm * max(map(abs, motor.force_range)) / fastest_rad_s)
+    return max(joint.damping_nms_per_rad, peak_nm / fastest_rad_s)
 
 
 def _range(joint: Joint) -> tuple[float, float]:

@@ -202,7 +202,16 @@ def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
 
 def without_tone(spec: InfantSpec) -> InfantSpec:
     """Return a spec whose infant has no muscle tone."""
-    return spec.model_copy(update={"actuation": spec.actuation.model_copy(update={"arousal": 0.0})})
+    return _with_actuation(spec, arousal=0.0)
+
+
+def slackened(spec: InfantSpec) -> InfantSpec:
+    """Return a spec whose infant has relaxed joints and nothing else: no tone, no dampers of servos."""
+    return _with_actuation(spec, arousal=0.0, **({"model": "torque"} if has_servos(spec) else {}))
+
+
+def _with_actuation(spec: InfantSpec, **changes: object) -> InfantSpec:
+    return spec.model_copy(update={"actuation": spec.actuation.model_copy(update=changes)})
 
 
 @lru_cache(maxsize=64)

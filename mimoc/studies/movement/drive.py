@@ -3,7 +3,8 @@
 A motor's control, and the activation of the muscle that pulls the wanted way, is the share itself, through the filter
 of its activation. So a share is one of the torque limit in the stronger direction, and the weaker direction gives its
 own limit at most. Of a servo, the control is found that makes it give as much at the end of the coming physics step,
-beside its muscle tone: left alone, it would hold its joint stiffly instead of leaving it quiet.
+beside its muscle tone: left alone, it would hold its joint stiffly instead of leaving it quiet. All of its strength is
+asked for by the end of its range.
 """
 
 import copy
@@ -74,7 +75,9 @@ class Drive:
         acting_nm[self._slots] = np.clip(torques_nm[self._slots] + tone_nm, *self._limits)
         soon_rad_s = self._speeds_soon(data, acting_nm)
         self._scratch.actuator_length[:] = lengths
-        return servos.controls(self._scratch, data.act, torques_nm, soon_rad_s[infant.dofs])
+        controls = servos.controls(self._scratch, data.act, torques_nm, soon_rad_s[infant.dofs])
+        wanted = shares[self._slots]
+        return np.where(np.abs(wanted) >= 1.0, np.sign(wanted), controls)
 
     def _speeds_soon(self, data: mujoco.MjData, torques_nm: FloatArray) -> FloatArray:
         """Return the speeds, shape (nv,), after a step with torques at the driven hinges: servos damp those."""

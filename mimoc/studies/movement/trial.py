@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from mimoc.quantities import Quantity
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at, without_tone
+from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at, slackened
 from mimoc.studies.movement.drive import slack
 
 Values = Mapping[str, float | None]
@@ -23,7 +23,7 @@ class Subject:
     @property
     def slack(self) -> TrialInfant:
         """The infant without any activity, muscle tone included: its joints have their passive properties alone."""
-        return slack(compile_at(without_tone(self.spec), self.spec.age_months, Conditions()))
+        return slack(compile_at(slackened(self.spec), self.spec.age_months, Conditions()))
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import mimoc
 from mimoc.actuation.position.build import inertias
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_tree
+from mimoc.body.strength import FASTEST_RAD_S
 from mimoc.fits import measure
 from mimoc.runtime.check import COMMANDS, flail
 
@@ -18,6 +19,8 @@ HEAD_SHARE = 0.6
 """Tendons let the head turn about one axis less far while it is turned about another."""
 WITHIN_DEG = {5: 2.5, 10: 3.5, 20: 6.5}
 """How far from its command a joint is held whose torque is not used up, by physics step in milliseconds."""
+NEWBORN = 1.4
+"""Factor on that of newborns, whose muscle tone servos hold against."""
 
 
 def fixed(age_months, hands, timestep_ms):
@@ -67,9 +70,10 @@ def test_a_pose_is_held_against_gravity_wherever_muscles_are_strong_enough(age_m
             used_up |= (data.actuator_force <= 0.95 * low) | (data.actuator_force >= 0.95 * high)
         assert not data.warning.number.any()
         worst = np.max(errors, axis=0)[~used_up]
-        assert worst.max() < WITHIN_DEG[timestep_ms], np.array(names(model))[~used_up][worst.argmax()]
-        assert np.median(worst) < 0.5 * WITHIN_DEG[timestep_ms]
-        assert used_up.mean() < (0.1 if age_months else 0.45)
+        within_deg = WITHIN_DEG[timestep_ms] * (1.0 if age_months else NEWBORN)
+        assert worst.max() < within_deg, np.array(names(model))[~used_up][worst.argmax()]
+        assert np.median(worst) < 0.5 * within_deg
+        assert used_up.mean() < (0.15 if age_months else 0.45)
 
 
 @pytest.mark.parametrize("pose", ["supine", "sitting"])
@@ -90,20 +94,17 @@ def test_no_physics_step_that_the_spec_allows_breaks_down(timestep_ms, pose):
 
 
 def test_no_joint_goes_faster_than_its_muscles_could(driven):
-    """Than VMAX, but for what other joints do to it: alone in space, from end to end."""
-    model, motors = driven("position", 9, "mitten"), grow_tree(measure(9), assemble("mitten", False)).motors
-    dofs = model.jnt_dofadr[model.actuator_trnid[:, 0]]
-    for index, motor in enumerate(motors):
-        low, high = model.jnt_range[model.actuator_trnid[index, 0]]
-        fastest_rad_s = motor.vmax_lengths_per_s * (high - low) / 0.3
-        stall_nm = np.abs(model.actuator_forcerange[index]).max()
-        assert stall_nm / model.dof_damping[dofs[index]] <= fastest_rad_s * (1 + 1e-6), motor.name
+    """But for what other joints do to it: alone in space, from end to end."""
+    model = driven("position", 9, "mitten")
+    dampings = model.dof_damping[model.jnt_dofadr[model.actuator_trnid[:, 0]]]
+    stalls_nm = np.abs(model.actuator_forcerange).max(axis=1)
+    assert (stalls_nm / dampings <= FASTEST_RAD_S * (1 + 1e-6)).all()
 
 
 def test_commands_span_the_range_of_a_joint(driven):
-    """And without them a servo does what the joint's own spring leaves to do."""
-    model = driven("position", 9, "five_finger")
-    plain = driven("torque", 9, "five_finger")
+    """And without them a servo does what the joint's own spring leaves to do, at an age without tone."""
+    model = driven("position", 18, "five_finger")
+    plain = driven("torque", 18, "five_finger")
     model.actuator_forcelimited[:] = 0
     ids = model.actuator_trnid[:, 0]
     dofs, at = model.jnt_dofadr[ids], model.jnt_qposadr[ids]
