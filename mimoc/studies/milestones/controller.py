@@ -11,6 +11,7 @@ Wanted torques become the controls of motors, servos or muscles, through their a
 
 import copy
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -45,7 +46,7 @@ class DelayedMotors:
         self._low, self._high = model.actuator_ctrlrange.T
         self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
         self._gain = model.actuator_gainprm[:, 0]
-        self.biases = model.actuator_biasprm if bias is None else bias
+        self.biases: Any = model.actuator_biasprm if bias is None else bias
         """Bias parameters beside which torques are counted, shape (nu, mjNBIAS)."""
         self._bias = AffineBias(*(self.biases[:, column] for column in range(len(AffineBias._fields))))
         filtered = np.flatnonzero(model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE)
