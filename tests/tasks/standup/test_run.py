@@ -10,9 +10,9 @@ PULLING_UP = {
     "knee": (-168, -27, -8),
     "foot1": (1, 3, 24),
     "hip_bend1": (65, 0, -15),
-    "shoulder_horizontal": (43, 42, 59),
+    "shoulder_horizontal": (43, 42, 45),
     "shoulder_ad_ab": (58, 176, 6),
-    "elbow": (-115, -114, -95),
+    "elbow": (-115, -114, -105),
 }
 """Angles of joints, in degrees, after `AT_S` seconds: the child pulls itself over its feet, then stretches its legs."""
 AT_S = (0.5, 1.15, 1.56)
