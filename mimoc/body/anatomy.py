@@ -155,7 +155,8 @@ def _maturing(parts: Sided, feet: Collection[str]) -> Sided:
     The head is an ellipsoid. The neck is a part of the head: published masses of segments count it with the head, and
     the joint between trunk and head, at its lower end, carries both. Feet are higher, and hands hold on.
     Eyes are wet and slide on everything: with friction, a hand or a floor that hits an eye turns it at up to 115 rad/s
-    (D).
+    (D). Both little fingers fold into the palm: MIMo's left metacarpal turns about an axis that is not the mirror image
+    of the right one's, and moves the knuckle a seventh as far (D).
     """
     neck = next(geom for _, part in parts for geom in part.geoms if geom.name == "neck")
     return tuple((side, _maturing_part(part, neck, feet)) for side, part in parts)
@@ -174,6 +175,8 @@ def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[st
     if part.name == "{side}_eye":
         geoms = tuple(replace(geom, condim=1, slippery=True) for geom in part.geoms)
         return replace(part, geoms=geoms, position_from=HEAD_MEASURES, rule=EYE_RULE)
+    if any(joint.left_axis for joint in part.joints):
+        return replace(part, joints=tuple(replace(joint, left_axis=None) for joint in part.joints))
     if neck in part.geoms:
         return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
     return part

@@ -77,7 +77,7 @@ JOINT = _with_settings(
         "settings",
     )
 )
-ACTUATOR = _with_settings(_form(Actuator, "actuators", "gear control_range", "settings"))
+ACTUATOR = _with_settings(_form(Actuator, "actuators", "gear control_range", "settings tone"))  # Tone is not MuJoCo's.
 KEYFRAME = _with_settings(_form(Keyframe, "keys", "qpos", "settings"))
 WELD = SceneLayout(
     "equalities",

@@ -145,8 +145,7 @@ def test_left_is_the_mirror_image_of_right(infants):
         for left, right in pairs(model.njnt, model.joint):
             assert np.array_equal(model.joint(left).range, model.joint(right).range)
             assert data.joint(left).xanchor == pytest.approx(data.joint(right).xanchor * MIRROR, abs=1e-12), left
-            if "lf_meta" not in left:  # MIMo's left one is no mirror image, and its figures are kept.
-                assert data.joint(left).xaxis == pytest.approx(-data.joint(right).xaxis * MIRROR, abs=1e-12), left
+            assert data.joint(left).xaxis == pytest.approx(-data.joint(right).xaxis * MIRROR, abs=1e-12), left
 
 
 IMPOSSIBLE = {

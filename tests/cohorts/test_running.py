@@ -83,7 +83,7 @@ def test_a_check_says_whether_the_infant_is_stable(cohort, here, tmp_path):
     study.run(tmp_path / "out", here)
     (row,) = study.rows(tmp_path / "out")
     assert row["stable"] is True
-    assert 0 < row["energy_j_per_kg"] < 1
+    assert 0 < row["energy_j_per_kg"] < 2  # 1.6; limbs whose joints were overdamped had .6.
 
 
 def test_a_failed_job_is_a_row_with_its_error_and_the_others_go_on(cohort, here, own, tmp_path):

@@ -18,6 +18,7 @@ from mimoc.schema.names import SIDES
 from mimoc.senses.touch.run import bind
 
 BELLY = "cb"
+HEELS = {"left_foot1", "right_foot1"}
 HANDS = ("mitten", "five_finger")
 AGES_MONTHS = (0, 2, 6, 12, 18, 24)
 BALL_RADIUS_M, BALL_MASS_KG = 0.03, 0.05
@@ -94,14 +95,20 @@ def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_sensed(age_months, hands
 @pytest.mark.parametrize("chest_joint", [False, True])
 @pytest.mark.parametrize("ages_months", full_but([AGES_MONTHS[::8]], [AGES_MONTHS]), ids=["few", "all"])
 def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle_at, ages_months):
-    """Only neighbours may share room; slack arms lie on the trunk and the thighs, and fingers on each other."""
+    """Only neighbours may share room; slack arms lie on the trunk and the thighs, and fingers on each other.
+
+    Tone draws up the legs of newborns, who lie with heels together on their belly.
+    """
     for age_months in ages_months:
         model = load_model(bundle_at(age_months, hands, chest_joint))
         of_arms = in_subtrees(model, [model.body(f"{side}_upper_arm").id for side in SIDES])[model.geom_bodyid]
         for pose in POSES:
             data = posed(model, pose)
             own = [contact for contact in data.contact if model.geom("floor").id not in contact.geom]
-            assert all(of_arms[contact.geom].any() for contact in own), (age_months, pose)
+            others = [contact.geom for contact in own if not of_arms[contact.geom].any()]
+            if (age_months, pose) == (0, "prone"):
+                others = [pair for pair in others if {model.geom(geom).name for geom in pair} != HEELS]
+            assert not others, (age_months, pose)
             assert all(contact.dist > -DEPTH_M for contact in own), (age_months, pose)
 
 
