@@ -24,12 +24,14 @@ from functools import partial
 
 import numpy as np
 
-from mimoc.actuation.build_setup import ActuationSetup, Origin, eyes_activation
+from mimoc.actuation.build_setup import EYES_RULE, ActuationSetup, Origin, eyes_activation
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST, hinge_tone
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
 from mimoc.body.origins import REFERENCE
+from mimoc.body.strength import FASTEST_RAD_S
+from mimoc.body.tone import tone_origin
 from mimoc.body.tree import BodyTree, Geom, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Keyframe
@@ -123,15 +125,19 @@ _DAMPING = (
     f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {LONGEST - SHORTEST:.2f}), "
     "where that is more than the joint has with torque motors"
 )
+_MATURING_DAMPING = (
+    f"that of the joint with torque motors + peak torque / {FASTEST_RAD_S:g} rad/s, at which muscles no longer pull (D)"
+)
 _STOP = f"least inertia about the joint / physics step (of {1000 * FINEST_STEP_S:g} ms at least)"
 _STIFFNESS = f"({_STOP} + damping of the joint) / lag ({LAG_S:g} s, and {STEPS_OF_LAG} physics steps at least)"
 
 
 def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     """Yield where each number of the servos comes from, and of the joints' dampers, by key."""
+    damping = _MATURING_DAMPING if tree.growth else _DAMPING
     for joint in tree.joints:
         gears = (f"actuator.{motor.name}.gear" for motor in tree.motors if motor.joint == joint)
-        yield f"joint.{joint}.damping", Origin(_DAMPING, (MODEL_KEY, *gears, f"joint.{joint}.range"))
+        yield f"joint.{joint}.damping", Origin(damping, (MODEL_KEY, *gears, f"joint.{joint}.range"))
     moved = _moved(tree)
     for motor in tree.motors:
         low, high = motor.force_range
@@ -145,7 +151,12 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         bias = f"torque at angle 0, then by angle: -{_STIFFNESS}, less the joint's own spring, and by speed: -{_STOP}"
         yield f"{at}.forcerange", Origin(limits, (f"{at}.gear",), "N m")
         yield f"{at}.gainprm", Origin(f"{_STIFFNESS} x half of the joint's range", gains)
-        yield f"{at}.biasprm", Origin(bias, gains)
+        origin = Origin(bias, gains)
+        if tree.growth:
+            tone = tone_origin(motor)
+            origin = origin.times(f"; {tone.rule}, x arousal", *tone.sources)
+            yield f"{at}.dynprm", Origin(EYES_RULE, ("spec.development",), "s")
+        yield f"{at}.biasprm", origin
 
 
 SERVO = (
