@@ -51,7 +51,7 @@ def test_the_table_of_joints_is_that_of_grown_infants(start, joint, angle):
 
 def test_every_explanation_names_the_law_and_says_how_certain_it_is(invoke, monkeypatch):
     monkeypatch.chdir(Path(__file__).resolve().parents[1])
-    (block,) = re.findall(r"^```sh\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    (block,) = re.findall(r"^```sh\n(mimoc explain .*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     for command in block.splitlines():
         code, printed, _ = invoke(*shlex.split(command)[1:])
         assert code == 0, command

@@ -10,7 +10,7 @@ PULLING_UP = {
     "knee": (-168, -27, -8),
     "foot1": (1, 3, 24),
     "hip_bend1": (65, 0, -15),
-    "shoulder_horizontal": (43, 42, 45),
+    "shoulder_horizontal": (43, 42, 35),
     "shoulder_ad_ab": (58, 176, 6),
     "elbow": (-115, -114, -105),
 }
