@@ -59,7 +59,7 @@ def test_the_sense_has_spec_keys_and_a_delay_that_are_explained(run, built):
 def test_the_policy_moves_the_mobile_and_is_in_the_help(run, built):
     assert "rhythm" in " ".join(run("mimoc", "run", "--help").split())
     summary = run("mimoc", "run", built, "--policy", "rhythm", "--steps", 200)
-    assert float(re.search(r"total reward ([\d.]+)", summary)[1]) > 10
+    assert float(re.search(r"total reward ([\d.]+)", summary)[1]) > 5
     assert "Distance between the hands [lengths]" in summary
 
 
