@@ -37,7 +37,25 @@ def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> A
     kind = ACTUATIONS[spec.model]
     section = getattr(spec, kind.name) if kind.spec else None
     setup: ActuationSetup = function_of(kind.build, "build")(section, tree, timestep_s)
+    setup = _with_quick_eyes(setup, tree)
     return setup if spec.arousal == 1 else _at_arousal(setup, spec.arousal)
+
+
+def quick_joints(tree: BodyTree) -> set[str]:
+    """Return the joints whose actuators follow commands within `EYES_S`: by the law `maturing`, those of the eyes."""
+    return {joint for joint, group in tree.muscle_groups.items() if group == "eyes" and tree.growth}
+
+
+def _with_quick_eyes(setup: ActuationSetup, tree: BodyTree) -> ActuationSetup:
+    """Return actuators, of which those of the eyes have a time constant of their own if all have one."""
+    quick = quick_joints(tree) if "dynprm" in dict(setup.defaults) else set[str]()
+    actuators, origins = list[Actuator](), dict(setup.origins)
+    for actuator in setup.actuators:
+        if actuator.joint in quick:
+            actuator = replace(actuator, settings=(*actuator.settings, ("dynprm", (EYES_S,))))
+            origins[f"actuator.{actuator.name}.dynprm"] = Origin(EYES_RULE, ("spec.development",), "s")
+        actuators.append(actuator)
+    return replace(setup, actuators=tuple(actuators), origins=origins)
 
 
 def _at_arousal(setup: ActuationSetup, arousal: float) -> ActuationSetup:
@@ -79,8 +97,9 @@ Walsh 1994, S), contraction times are an adult's early (McComas, Sica & Petito 1
 than an adult's.
 """
 EYES_S = 0.01
-"""Time constant of the motors of eyes under `maturing`, in [s] (D): saccades of infants follow the main sequence of
-adults' (Hainline et al. 1984, S)."""
+"""Time constant of the motors of eyes under `maturing`, in [s] (D)."""
+EYES_RULE = "infants' saccades follow the main sequence of adults' (Hainline et al. 1984, S; D)"
+"""Why they are faster than others."""
 AT_ONCE = 0.0
 """Time constant of an actuator without an activation."""
 
@@ -99,17 +118,6 @@ def activation(tree: BodyTree, published_s: float) -> Settings:
     if time_constant_s == AT_ONCE:
         return (("dyntype", "none"),)
     return (("actlimited", "false"), ("dyntype", "filterexact"), ("dynprm", f"{time_constant_s}"))
-
-
-def eyes_activation(tree: BodyTree) -> Mapping[str, tuple[float, ...]]:
-    """Return the parameters of the activation of each joint's actuators that differ from all others', by joint."""
-    if tree.development == "published":
-        return {}
-    return {joint: (EYES_S,) for joint, group in tree.muscle_groups.items() if group == "eyes"}
-
-
-EYES_RULE = "infants' saccades follow the main sequence of adults' (Hainline et al. 1984, S; D)"
-"""Why motors of eyes are faster than others."""
 
 
 def activation_origin(tree: BodyTree, published: str) -> dict[str, Origin]:

@@ -30,7 +30,7 @@ MITTENS_FINGERS = "{side}_fingers1"
 GRIP, GRIP_DIMENSIONS = (2.0, 0.02, 0.01), 6
 """Friction of the inside of a mitten's fingers: sliding as of skin on dry surfaces (M), torsional and rolling as of
 skin that is pressed flat over one to two centimetres (D); the contacts resist rolling, too. With these, and contacts
-that hardly slip, newborns' mittens hold 12 N or more in each direction, though a mitten wraps nothing: infants hang by
+that hardly slip, newborns' mittens hold 8 to 24 N by direction, though a mitten wraps nothing: infants hang by
 their hands (Robinson 1891, S; fitted, D). If palms or fingertips had such contacts, infants would keep on hands and
 knees from birth or from five months on."""
 FOOT_RULE = (

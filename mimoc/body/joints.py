@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
-from mimoc.body.limits import stopped_speed
+from mimoc.body.limits import limit_margin
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
@@ -176,8 +176,8 @@ def _matured(joint: Joint, figures: ReferenceJoint, group: str, age_months: floa
         damping_nms_per_rad=at_18.damping_nms_per_rad * size,
         frictionloss_nm=0.0,
         armature_kgm2=at_18.armature_kgm2 * size,
-        stopped_rad_s=stopped_speed(figures, group),
         springref_deg=min(max(rest_deg, low), high),
+        margin_deg=limit_margin(figures, group, (low, high)),
     )
 
 

@@ -92,8 +92,8 @@ hands for 10 s or more (Robinson 1891, S), at 16 N a hand (D). The factor is fit
 
 
 FASTEST_RAD_S = 35.0
-"""Speed at which a fully active muscle no longer pulls, of every joint (D). Random commands then give joints at most 17
-to 29 rad/s in 99.9 % of the time, 51 at 18 months without it, and a newborn's hip turns by 76 degrees in .35 s."""
+"""Speed at which a fully active muscle no longer pulls, of every joint (D). Random commands then give joints at most 19
+to 28 rad/s in 99.9 % of the time, 32 to 48 without it, and a newborn's hip turns by 71 degrees in .35 s."""
 
 
 def motor_torques(

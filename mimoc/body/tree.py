@@ -52,8 +52,8 @@ class Joint:
     frictionloss_nm: float
     armature_kgm2: float
     springref_deg: float
-    stopped_rad_s: float = 0.0
-    """Largest speed that its limits stop in time (`mimoc.body.limits`)."""
+    margin_deg: float = 0.0
+    """How far before the ends of its range its limits act (`mimoc.body.limits`)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.body.head_surface import head_radius, on_head
-from mimoc.body.limits import limit_margin, limits_of
+from mimoc.body.limits import limits_of
 from mimoc.body.poses import poses_of, resting_states, standing_height
 from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
@@ -53,14 +53,13 @@ def assemble_infant(
     spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
 ) -> SceneTree:
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
-    timestep_s = ms_to_s(spec.control.timestep_ms)
-    parts = _parts(tree, actuation, senses, has_skin, timestep_s)
+    parts = _parts(tree, actuation, senses, has_skin)
     skin = skin_of(tree) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"
     expression = spec.body.expression
     return SceneTree(
         name=spec.name,
-        solver=Solver(timestep_s=timestep_s, integrator=actuation.integrator),
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress_skin(expression, skin.names, round_head=round_head)
         if skin
@@ -82,9 +81,7 @@ def assemble_infant(
     )
 
 
-def _parts(
-    tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool, timestep_s: float
-) -> dict[str, Node]:
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
     """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
     hip_m = (0.0, 0.0, standing_height(tree))
     cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
@@ -101,7 +98,7 @@ def _parts(
             pos_m=hip_m if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(actuation.joints[joint.name], timestep_s) for joint in body.joints),
+            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
             geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
             sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
             cameras=cameras.get(body.name, ()),
@@ -110,9 +107,8 @@ def _parts(
     return nodes
 
 
-def _joint(joint: Joint, timestep_s: float) -> PrintedJoint:
+def _joint(joint: Joint) -> PrintedJoint:
     low, high = joint.range_deg
-    margin_rad = limit_margin(joint, timestep_s)
     return PrintedJoint(
         name=joint.name,
         axis=joint.axis,
@@ -123,7 +119,7 @@ def _joint(joint: Joint, timestep_s: float) -> PrintedJoint:
         frictionloss_nm=joint.frictionloss_nm,
         armature_kgm2=joint.armature_kgm2,
         springref_rad=deg_to_rad(joint.springref_deg),
-        settings=(("margin", (margin_rad,)),) if margin_rad else (),
+        settings=(("margin", (deg_to_rad(joint.margin_deg),)),) if joint.margin_deg else (),
     )
 
 

@@ -10,15 +10,7 @@ degrees as stiffly as tone does, would take more than all of their strength.
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.build_setup import (
-    EYES_RULE,
-    ActuationSetup,
-    Origin,
-    activation,
-    activation_origin,
-    eyes_activation,
-    with_tone,
-)
+from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin, with_tone
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.base.units import deg_to_rad
 from mimoc.body.origins import LAW_KEY, REFERENCE
@@ -58,12 +50,8 @@ def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
 
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
-    joints, eyes = tree.joints, eyes_activation(tree)
-    return tuple(
-        muscle
-        for motor in tree.motors
-        for muscle in _antagonists(motor, joints[motor.joint], eyes.get(motor.joint, ()))
-    )
+    joints = tree.joints
+    return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))
 
 
 def limp_joints(tree: BodyTree) -> Mapping[str, Joint]:
@@ -99,10 +87,10 @@ def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
         negative, positive = motor.fmax
     else:
         negative, positive = (PEAK * motor.gear_nm * abs(share) / _moment_arm(joint) for share in motor.force_range)
-    return vmax(motor, joint), negative, positive
+    return _vmax(motor, joint), negative, positive
 
 
-def vmax(motor: Motor, joint: Joint) -> float:
+def _vmax(motor: Motor, joint: Joint) -> float:
     """Return the speed at which the muscles of a motor no longer pull, in optimal lengths a second.
 
     By the law `maturing`, it is at least that of the joint's fastest speed; with MIMo's, newborns cannot kick.
@@ -116,14 +104,12 @@ def _moment_arm(joint: Joint) -> float:
     return (LONGEST - SHORTEST) / (high - low)
 
 
-def _antagonists(motor: Motor, joint: Joint, activation: tuple[float, ...]) -> Iterator[Actuator]:
+def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
     fastest, *forces = parameters(motor, joint)
     negative, positive = (force * _moment_arm(joint) for force in forces)
-    first = _muscle(motor, "negative", 1.0, (low, high), negative, fastest)
-    pair = replace(first, tone=hinge_tone(motor)), _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
-    of_eyes = (("dynprm", activation),) if activation else ()
-    yield from (replace(muscle, settings=(*muscle.settings, *of_eyes)) for muscle in pair)
+    yield replace(_muscle(motor, "negative", 1.0, (low, high), negative, fastest), tone=hinge_tone(motor))
+    yield _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
 
 
 def _muscle(
@@ -174,7 +160,6 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
             f"lengths at the ends of the joint's range, largest isometric torque in N m = {torque.rule}, MuJoCo's "
             f"scale, lengths where active, vmax ({REFERENCE}{fastest}), passive and lengthening force"
         )
-        yield f"{at}.dynprm", Origin(EYES_RULE, (LAW_KEY,), "s")
         yield f"{at}.gainprm", Origin(curve, torque.sources)
         yield f"{at}.biasprm", Origin(curve, torque.sources)
         length = "the range of its joint, as it pulls"

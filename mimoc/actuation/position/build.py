@@ -24,7 +24,7 @@ from functools import partial
 
 import numpy as np
 
-from mimoc.actuation.build_setup import EYES_RULE, ActuationSetup, Origin, eyes_activation
+from mimoc.actuation.build_setup import EYES_S, ActuationSetup, Origin, quick_joints
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST, hinge_tone
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
@@ -155,7 +155,6 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         if tree.growth:
             tone = tone_origin(motor)
             origin = origin.times(f"; {tone.rule}, x arousal", *tone.sources)
-            yield f"{at}.dynprm", Origin(EYES_RULE, ("spec.development",), "s")
         yield f"{at}.biasprm", origin
 
 
@@ -188,14 +187,13 @@ def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
         tree: The body.
         timestep_s: Of the physics; the longer, the softer are the servos, so that none of them shakes.
     """
-    joints, inertias_kgm2, step_s = tree.joints, inertias(tree), max(timestep_s, FINEST_STEP_S)
-    eyes, made = eyes_activation(tree), list[Actuator]()
-    for motor in tree.motors:
-        of_eyes = eyes.get(motor.joint, ())
-        lag_s = of_eyes[0] if of_eyes else LAG_S
-        servo = _servo(motor, joints[motor.joint], *inertias_kgm2[motor.joint], step_s, lag_s)
-        made.append(replace(servo, settings=(*servo.settings, ("dynprm", of_eyes))) if of_eyes else servo)
-    return tuple(made)
+    joints, quick, step_s = tree.joints, quick_joints(tree), max(timestep_s, FINEST_STEP_S)
+    lags_s = {name: EYES_S if name in quick else LAG_S for name in joints}
+    inertias_kgm2 = inertias(tree)
+    return tuple(
+        _servo(motor, joints[motor.joint], *inertias_kgm2[motor.joint], step_s, lags_s[motor.joint])
+        for motor in tree.motors
+    )
 
 
 def servo_joints(tree: BodyTree) -> Mapping[str, Joint]:

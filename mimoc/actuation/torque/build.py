@@ -11,17 +11,9 @@ slack infant (arousal 0) swings freely. A damper with the cube of speed would be
 MuJoCo reads it from 3.7 on, and two muscles with Hill's curve would take two commands.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from mimoc.actuation.build_setup import (
-    AT_ONCE,
-    EYES_RULE,
-    ActuationSetup,
-    Origin,
-    activation,
-    activation_origin,
-    eyes_activation,
-)
+from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
@@ -50,15 +42,13 @@ def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
 
     Each has the parameters of its muscles with it, for MIMo's code, which makes muscles of torque motors.
     """
-    joints, eyes = tree.joints, eyes_activation(tree)
-    return tuple(_motor(motor, joints[motor.joint], eyes, bool(tree.growth)) for motor in tree.motors)
+    joints = tree.joints
+    return tuple(_motor(motor, joints[motor.joint], bool(tree.growth)) for motor in tree.motors)
 
 
-def _motor(motor: Motor, joint: Joint, eyes: Mapping[str, tuple[float, ...]], has_tone: bool) -> Actuator:
+def _motor(motor: Motor, joint: Joint, has_tone: bool) -> Actuator:
     settings = (("forcerange", motor.force_range), ("user", parameters(motor, joint)))
     tone = _tone(motor) if has_tone else ()
-    if motor.joint in eyes:
-        settings = (*settings, ("dynprm", eyes[motor.joint]))
     return Actuator(
         name=motor.name,
         mimo_actuator=motor.name,
@@ -90,7 +80,6 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         origin = Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))
         if tree.growth:
             yield f"{at}.biasprm", _tone_origin(motor)
-            yield f"{at}.dynprm", Origin(EYES_RULE, ("spec.development",), "s")
         yield f"{at}.user", published_fmax(motor, "VMAX, FMAX") if motor.fmax else origin
 
 

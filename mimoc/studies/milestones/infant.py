@@ -53,10 +53,9 @@ class TrialInfant:
     """Index of each driven hinge, shape (n,), each once."""
     delays_s: tuple[float, float]
     """Its delays of senses and of commands."""
-    servos: bool = False
-    """Whether its commands are angles that servos go to."""
     toneless_bias: FloatArray | None = None
-    """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them."""
+    """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them; None
+    if it has no servos."""
 
     @cached_property
     def angles(self) -> IntArray:
@@ -195,19 +194,14 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
 
 def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
     """Return the infant of a model that was compiled from some spec, perhaps with other things in its world."""
-    joints, servos = np.unique(model.actuator_trnid[:, 0]).astype(np.intp), has_servos(spec)
-    bias = compile_infant(without_tone(spec)).actuator_biasprm if servos else None
-    return TrialInfant(model, joints, longest_delays_s(spec), servos, bias)
-
-
-def without_tone(spec: InfantSpec) -> InfantSpec:
-    """Return a spec whose infant has no muscle tone."""
-    return _with_actuation(spec, arousal=0.0)
+    joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
+    bias = compile_infant(_with_actuation(spec, arousal=0.0)).actuator_biasprm if _has_servos(spec) else None
+    return TrialInfant(model, joints, longest_delays_s(spec), bias)
 
 
 def slackened(spec: InfantSpec) -> InfantSpec:
     """Return a spec whose infant has relaxed joints and nothing else: no tone, no dampers of servos."""
-    return _with_actuation(spec, arousal=0.0, **({"model": "torque"} if has_servos(spec) else {}))
+    return _with_actuation(spec, arousal=0.0, **({"model": "torque"} if _has_servos(spec) else {}))
 
 
 def _with_actuation(spec: InfantSpec, **changes: object) -> InfantSpec:
@@ -238,7 +232,7 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
         return at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
 
 
-def has_servos(spec: InfantSpec) -> bool:
+def _has_servos(spec: InfantSpec) -> bool:
     """Return whether the commands of a spec's infant are angles that servos go to."""
     return spec.actuation.model == "position"
 

@@ -42,7 +42,8 @@ class Drive:
         self._gear = model.actuator_gear[:, 0].copy()
         self._muscles = _muscles(model)
         self._limits = (model.actuator_forcerange * self._gear[:, None]).T
-        self._servos = DelayedMotors(infant, model.opt.timestep, infant.toneless_bias) if infant.servos else None
+        bias = infant.toneless_bias
+        self._servos = None if bias is None else DelayedMotors(infant, model.opt.timestep, bias)
         self._scratch = mujoco.MjData(model)
 
     def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
