@@ -20,7 +20,7 @@ from support.full import full_but
 from typer.testing import CliRunner
 
 import mimoc
-from mimoc.actuation.muscle.build import LONGEST, SHORTEST
+from mimoc.actuation.muscle.build import MIMOS
 from mimoc.base.errors import UnknownNameError
 from mimoc.body.strength import FASTEST_RAD_S
 from mimoc.bundle.model import load_model
@@ -136,7 +136,7 @@ def test_motors_bring_the_parameters_of_their_muscles(hands):
                 vmax, *fmax = model.actuator(row["name"]).user
                 theirs = [float(row[key]) for key in ("fmax_negative", "fmax_positive")]
                 ratios.append(np.array(fmax) / theirs * _stronger(row, model) / _wider(row, model))
-                speeds_rad_s.append(vmax * np.ptp(model.joint(row["joint"]).range) / (LONGEST - SHORTEST))
+                speeds_rad_s.append(vmax * np.ptp(model.joint(row["joint"]).range) / MIMOS.width)
     assert np.median(ratios, axis=0) == pytest.approx([1, 1], abs=0.02)
     assert np.min(ratios) > 0.65
     assert np.max(ratios) < 1.1

@@ -8,7 +8,7 @@ degrees as stiffly as tone does, would take more than all of their strength.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mimoc.actuation.build_setup import ActuationSetup, Origin, activation, activation_origin, with_tone
 from mimoc.base.mujoco_layout import MuscleParameters
@@ -19,11 +19,30 @@ from mimoc.body.tone import tone_origin
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.mjcf.elements import Actuator
 
-PEAK = 1.07
-"""Largest isometric torque of a muscle, at its optimal length, by the limit of the torque motor it stands for: what
-MIMo's muscles have, so that in the middle of a joint's range both of them reach the limit."""
-SHORTEST, LONGEST = 0.75, 1.05
-"""Length of a muscle at the ends of its joint's range, in optimal lengths."""
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """Over which lengths a muscle works, and how strong it then is."""
+
+    shortest: float
+    """Length at one end of its joint's range, in optimal lengths."""
+    longest: float
+    """Length at the other end, in optimal lengths."""
+    peak: float
+    """Largest isometric torque, at the optimal length, by the limit of the torque motor that the muscle stands for: so
+    chosen that in the middle of the joint's range both antagonists reach the limit."""
+
+    @property
+    def width(self) -> float:
+        """By how much a muscle shortens over the joint's range, in optimal lengths."""
+        return self.longest - self.shortest
+
+
+MIMOS = Stroke(0.75, 1.05, 1.07)
+"""MIMo's own, which halves the torque of a shortened muscle."""
+MATURING = Stroke(0.85, 1.05, 1.02)
+"""By the law `maturing`: a shortened muscle keeps four fifths of its torque, so that the neck's holds the head up as a
+motor does. Fitted to the age of lifting the head while prone (D)."""
 LEAST_ACTIVE, MOST_ACTIVE = 0.5, 1.6
 """Lengths between which a muscle is active."""
 SCALE = 200.0
@@ -51,7 +70,11 @@ def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
     joints = tree.joints
-    return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))
+    return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint], _stroke(tree)))
+
+
+def _stroke(tree: BodyTree) -> Stroke:
+    return MATURING if tree.growth else MIMOS
 
 
 def limp_joints(tree: BodyTree) -> Mapping[str, Joint]:
@@ -76,49 +99,48 @@ def hinge_tone(motor: Motor) -> tuple[float, ...]:
     return stiffness, stiffness * deg_to_rad(motor.tone.angle_deg)
 
 
-def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
+def parameters(motor: Motor, joint: Joint, stroke: Stroke = MIMOS) -> tuple[float, float, float]:
     """Return VMAX and both FMAX of the muscles in a motor's place, as MIMo's own muscle model wants them.
 
     VMAX is in optimal lengths a second. FMAX, of the muscle towards negative angles and of the other, is torque by
     moment arm, which in MIMo's model is the same all over the range of a joint. By the published law it is MIMo's at
     every age.
     """
+    arm = _moment_arm(joint, stroke)
     if motor.fmax:
         negative, positive = motor.fmax
     else:
-        negative, positive = (PEAK * motor.gear_nm * abs(share) / _moment_arm(joint) for share in motor.force_range)
-    return _vmax(motor, joint), negative, positive
+        negative, positive = (stroke.peak * motor.gear_nm * abs(share) / arm for share in motor.force_range)
+    return _vmax(motor, joint, stroke), negative, positive
 
 
-def _vmax(motor: Motor, joint: Joint) -> float:
+def _vmax(motor: Motor, joint: Joint, stroke: Stroke) -> float:
     """Return the speed at which the muscles of a motor no longer pull, in optimal lengths a second.
 
-    By the law `maturing`, it is at least that of the joint's fastest speed; with MIMo's, newborns cannot kick.
+    Joints are as fast as with MIMo's, by the law `maturing` at least as fast as any; with MIMo's, newborns cannot kick.
     """
-    return max(motor.vmax_lengths_per_s, (motor.fastest_rad_s or 0.0) * _moment_arm(joint))
+    as_mimos = motor.vmax_lengths_per_s * stroke.width / MIMOS.width
+    return max(as_mimos, (motor.fastest_rad_s or 0.0) * _moment_arm(joint, stroke))
 
 
-def _moment_arm(joint: Joint) -> float:
+def _moment_arm(joint: Joint, stroke: Stroke) -> float:
     """Return by how much the muscles of a joint shorten, in optimal lengths, when it turns by a radian."""
     low, high = map(deg_to_rad, joint.range_deg)
-    return (LONGEST - SHORTEST) / (high - low)
+    return stroke.width / (high - low)
 
 
-def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
+def _antagonists(motor: Motor, joint: Joint, stroke: Stroke) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
-    fastest, *forces = parameters(motor, joint)
-    negative, positive = (force * _moment_arm(joint) for force in forces)
-    yield replace(_muscle(motor, "negative", 1.0, (low, high), negative, fastest), tone=hinge_tone(motor))
-    yield _muscle(motor, "positive", -1.0, (-high, -low), positive, fastest)
+    fastest, *forces = parameters(motor, joint, stroke)
+    negative, positive = (_curve(stroke, force * _moment_arm(joint, stroke), fastest) for force in forces)
+    yield replace(_muscle(motor, "negative", 1.0, (low, high), negative), tone=hinge_tone(motor))
+    yield _muscle(motor, "positive", -1.0, (-high, -low), positive)
 
 
-def _muscle(
-    motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], torque_nm: float, fastest: float
-) -> Actuator:
-    """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
-    curve = MuscleParameters(
-        shortest=SHORTEST,
-        longest=LONGEST,
+def _curve(stroke: Stroke, torque_nm: float, fastest: float) -> MuscleParameters:
+    return MuscleParameters(
+        shortest=stroke.shortest,
+        longest=stroke.longest,
         force=torque_nm,
         scale=SCALE,
         least_active=LEAST_ACTIVE,
@@ -127,6 +149,12 @@ def _muscle(
         passive=PASSIVE_FORCE,
         lengthening=LENGTHENING_FORCE,
     )
+
+
+def _muscle(
+    motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], curve: MuscleParameters
+) -> Actuator:
+    """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
     return Actuator(
         name=f"{motor.name}_{direction}",
         mimo_actuator=motor.name,
@@ -152,7 +180,7 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     for muscle in muscles(tree):
         motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"
         strength = f"actuator.{motor.name}.gear", f"actuator.{motor.name}.forcerange"
-        torque = Origin(f"{PEAK:g} x gear x part of forcerange", strength)
+        torque = Origin(f"{_stroke(tree).peak:g} x gear x part of forcerange", strength)
         if motor.fmax:
             torque = published_fmax(motor, "FMAX")
         fastest = f", at least {motor.fastest_rad_s:g} rad/s of the joint; D" if motor.fastest_rad_s else ""

@@ -25,7 +25,7 @@ from functools import partial
 import numpy as np
 
 from mimoc.actuation.build_setup import EYES_S, ActuationSetup, Origin, quick_joints
-from mimoc.actuation.muscle.build import LONGEST, SHORTEST, hinge_tone
+from mimoc.actuation.muscle.build import MIMOS, hinge_tone
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
@@ -122,7 +122,7 @@ FINEST_STEP_S = 0.005
 
 MODEL_KEY, STEP_KEY = "spec.actuation.model", "spec.control.timestep_ms"
 _DAMPING = (
-    f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {LONGEST - SHORTEST:.2f}), "
+    f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {MIMOS.width:.2f}), "
     "where that is more than the joint has with torque motors"
 )
 _MATURING_DAMPING = (
@@ -274,7 +274,7 @@ def _damping(motor: Motor, joint: Joint) -> float:
     if motor.fastest_rad_s:
         return joint.damping_nms_per_rad + peak_nm / motor.fastest_rad_s
     _, half = _range(joint)
-    fastest_rad_s = motor.vmax_lengths_per_s * 2 * half / (LONGEST - SHORTEST)
+    fastest_rad_s = motor.vmax_lengths_per_s * 2 * half / MIMOS.width
     return max(joint.damping_nms_per_rad, peak_nm / fastest_rad_s)
 
 

@@ -14,7 +14,7 @@ MuJoCo reads it from 3.7 on, and two muscles with Hill's curve would take two co
 from collections.abc import Iterator
 
 from mimoc.actuation.build_setup import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
-from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
+from mimoc.actuation.muscle.build import MIMOS, parameters
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
 from mimoc.body.origins import REFERENCE
@@ -73,8 +73,8 @@ def _tone(motor: Motor) -> AffineBias:
 
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     """Yield where the parameters of muscles come from; all else of a motor is that of the body."""
-    stroke = LONGEST - SHORTEST
-    rule = f"VMAX ({REFERENCE}), both FMAX = {PEAK:g} x gear x part of forcerange x range of the joint / {stroke:g}"
+    fmax = f"{MIMOS.peak:g} x gear x part of forcerange x range of the joint / {MIMOS.width:g}"
+    rule = f"VMAX ({REFERENCE}), both FMAX = {fmax}"
     for motor in tree.motors:
         at = f"actuator.{motor.name}"
         origin = Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))

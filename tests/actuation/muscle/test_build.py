@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST
+from mimoc.actuation.muscle.build import MATURING
 from mimoc.bundle.model import load_model
 
 AGES_MONTHS = (0, 0.5, 1.5, 3, 6, 9, 12, 15, 18, 21, 24)
@@ -43,9 +43,9 @@ def test_muscles_are_as_strong_as_motors(driven, age_months, hands):
     muscles, limits = driven("muscle", age_months, hands), limits_nm(driven("torque", age_months, hands))
     assert isometric_nm(muscles, 0.5, NEGATIVE) == pytest.approx(limits[:, 0], rel=0.02)
     assert isometric_nm(muscles, 0.5, POSITIVE) == pytest.approx(limits[:, 1], rel=0.02)
-    at_its_best = (1 - SHORTEST) / (LONGEST - SHORTEST)
-    assert isometric_nm(muscles, at_its_best, NEGATIVE) == pytest.approx(PEAK * limits[:, 0], rel=1e-6)
-    assert isometric_nm(muscles, 1 - at_its_best, POSITIVE) == pytest.approx(PEAK * limits[:, 1], rel=1e-6)
+    at_its_best = (1 - MATURING.shortest) / MATURING.width
+    assert isometric_nm(muscles, at_its_best, NEGATIVE) == pytest.approx(MATURING.peak * limits[:, 0], rel=1e-6)
+    assert isometric_nm(muscles, 1 - at_its_best, POSITIVE) == pytest.approx(MATURING.peak * limits[:, 1], rel=1e-6)
 
 
 @pytest.mark.parametrize("hands", HANDS)
@@ -58,7 +58,7 @@ def test_forces_grow_as_gears_do_and_speeds_as_joints_reach_less_far(driven, han
     assert np.array_equal(grown.actuator_gainprm[:, same], born.actuator_gainprm[:, same])
     for model in (grown, born):
         low, high = model.actuator_lengthrange.T
-        assert (model.actuator_gainprm[:, VMAX] * (high - low) / 0.3 >= 35 * (1 - 1e-6)).all()
+        assert (model.actuator_gainprm[:, VMAX] * (high - low) / 0.2 >= 35 * (1 - 1e-6)).all()
     assert np.array_equal(grown.actuator_gainprm, grown.actuator_biasprm)
 
 
@@ -74,21 +74,24 @@ def test_the_fastest_a_published_muscle_shortens_is_mimos(driven, reference, han
 
 
 def test_lengths_run_from_end_to_end_and_mirror_each_other(driven):
-    """By MuJoCo's own normalisation: .75 to 1.05 over the joint's range."""
+    """By MuJoCo's own normalisation: .85 to 1.05 over the joint's range."""
+    shortest, longest = 0.85, 1.05
     model = driven("muscle", 9, "five_finger")
     for share in (0.0, 0.3, 1.0):
         data, _ = at(model, share)
         mujoco.mj_forward(model, data)
         low, high = model.actuator_lengthrange.T
-        lengths = SHORTEST + (LONGEST - SHORTEST) * (data.actuator_length - low) / (high - low)
-        assert lengths[::2] == pytest.approx(SHORTEST + share * (LONGEST - SHORTEST))
-        assert lengths[::2] + lengths[1::2] == pytest.approx(SHORTEST + LONGEST)
+        lengths = shortest + (longest - shortest) * (data.actuator_length - low) / (high - low)
+        assert lengths[::2] == pytest.approx(shortest + share * (longest - shortest))
+        assert lengths[::2] + lengths[1::2] == pytest.approx(shortest + longest)
 
 
-def test_a_muscle_pulls_half_as_hard_when_it_is_shortest(driven):
-    model = driven("muscle", 9, "mitten")
-    longest, shortest = isometric_nm(model, 5 / 6, NEGATIVE), isometric_nm(model, 0.0, NEGATIVE)
-    assert (shortest - at_rest_nm(model, 0.0)) / longest == pytest.approx(0.5)
+@pytest.mark.parametrize(("law", "best", "share"), [("maturing", 3 / 4, 0.82), ("published", 5 / 6, 0.5)])
+def test_a_shortened_muscle_pulls_less_hard(law, best, share):
+    keys = {**PUBLISHED, "development": law, "actuation": {"model": "muscle"}}
+    model = load_model(mimoc.build(mimoc.InfantSpec.model_validate(keys)))
+    longest, shortest = isometric_nm(model, best, NEGATIVE), isometric_nm(model, 0.0, NEGATIVE)
+    assert (shortest - at_rest_nm(model, 0.0)) / longest == pytest.approx(share)
 
 
 def at_rest_nm(model, share):
