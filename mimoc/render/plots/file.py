@@ -129,12 +129,19 @@ def draw(sheet: Sheet) -> "Figure":
             axes.legend([*drawn.values()], [*drawn], frameon=False)
         _style_axes(axes, plot, is_small=sheet.panel_px[0] < SMALL_PX)
     if above:
-        shown = [label for label in labels if label in handles]
-        most = max(1, min(len(shown), MAX_COLUMNS))
-        figure.legend([handles[label] for label in shown], shown, loc="upper center", ncols=most, frameon=False)
+        _add_legend(figure, {label: handles[label] for label in labels if label in handles})
     figure.text(0.5, 0.012, sheet.caption, ha="center", va="bottom", fontsize=7.5, color="0.35", linespacing=1.5)
     figure.tight_layout(rect=(0, below / height, 1, 1 - above / height))
     return figure
+
+
+def _add_legend(figure: "Figure", handles: Mapping[str, Any]) -> None:
+    """Put a legend above the plots, in as many columns as fit."""
+    for columns in range(max(1, min(len(handles), MAX_COLUMNS)), 0, -1):
+        legend = figure.legend([*handles.values()], [*handles], loc="upper center", ncols=columns, frameon=False)
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def _styles_of(plots: Sequence[Plot]) -> dict[str, dict[str, Any]]:

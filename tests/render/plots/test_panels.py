@@ -38,6 +38,14 @@ def test_panels_with_the_same_labels_share_one_legend():
     assert [axes.get_legend() for axes in drawn.axes] == [None, None]
 
 
+def test_a_shared_legend_is_no_wider_than_its_plots():
+    lines = [Line((0, 1), (0, height), f"under condition {height}") for height in range(6)]
+    drawn = figure(plot(*lines), plot(*lines))
+    (legend,) = drawn.legends
+    assert len(texts(legend)) == len(lines)
+    assert legend.get_window_extent().width <= drawn.bbox.width
+
+
 def test_panels_with_labels_of_their_own_have_legends_of_their_own():
     drawn = figure(plot(RISING, FALLING, RISING), plot(RISING))
     assert drawn.legends == []
