@@ -60,8 +60,8 @@ def margin_origin(joint: str, figures: ReferenceJoint, group: str) -> Origin:
     """Return where the margin of a joint comes from, named with its side; the other arguments are `limit_margin`'s."""
     rule = (
         f"how far before both ends of its range limits act by {LAW}: {_speed_rad_s(figures, group):g} rad/s x "
-        f"{1000 * STEP_S:g} ms, less {OVERSHOOT_DEG:g} degrees that a joint so fast may still go too far, but no more "
-        f"than {LARGEST_SHARE:g} x the range (D)"
+        f"{1000 * STEP_S:g} ms - {OVERSHOOT_DEG:g} degrees that a joint so fast may still go too far, but no more than "
+        f"{LARGEST_SHARE:g} x the range (D)"
     )
     return Origin(rule, (f"joint.{joint}.range", LAW_KEY))
 
