@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
-from mimoc.body.limits import limit_margin
+from mimoc.body.limits import limit_margin, margin_origin
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
@@ -258,7 +258,7 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
 
 
 CONSTANTS: tuple[str, ...] = ("range", "stiffness", "damping", "frictionloss", "armature", "springref")
-"""A joint's attributes in MJCF that are numbers of the body."""
+"""Attributes in MJCF of every joint that are numbers of the body; some have a `margin`, too."""
 
 
 def joint_origins(
@@ -271,6 +271,7 @@ def joint_origins(
     if tree.growth:
         at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, tree.growth)
         origins |= _maturing_origins(figures, joint.name, group, tree.growth)
+        origins["margin"] = margin_origin(joint.name, figures, group)
         usual = {"damping": at_18.damping_nms_per_rad * size, "armature": at_18.armature_kgm2 * size}
     for name, value in (("damping", joint.damping_nms_per_rad), ("armature", joint.armature_kgm2)):
         if not math.isclose(value, usual[name]):

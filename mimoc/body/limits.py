@@ -15,6 +15,7 @@ is the same from MuJoCo 3.5 on.
 """
 
 from mimoc.base.units import rad_to_deg
+from mimoc.body.origins import LAW, LAW_KEY, Origin
 from mimoc.body.part import Development, ReferenceJoint
 from mimoc.body.strength import FASTEST_RAD_S
 
@@ -49,7 +50,23 @@ def limit_margin(figures: ReferenceJoint, group: str, range_deg: tuple[float, fl
         group: What its strength matures with.
         range_deg: Its range at some age.
     """
-    limb_rad_s = LIGHT_RAD_S if figures.armature_kgm2 <= LIGHT_KGM2 else FASTEST_RAD_S
-    speed_rad_s = EYES_RAD_S if group == "eyes" else limb_rad_s
     low, high = range_deg
-    return min(max(0.0, rad_to_deg(speed_rad_s * STEP_S) - OVERSHOOT_DEG), LARGEST_SHARE * (high - low))
+    return min(
+        max(0.0, rad_to_deg(_speed_rad_s(figures, group) * STEP_S) - OVERSHOOT_DEG), LARGEST_SHARE * (high - low)
+    )
+
+
+def margin_origin(joint: str, figures: ReferenceJoint, group: str) -> Origin:
+    """Return where the margin of a joint comes from, named with its side; the other arguments are `limit_margin`'s."""
+    rule = (
+        f"how far before both ends of its range limits act by {LAW}: {_speed_rad_s(figures, group):g} rad/s x "
+        f"{1000 * STEP_S:g} ms - {OVERSHOOT_DEG:g} degrees that a joint so fast may still go too far, but no more than "
+        f"{LARGEST_SHARE:g} x the range (D)"
+    )
+    return Origin(rule, (f"joint.{joint}.range", LAW_KEY))
+
+
+def _speed_rad_s(figures: ReferenceJoint, group: str) -> float:
+    """Return the largest speed of a joint, w."""
+    limb_rad_s = LIGHT_RAD_S if figures.armature_kgm2 <= LIGHT_KGM2 else FASTEST_RAD_S
+    return EYES_RAD_S if group == "eyes" else limb_rad_s

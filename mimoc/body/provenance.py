@@ -101,6 +101,7 @@ def _trace_joint(joint: Joint, origins: Mapping[str, Origin]) -> dict[str, Entry
         "frictionloss": (joint.frictionloss_nm, "N m"),
         "armature": (joint.armature_kgm2, "kg m2"),
         "springref": (deg_to_rad(joint.springref_deg), "rad"),
+        **({"margin": (deg_to_rad(joint.margin_deg), "rad")} if joint.margin_deg else {}),
     }
     at = _xml("joint", joint.name)
     return {

@@ -1,8 +1,8 @@
 """The provenance of a bundle as it stands in its file, where what many numbers share is written once, and as read.
 
 `phrases` are parts of rules, and places in MJCF, in which `'*'` is the name in the key of a number; `sources` are lists
-of keys. In `numbers`, `rule` are the phrases that it consists of, `xml` is a phrase and `from` one of these lists, by
-their indices.
+of keys, in which `*` is that name. In `numbers`, `rule` are the phrases that it consists of, `xml` is a phrase and
+`from` one of these lists, by their indices.
 """
 
 import json
@@ -38,7 +38,7 @@ def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
         entry = dict(entries[key])
         entry["rule"] = [_index(phrases, part) for part in BETWEEN_PHRASES.split(entry["rule"])]
         if "from" in entry:
-            entry["from"] = _index(sources, tuple(entry["from"]))
+            entry["from"] = _index(sources, tuple(source.replace(f".{_name(key)}.", ".*.") for source in entry["from"]))
         if "xml" in entry:
             entry["xml"] = _index(phrases, entry["xml"].replace(f"'{_name(key)}'", "'*'"))
         numbers[key] = entry
@@ -58,7 +58,7 @@ def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
         raise ValueError("more text than any infant needs")
     read: dict[str, Callable[[Any, str], Any]] = {
         "rule": lambda parts, key: " ".join(phrases[part] for part in parts),
-        "from": lambda index, key: list(sources[index]),
+        "from": lambda index, key: [source.replace(".*.", f".{_name(key)}.") for source in sources[index]],
         "xml": lambda index, key: phrases[index].replace("'*'", f"'{_name(key)}'"),
     }
     return {

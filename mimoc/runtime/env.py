@@ -188,7 +188,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
 
         This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
-        fraction of the peak torque in use or, for muscles, the activation. It is zero for position actuators.
+        activation of a muscle, or the fraction of the peak torque in use, muscle tone included (docs/own_reward.md).
         """
         return self._act.cost(self.data)
 

@@ -46,6 +46,18 @@ def test_slack_newborns_straighten_their_hips_and_quiet_ones_rest_bent(env):
     assert -65 < hip_deg[1.0] < -45
 
 
+@pytest.mark.parametrize("env", ["torque", "muscle"], indirect=True)
+def test_effort_counts_the_tone_of_motors_and_not_that_of_springs(env):
+    efforts = {}
+    for arousal in (0.0, 1.0):
+        env.reset(seed=0, options={"arousal": arousal})
+        for _ in range(100):
+            env.step(np.zeros(env.action_space.shape))
+        efforts[arousal] = env.effort()
+    quiet = 3e-4 if env.manifest.actuation.model == "torque" else 0.0
+    assert efforts == {0.0: 0.0, 1.0: pytest.approx(quiet, rel=0.2)}
+
+
 def test_arousal_is_of_a_state_and_of_a_copy(env):
     env.reset(options={"arousal": 0.0})
     slack, state, other = tone(env.model), env.get_state(), copy.deepcopy(env)

@@ -8,6 +8,7 @@ from support.full import full_but
 import mimoc
 from mimoc.body.limits import LARGEST_SHARE, TAU_S
 from mimoc.bundle.model import load_model
+from mimoc.compiler.explain import entries_of
 
 HINGE = mujoco.mjtJoint.mjJNT_HINGE
 
@@ -70,3 +71,21 @@ def test_what_slides_over_an_eye_turns_it_only_by_the_published_law(law, turns):
     dimensions = [contact.dim for contact in data.contact if eye in contact.geom]
     assert dimensions
     assert all((dimension > 1) == turns for dimension in dimensions)
+
+
+def test_a_margin_says_where_it_comes_from():
+    """That of a toe has a speed of its own, eyes have none, and neither do joints by the published law."""
+    for law, speeds in (
+        ("maturing", {"knee": "35 rad/s", "toes": "55 rad/s", "eye_horizontal": None}),
+        ("published", {}),
+    ):
+        spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 6, "development": law})
+        entries = entries_of(mimoc.build(spec))
+        assert any(key.endswith(".margin") for key in entries) == bool(speeds)
+        for joint, speed in speeds.items():
+            entry = entries.get(f"joint.robot:left_{joint}.margin")
+            assert bool(entry) == bool(speed)
+            if entry:
+                assert speed in entry["rule"]
+                assert entry["from"] == [f"joint.robot:left_{joint}.range", "spec.development"]
+                assert entry["xml"].endswith("/@margin")

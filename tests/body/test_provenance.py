@@ -67,6 +67,8 @@ def test_every_number_that_counts_has_an_entry(entries, infant):
         assert entries.keys() >= {f"joint.{joint.name}.{constant}" for constant in JOINT_CONSTANTS}
         assert entries[f"joint.{joint.name}.range"]["value"] == pytest.approx(joint.range)
         assert entries[f"joint.{joint.name}.armature"]["value"] == joint.armature[0]
+        margin = entries.get(f"joint.{joint.name}.margin", {"value": 0})["value"]
+        assert margin == pytest.approx(joint.margin[0])
     for index in range(model.nu):
         actuator = model.actuator(index)
         assert entries[f"actuator.{actuator.name}.gear"]["value"] == pytest.approx(actuator.gear[0])

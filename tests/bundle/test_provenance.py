@@ -14,7 +14,7 @@ entries = st.dictionaries(
     st.fixed_dictionaries(
         {"value": st.integers() | st.lists(st.integers()), "rule": words},
         optional={
-            "from": st.lists(names),
+            "from": st.lists(names | names.map("geom.{}.mass".format)),
             "xml": names.map("infant.xml: geom[@name='{}']/@size".format),
             "unit": words,
         },
@@ -33,14 +33,15 @@ def test_shared_phrases_sources_and_places_are_written_once():
         f"geom.{name}.mass": {
             "value": 1,
             "rule": rule,
-            "from": ["spec.age_months"],
+            "from": ["spec.age_months", f"geom.{name}.size"],
             "xml": f"geom[@name='{name}']/@mass",
         }
         for name in ("head", "left_foot1", "left_foot2")
     }
     written = packed(entries)
     assert written["phrases"] == ["one factor", "x 2,", "by a law;", "the law says so", "geom[@name='*']/@mass"]
-    assert written["sources"] == [("spec.age_months",)]
+    assert written["sources"] == [("spec.age_months", "geom.*.size")]
+    assert unpacked(written) == entries
 
 
 def test_bundles_of_before_are_read():

@@ -24,7 +24,7 @@ def use(bundles: Path) -> str:
 def _moved(name: str, cfg: EntityCfg) -> str:
     terrain = TerrainEntityCfg(terrain_type="plane")
     scene = Scene(SceneCfg(num_envs=2, entities={"infant": cfg}, terrain=terrain), device="cpu")
-    settings = SimulationCfg()
+    settings = SimulationCfg(njmax=300)
     settings.mujoco.timestep = 0.005
     simulation = Simulation(num_envs=2, cfg=settings, model=scene.compile(), device="cpu")
     scene.initialize(simulation.mj_model, simulation.model, simulation.data)

@@ -1,7 +1,7 @@
 """What Gymnasium's vector environments take and give, for infants that sense and command the same."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,7 @@ def seeds_of(seed: int | Sequence[int | None] | None, count: int) -> list[int | 
     """
     if seed is None:
         return [None] * count
-    if not isinstance(seed, (list, tuple, np.ndarray)):
+    if not _is_list(seed):
         first = checked_seed(seed)
         return [first + index for index in range(count)]
     if len(seed) != count:
@@ -55,13 +55,18 @@ def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, 
     for name, value in options_given(options).items():
         if name == RESET_MASK:
             continue
-        values = value if isinstance(value, (list, tuple, np.ndarray)) else [value] * count
+        values = value if _is_list(value) else [value] * count
         if len(values) != count:
             raise ValueError(f"option '{name}': expected one value for all, or {count}, got {len(values)}")
         for of_infant, item in zip(options_by_infant, values, strict=True):
             if item is not None:
-                of_infant[name] = item.item() if isinstance(item, np.generic) else item
+                of_infant[name] = item.item() if isinstance(item, (np.generic, np.ndarray)) and not item.ndim else item
     return options_by_infant
+
+
+def _is_list(value: Any) -> TypeGuard[Sequence[Any]]:
+    """Return whether there may be one item for each infant; an array without axes is a number."""
+    return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
 
 
 def arousals_of(levels: Any, count: int) -> list[float]:

@@ -52,7 +52,7 @@ class SkinEntry(Model):
     """The body."""
     points: Annotated[int, Field(ge=0, le=10**7)]
     """Number of points."""
-    spacing_m: Annotated[Length, Field(ge=1e-5, le=1)]
+    spacing_m: Annotated[Length, Field(ge=1e-5)]
     """Distance between neighbouring points."""
 
 

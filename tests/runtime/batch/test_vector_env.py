@@ -126,6 +126,13 @@ def test_options_are_for_all_or_for_each(three, bundle):
         three.reset(options={"pose": "prne"})
 
 
+def test_an_array_without_axes_is_a_number(three):
+    three.reset(options={"arousal": np.array(0.5)})
+    assert [*three.get_attr("arousal")] == [0.5] * 3
+    with pytest.raises(ValueError, match="expected a non-negative integer as seed"):
+        three.reset(seed=np.array(3))
+
+
 def test_a_mask_leaves_the_others_where_they_are(three):
     three.reset(seed=0)
     for _ in range(3):

@@ -215,3 +215,10 @@ def test_the_quantities_are_of_one_force():
         turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
         assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
         assert ((pressures > 0) == forces.any(axis=1)).all()
+
+
+def test_points_may_be_as_far_apart_as_the_spec_admits():
+    """Then each part has one or few; by the spacing at two years, they are further apart than ten metres."""
+    touch = built.__wrapped__(24, "mitten", "supine", spacing_cm={"right_upper_arm": 1000}).manifest.senses.touch
+    assert [part.points for part in touch.skin] == [1]
+    assert touch.skin[0].spacing_m > 10
