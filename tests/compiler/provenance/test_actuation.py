@@ -110,5 +110,5 @@ def test_a_muscle_leads_back_to_mimos_and_what_made_it_stronger(bundle, entries)
 def test_a_muscle_that_matures_leads_back_to_the_gear():
     entries = entries_of(store.built({"mimoc": 1, "name": "x", "age_months": 9, "actuation": {"model": "muscle"}}))
     flexor = entries["actuator.act:left_elbow_negative.gainprm"]
-    assert flexor["value"][2] == pytest.approx(1.07 * entries["actuator.act:left_elbow.gear"]["value"])
+    assert flexor["value"][2] == pytest.approx(1.02 * entries["actuator.act:left_elbow.gear"]["value"])
     assert "actuator.act:left_elbow.gear" in flexor["from"]
