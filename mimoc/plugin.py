@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         ActuationKind as ActuationKind,
         AgeTable as AgeTable,
         ExporterKind as ExporterKind,
+        MotionFormat as MotionFormat,
         NoiseOption as NoiseOption,
         PartKind as PartKind,
         PolicyKind as PolicyKind,

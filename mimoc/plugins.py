@@ -22,6 +22,7 @@ from mimoc.body.part import ReferencePart
 from mimoc.body.parts import PARTS
 from mimoc.body.parts.checking import check_parts
 from mimoc.exporters import EXPORTERS
+from mimoc.motion import FORMATS
 from mimoc.policies import POLICIES
 from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.scenes import SCENES
@@ -40,6 +41,7 @@ Record = (
     | kinds.PartKind
     | kinds.PolicyKind
     | kinds.ExporterKind
+    | kinds.MotionFormat
     | Quantity
 )
 
@@ -53,6 +55,7 @@ KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.policies": (kinds.PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),
     "mimoc.exporters": (kinds.ExporterKind, EXPORTERS),
+    "mimoc.motion": (kinds.MotionFormat, FORMATS),
 }
 """The class and the table of records, by group of entry points."""
 IMPORT_LIMIT_S = 60.0

@@ -48,6 +48,7 @@ KIND_FOLDERS = {
     "toys": "build",
     "policies": "policies",
     "exporters": "recording",
+    "motion": "motion",
 }
 """Folders of kinds, and the layer of a file there whose prefix does not say it."""
 PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
@@ -105,8 +106,9 @@ LAYERS = {
         "errors kinds quantities bundle terms runtime",
         "mujoco",
     ),
+    "motion": layer("motion", f"{LANGUAGE} bundle", "mujoco scipy ezc3d"),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
-    "policies": layer("policies", RUNNING, ""),
+    "policies": layer("policies", f"{RUNNING} motion", "mujoco"),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
@@ -114,8 +116,16 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
         "gymnasium mujoco stable_baselines3 torch tensorboard",
     ),
+    "movement": layer(
+        "movement", f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening", "mujoco scipy PIL"
+    ),
+    "retarget": layer(
+        "retarget", f"{BUILDING} compiler {RUNNING} motion rollout policies recording opening", "mujoco scipy"
+    ),
     "studies": layer(
-        "studies", f"{BUILDING} compiler {RUNNING} plots rollout policies recording training", "gymnasium mujoco"
+        "studies",
+        f"{BUILDING} compiler {RUNNING} motion movement plots rollout policies recording training",
+        "gymnasium mujoco",
     ),
     "cohorts": layer(
         "cohorts",
@@ -131,19 +141,19 @@ LAYERS = {
     "compat": layer("compat", f"{BUILDING} compiler {RUNNING} opening", "gymnasium mujoco"),
     "viewer": layer(
         "viewer",
-        f"{BUILDING} compiler {RUNNING} rollout policies recording opening plots",
+        f"{BUILDING} compiler {RUNNING} motion retarget rollout policies recording opening plots",
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
-        "viewer studies",
+        "viewer studies motion movement retarget",
         "gymnasium",
     ),
     "cli": layer(
         "cli __main__",
         f"{BUILDING} compiler {RUNNING} plots rollout policies recording training cohorts reporting "
-        "opening viewer studies mimoc signals",
+        "opening viewer studies mimoc signals motion movement retarget",
         "typer rich",
     ),
 }

@@ -187,7 +187,13 @@ class PolicyKind:
     about: str
     """One sentence for help."""
     run: Code
-    """`bind(env) -> Policy`: from a random number generator and an observation to an action."""
+    """`bind(env) -> Policy`: from a random number generator and an observation to an action; with an `argument`,
+    `bind(env, text) -> Policy`."""
+    argument: str = ""
+    """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing."""
+    many: Code | None = None
+    """`bind_many(envs) -> BatchPolicy`: the same for the infants of a vector environment, also on a device; None if it
+    is for one infant only."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +210,20 @@ class ExporterKind:
     """
     is_uniform: bool = False
     """Whether all episodes must have the same observations and number of actuators, at least one, and control step."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionFormat:
+    """A format in which points on filmed infants are recorded."""
+
+    name: str
+    """Value of `--format` where recordings of points are read."""
+    about: str
+    """What it is, in a few words for help."""
+    recognise: Code
+    """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
+    read: Code
+    """`read(path, options) -> PointRecording`; *options* are `mimoc.motion.reading.ReadOptions`."""
 
 
 class Kind(Protocol):

@@ -1,7 +1,8 @@
 """What a policy is."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 It can have a method `metrics()`, which returns numbers for the summary of a run, by name with the unit: `hand_error_m`;
 and `steps_per_episode`, the control steps after which its episodes end, as in its training.
 """
+BatchPolicy = Callable[[Sequence[np.random.Generator], Any], Any]
+"""Returns the actions of k infants, shape (k, n), for a generator of each and their observations; row i is what
+`Policy` returns for infant i. Of infants on a device, the arrays are of the library of their observations."""
 PolicyMaker = Callable[[InfantEnv], Policy]
 """Returns the policy for an environment."""
 

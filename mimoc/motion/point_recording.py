@@ -1,0 +1,124 @@
+"""Recordings of points on an infant who was filmed: pixels of a camera, or places in space."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from scipy.signal import butter, sosfiltfilt
+
+FloatArray = npt.NDArray[np.float64]
+CUTOFF_HZ = 6.0
+"""Faster than this, infants hardly move: the low-pass filter of all measures of movement (Butterworth, order 2,
+forwards and backwards)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A pinhole camera without distortion: x to the right, y downwards, z away from it."""
+
+    focal_px: tuple[float, float]
+    """Focal lengths along x and y."""
+    centre_px: tuple[float, float]
+    """Where its axis meets the picture, from the middle of the top left pixel."""
+    size_px: tuple[int, int]
+    """Width and height of its pictures."""
+
+    def project(self, points_m: FloatArray) -> FloatArray:
+        """Return where points are seen, shape (..., 2), [px]: f x / z + c.
+
+        Args:
+            points_m: In the camera's frame, shape (..., 3); z is positive.
+        """
+        return np.asarray(self.focal_px) * points_m[..., :2] / points_m[..., 2:] + np.asarray(self.centre_px)
+
+
+MINI_RGBD_CAMERA = Camera((588.679058, 590.256901), (322.220482, 237.467860), (640, 480))
+"""The camera of MINI-RGBD (Hesse et al. 2018), a Kinect: what is taken for a camera of which nothing is known."""
+
+
+@dataclass(frozen=True)
+class PointRecording:
+    """Points on one infant over t frames; k points, each with a name."""
+
+    name: str
+    rate_hz: float
+    """Frames per second."""
+    names: tuple[str, ...]
+    """Names of the points, k of `mimoc.motion.points.POINTS`."""
+    positions: FloatArray
+    """Shape (t, k, 2): pixels of the camera, x to the right, y downwards; or shape (t, k, 3): [m], z upwards. NaN where
+    a point is not seen."""
+    confidence: FloatArray
+    """How surely each is seen, from 0 (not seen) to 1, shape (t, k)."""
+    camera: Camera | None = None
+    """The camera of pixels; None if it is not known, and of places in space."""
+    depth_m: FloatArray | None = None
+    """Distance of each point along the camera's axis, shape (t, k); NaN where it is not known."""
+    notes: tuple[str, ...] = ()
+    """What had to be assumed, one line each."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self.positions)
+
+    @property
+    def unit(self) -> Literal["px", "m"]:
+        """Unit of the positions."""
+        return "px" if self.positions.shape[-1] == 2 else "m"
+
+    @property
+    def hips(self) -> FloatArray:
+        """The middle of the hips, shape (t, 2) or (t, 3)."""
+        return (self.path("left_hip") + self.path("right_hip")) / 2
+
+    @property
+    def trunk(self) -> float:
+        """Median distance from the neck to the middle of the hips, in the unit of positions."""
+        return float(np.nanmedian(np.linalg.norm(self.path("neck") - self.hips, axis=1)))
+
+    def path(self, name: str) -> FloatArray:
+        """Return the positions of a point, shape (t, 2) or (t, 3)."""
+        return self.positions[:, self.names.index(name)]
+
+    def window(self, start: int, stop: int, every: int = 1) -> Self:
+        """Return some frames of it, or every second, third and so on of these."""
+        part = slice(start, stop, every)
+        depth_m = None if self.depth_m is None else self.depth_m[part]
+        changes: dict[str, Any] = {"positions": self.positions[part], "confidence": self.confidence[part]}
+        return replace(self, rate_hz=self.rate_hz / every, depth_m=depth_m, **changes)
+
+    def select(self, names: Sequence[str]) -> Self:
+        """Return the recording of some of its points, in this order."""
+        index = [self.names.index(name) for name in names]
+        depth_m = None if self.depth_m is None else self.depth_m[:, index]
+        changes: dict[str, Any] = {"positions": self.positions[:, index], "confidence": self.confidence[:, index]}
+        return replace(self, names=tuple(names), depth_m=depth_m, **changes)
+
+    def filled(self) -> Self:
+        """Return it with what is not seen interpolated linearly in time; a point that is never seen stays NaN.
+
+        Confidence stays 0 there.
+        """
+        depth_m = None if self.depth_m is None else _filled(self.depth_m)
+        return replace(self, positions=_filled(self.positions), depth_m=depth_m)
+
+    def smoothed(self, cutoff_hz: float = CUTOFF_HZ) -> Self:
+        """Return it, gaps filled, without what is faster than infants move, nor the steps of whole pixels."""
+        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
+        whole = self.filled()
+        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0)
+        return replace(whole, positions=sosfiltfilt(sections, whole.positions, axis=0), depth_m=depth_m)
+
+
+def _filled(values: FloatArray) -> FloatArray:
+    """Return arrays whose first axis is time with NaN interpolated along it."""
+    columns = values.reshape(len(values), -1).copy()
+    time = np.arange(len(values))
+    for column in columns.T:
+        known = np.isfinite(column)
+        if known.any() and not known.all():
+            column[~known] = np.interp(time[~known], time[known], column[known])
+    return columns.reshape(values.shape)
