@@ -223,7 +223,8 @@ class MotionFormat:
     recognise: Code
     """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
     read: Code
-    """`read(path, options) -> PointRecording`; *options* are `mimoc.motion.reading.ReadOptions`."""
+    """`read(path, options) -> PointRecording`, whose names are the labels of the file and whose rate is NaN if it says
+    none; *options* are `mimoc.motion.options.ReadOptions`. An `UnusableFileError` says what is wrong, after the path."""
 
 
 class Kind(Protocol):

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of
 from mimoc.motion.frame_files import MOST_FRAMES
@@ -108,14 +109,16 @@ def _check_unit(recording: PointRecording) -> None:
     if largest > _FAR:
         raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
     if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
-        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture")
+        raise UnusableFileError(
+            f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture"
+        )
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
 
 
 def _check_proportions(recording: PointRecording) -> None:
-    """Raise an UnusableFileError if points are further apart than on any infant, or much closer: their order is wrong."""
+    """Raise an UnusableFileError if points are apart as on no infant: they are probably in another order."""
     for (first, second), (least, most) in APART.items():
         if not {first, second} <= {*recording.names}:
             continue
@@ -123,8 +126,8 @@ def _check_proportions(recording: PointRecording) -> None:
         apart = apart[np.isfinite(apart)]
         if apart.size and not least <= (far := float(np.percentile(apart, _PERCENTILE))) <= most:
             raise UnusableFileError(
-                f"has {first} and {second} {far:.2g} trunks apart, on infants {least:g} to {most:g}; its points may be in "
-                "another order: say what its labels are: names={'label': 'left_hip'}"
+                f"has {first} and {second} {far:.2g} trunks apart, on infants {least:g} to {most:g}; its points may be "
+                "in another order: say what its labels are: names={'label': 'left_hip'}"
             )
 
 
@@ -133,8 +136,8 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
     if recording.unit == "m" or recording.depth_m is not None:
         if share_of_knees_backwards(recording) > _MOSTLY:
             raise UnusableFileError(
-                "has knees that bend backwards: left and right are exchanged (view='swapped'), or the picture or an axis "
-                "is mirrored (view='mirrored')"
+                "has knees that bend backwards: left and right are exchanged (view='swapped'), or the picture or an "
+                "axis is mirrored (view='mirrored')"
             )
         return ()
     share = share_from_behind(recording)
@@ -150,15 +153,21 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
 
 def _without_unseen(recording: PointRecording) -> PointRecording:
     """Return a recording without the points that are never seen."""
-    seen = np.isfinite(recording.positions).all(axis=-1).any(axis=0)
-    names = [name for name, is_seen in zip(recording.names, seen, strict=True) if is_seen]
-    return recording if seen.all() else recording.select(names)
+    unseen = [bool(column.all()) for column in _missing(recording).T]
+    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
+    return recording.select(names) if any(unseen) else recording
+
+
+def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:
+    """Return where points are not seen, shape (t, k)."""
+    return np.asarray(np.isnan(recording.positions).any(axis=-1))
 
 
 def _gaps(recording: PointRecording) -> tuple[str, ...]:
     """Return how much is not seen, and for how long at most."""
-    missing = ~np.isfinite(recording.positions).all(axis=-1)
-    shares = {name: share for name, share in zip(recording.names, missing.mean(axis=0), strict=True) if share > _SHOWN_GAP}
+    missing = _missing(recording)
+    means = zip(recording.names, missing.mean(axis=0).tolist(), strict=True)
+    shares = {name: share for name, share in means if share > _SHOWN_GAP}
     if not shares:
         return ()
     never = [name for name, share in shares.items() if share == 1]
@@ -171,6 +180,6 @@ def _gaps(recording: PointRecording) -> tuple[str, ...]:
     )
 
 
-def _longest_gap(missing: np.ndarray) -> int:
+def _longest_gap(missing: npt.NDArray[np.bool_]) -> int:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], missing, [0]])))
     return int(np.max(edges[1::2] - edges[::2], initial=0))

@@ -64,7 +64,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
 
 
 def known_name(label: str) -> str:
-    """Return mimoc's name of a label, such as `left_hip` of `LHip`, `hip_left` or `Baby:left hip`; "" if it has none."""
+    """Return mimoc's name of a label, such as `left_hip` of `LHip` or `Baby:hip left`; "" if it has none."""
     return _NAMES.get(_plain(label), "")
 
 

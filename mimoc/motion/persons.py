@@ -1,6 +1,7 @@
 """Which of the persons that a pose estimator sees is the infant, and where its points are."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -121,7 +122,7 @@ def _by_nearness(people: _People, infant: str | None, starts: Sequence[int]) -> 
         infant: Its number in the first frame with several.
         starts: Where each frame begins among them, and where the last one ends.
     """
-    spans = list(zip(starts, starts[1:], strict=False))
+    spans = list(pairwise(starts))
     first = next(index for index, (start, stop) in enumerate(spans) if stop - start > 1)
     start, stop = spans[first]
     number = int(np.argmax(people.sizes[start:stop])) if infant is None else int(infant) if infant.isdecimal() else -1
@@ -132,8 +133,8 @@ def _by_nearness(people: _People, infant: str | None, starts: Sequence[int]) -> 
     before = _followed(people.points, spans[:first][::-1], chosen)[::-1]
     after = _followed(people.points, spans[first + 1 :], chosen)
     who = "the largest" if infant is None else f"number {number}"
-    note = f"the infant is taken to be {who} of {stop - start} persons in {people.where[start]}, and is followed from there"
-    return np.array([*before, chosen, *after]), note
+    note = f"the infant is taken to be {who} of {stop - start} persons in {one_line(people.where[start])}"
+    return np.array([*before, chosen, *after]), f"{note}, and is followed from there"
 
 
 def _followed(points: FloatArray, spans: Sequence[tuple[int, int]], start: int) -> list[int]:

@@ -16,7 +16,15 @@ forwards and backwards)."""
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A pinhole camera without distortion: x to the right, y downwards, z away from it."""
+    """A pinhole camera without distortion: x to the right, y downwards, z away from it.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> camera = mimoc.Camera(focal_px=(600, 600), centre_px=(320, 240), size_px=(640, 480))
+        >>> camera.project(np.array([0.1, 0.0, 1.0]))
+        array([380., 240.])
+    """
 
     focal_px: tuple[float, float]
     """Focal lengths along x and y."""
@@ -40,7 +48,16 @@ MINI_RGBD_CAMERA = Camera((588.679058, 590.256901), (322.220482, 237.467860), (6
 
 @dataclass(frozen=True)
 class PointRecording:
-    """Points on one infant over t frames; k points, each with a name."""
+    """Points on one infant over t frames; k points, each with a name.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> names = "neck", "left_hip", "right_hip"
+        >>> seen = np.array([[[320, 100], [350, 250], [290, 250]]] * 90, dtype=float)
+        >>> mimoc.PointRecording("still", 30.0, names, seen, np.ones((90, 3))).trunk
+        150.0
+    """
 
     name: str
     rate_hz: float

@@ -21,11 +21,15 @@ COCO_17 = (
     *(f"{side}_{part}" for part in ("hip", "knee", "ankle") for side in ("left", "right")),
 )
 """Order of the points (COCO's documentation of its keypoints)."""
-_FEET = *(f"left_{part}" for part in ("big_toe", "small_toe", "heel")), *(
-    f"right_{part}" for part in ("big_toe", "small_toe", "heel")
+_FEET = (
+    *(f"left_{part}" for part in ("big_toe", "small_toe", "heel")),
+    *(f"right_{part}" for part in ("big_toe", "small_toe", "heel")),
 )
-_HALPE = "crown", "neck", "mid_hip", *(
-    f"{side}_{part}" for part in ("big_toe", "small_toe", "heel") for side in ("left", "right")
+_HALPE = (
+    "crown",
+    "neck",
+    "mid_hip",
+    *(f"{side}_{part}" for part in ("big_toe", "small_toe", "heel") for side in ("left", "right")),
 )
 LAYOUTS = {
     17: COCO_17,
@@ -87,7 +91,9 @@ def _by_frame(data: Any, where: str) -> list[tuple[int, Sequence[Mapping[str, An
         return sorted(numbered, key=lambda frame: frame[0])
     entries = _items(data, where)
     images = _image_numbers(data)
-    numbers = [images.get(str(entry.get("image_id"))) or _frame_number(entry, where) for entry in entries]
+    ids = [str(entry.get("image_id")) for entry in entries]
+    is_known = bool(images) and {*ids} <= images.keys()
+    numbers = [images[name] for name in ids] if is_known else [_frame_number(entry, where) for entry in entries]
     order = sorted(range(len(entries)), key=numbers.__getitem__)
     groups = groupby(order, key=numbers.__getitem__)
     return [(number, [entries[index] for index in indices]) for number, indices in groups]
@@ -112,7 +118,9 @@ def _frame_number(entry: Mapping[str, Any], where: str) -> int:
     for key in _FRAMES:
         if key in entry:
             return _number(entry[key])
-    raise UnusableFileError(f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame")
+    raise UnusableFileError(
+        f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame"
+    )
 
 
 def _number(name: Any) -> int:

@@ -83,10 +83,10 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         numbers[index, rows[:, 3].astype(np.intp)] = rows[:, :3]
     numbers[~np.isfinite(numbers).all(axis=-1)] = np.nan
     numbers = numbers[:, [JOINTS.index(joint) for joint in POINTS.values()]]
-    name = path.name if folder is path else path.parent.name if path.name == joints.folder else path.name
+    name = folder.parent.name if folder.name == joints.folder else folder.name
     notes = (*files.notes, f"{RATE_HZ:g} frames/s are taken for granted")
     made = _in_space if joints.in_space else _in_pixels
-    return made(name or path.name, numbers, notes)
+    return made(name, numbers, notes)
 
 
 def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRecording:
@@ -109,7 +109,7 @@ def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRec
 
 
 def _in_space(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRecording:
-    """Return joints in the frame of a camera that looks down in a frame whose z axis points upwards, the lowest at 0."""
+    """Return joints that a camera sees which looks down in a frame whose z axis points upwards, the lowest at 0."""
     positions = numbers * (1.0, -1.0, -1.0)
     trial = PointRecording(name, RATE_HZ, tuple(POINTS), positions, np.isfinite(positions[..., 0]).astype(np.float64))
     with np.errstate(invalid="ignore"):

@@ -18,7 +18,7 @@ from mimoc.plugins import load_plugins
 def read_points(
     path: str | Path,
     *,
-    format: str | None = None,  # noqa: A002
+    format: str | None = None,
     rate_hz: float | None = None,
     camera: Camera | None = None,
     infant: int | str | None = None,
@@ -34,7 +34,7 @@ def read_points(
         camera: The camera of pixels, if the files do not say it.
         infant: Which of several persons is the infant: its identity or, where persons have none, its number in the
             first frame with several, from 0. None takes the largest.
-        names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, for those it does not know.
+        names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, where needed.
         view: What the camera sees: the infant's `front`, its `back`, a `mirrored` picture (or y upwards); `swapped` is
             left and right exchanged. The last two are put right.
 
@@ -59,7 +59,9 @@ def read_points(
         if not place.exists():
             raise UnusableFileError("there is no such file or folder; check the path")
         options = ReadOptions(rate_hz, camera, infant, names or {}, view)
-        recording: PointRecording = function_of(kind.read, "read")(place.resolve() if place.is_dir() else place, options)
+        recording: PointRecording = function_of(kind.read, "read")(
+            place.resolve() if place.is_dir() else place, options
+        )
         check_labels(recording.names)
         timed = check_timing(name_points(recording, names), rate_hz)
         return check_points(replace(timed, camera=_camera(timed, camera)), view)
