@@ -223,8 +223,8 @@ class MotionFormat:
     recognise: Code
     """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
     read: Code
-    """`read(path, options) -> PointRecording`, whose names are the labels of the file and whose rate is NaN if it says
-    none; *options* are `mimoc.motion.options.ReadOptions`. An `UnusableFileError` says what is wrong, after the path."""
+    """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
+    *options* are `mimoc.motion.options.ReadOptions`; an `UnusableFileError` says what follows the path in an error."""
 
 
 class Kind(Protocol):

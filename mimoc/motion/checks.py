@@ -109,9 +109,7 @@ def _check_unit(recording: PointRecording) -> None:
     if largest > _FAR:
         raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
     if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
-        raise UnusableFileError(
-            f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture"
-        )
+        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export pixels, not shares of the picture")
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")

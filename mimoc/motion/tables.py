@@ -92,7 +92,7 @@ def timing(header: Sequence[str], numbers: FloatArray) -> Timing:
     if frames is None:
         frames = np.arange(len(numbers)) if times_s is None else np.round((times_s - times_s[0]) * rate_hz)
     if not (np.abs(frames) < _LARGEST_FRAME).all() or (np.diff(frames) < 0).any():
-        raise UnusableFileError("has frames without a number, or in no order; sort it by its first column")
+        raise UnusableFileError("has frames without a number, or in no order; sort it by frames")
     if len(frames) > MOST_FRAMES:
         raise UnusableFileError(f"has {len(frames):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
     places, notes = frame_places([int(frame) for frame in frames], [f"row {row + 2}" for row in range(len(frames))])
@@ -107,7 +107,7 @@ def _number(cell: str, column: str) -> float:
     except ValueError:
         if label_and_column(column)[1] or column in COLUMNS:
             wrong = f"'{one_line(cell):.30}' in the column {one_line(column)} is not a number"
-            raise UnusableFileError(f"{wrong}; leave cells of points that are not seen empty") from None
+            raise UnusableFileError(f"{wrong}; leave cells of unseen points empty") from None
         return math.nan
 
 

@@ -64,7 +64,9 @@ def test_coco_keypoints_in_one_file_or_many(name, body_25, tmp_path):
 
 def annotations(entries):
     images = [{"id": 1000 + entry["image_id"], "file_name": f"a/{entry['image_id']:05d}.jpg"} for entry in entries]
-    seen = [{**entry, "image_id": 1000 + entry["image_id"], "keypoints": _flags(entry["keypoints"])} for entry in entries]
+    seen = [
+        {**entry, "image_id": 1000 + entry["image_id"], "keypoints": _flags(entry["keypoints"])} for entry in entries
+    ]
     return {"images": images, "annotations": seen, "categories": [{"keypoints": [*COCO_17]}]}
 
 
@@ -139,11 +141,14 @@ def long_table(recording, folder: Path) -> Path:
 
 def of_deeplabcut(recording, folder: Path) -> Path:
     axes = ("x", "y", "likelihood")
-    header = [[word, *words] for word, words in (
-        ("scorer", ["net"] * 3 * len(recording.names)),
-        ("bodyparts", [name for name in recording.names for _ in axes]),
-        ("coords", axes * len(recording.names)),
-    )]
+    header = [
+        [word, *words]
+        for word, words in (
+            ("scorer", ["net"] * 3 * len(recording.names)),
+            ("bodyparts", [name for name in recording.names for _ in axes]),
+            ("coords", axes * len(recording.names)),
+        )
+    ]
     rows = [
         [str(frame), *(repr(number) for x, y in positions for number in (x, y, 1.0))]
         for frame, positions in enumerate(recording.positions.tolist())
@@ -155,7 +160,10 @@ def of_deeplabcut(recording, folder: Path) -> Path:
 def of_excel(recording, folder: Path) -> Path:
     """Write semicolons, decimal commas and a mark of the order of bytes."""
     header = ";".join(f"{name}.{axis.upper()}" for name in recording.names for axis in "xy")
-    rows = [";".join(repr(number).replace(".", ",") for number in row) for row in recording.positions.reshape(60, -1).tolist()]
+    rows = [
+        ";".join(repr(number).replace(".", ",") for number in row)
+        for row in recording.positions.reshape(60, -1).tolist()
+    ]
     (folder / "excel.csv").write_text("\ufeff" + "\r\n".join([header, *rows]))
     return folder / "excel.csv"
 
