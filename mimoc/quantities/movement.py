@@ -65,7 +65,10 @@ def _of_ends(part: str, parts: str) -> Iterator[Quantity]:
         "Welch 1967, IEEE Trans Audio Electroacoust 15: 70",
     )
     yield of_movement(
-        f"{parts}_together_r", f"{parts.capitalize()} together", "", "Pearson correlation of the speeds of left and right"
+        f"{parts}_together_r",
+        f"{parts.capitalize()} together",
+        "",
+        "Pearson correlation of the speeds of left and right",
     )
     yield of_movement(
         f"{part}_units_per_min",
