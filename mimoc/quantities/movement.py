@@ -14,42 +14,42 @@ def of_recording(name: str, label: str, unit: str, about: str, source: str | Non
 
 _ENDS: tuple[tuple[str, str, str, str, str | None], ...] = (
     (
-        "{}_speed_median_trunk_s",
+        "{0}_speed_median_trunk_s",
         "speed, median",
         "trunk/s",
         "median speed over frames and both sides: length of the central difference of the position in the frame of the"
         " trunk, times frames per second",
         None,
     ),
-    ("{}_speed_p95_trunk_s", "speed, 95th percentile", "trunk/s", "95th percentile over frames and both sides", None),
-    ("{}_moving_share", "share of time in motion", "", "share of frames of both sides faster than .25 trunk/s", None),
+    ("{0}_speed_p95_trunk_s", "speed, 95th percentile", "trunk/s", "95th percentile over frames and both sides", None),
+    ("{0}_moving_share", "share of time in motion", "", "share of frames of both sides faster than .25 trunk/s", None),
     (
-        "{}_spread_trunk",
+        "{0}_spread_trunk",
         "spread",
         "trunk",
         "square root of the sum of the variances of the position across and along the trunk; mean of both sides",
         None,
     ),
     (
-        "{}_sample_entropy_nats",
+        "{0}_sample_entropy_nats",
         "sample entropy of speed",
         "nats",
         "unpredictability of the speed, standardised, at 10 Hz: -ln(A / B), where B pairs of 2 successive values differ"
         " by less than .2, and A of these also in the next value; mean of both sides",
         "Richman & Moorman 2000, Am J Physiol 278: H2039",
     ),
-    ("{}_burstiness", "burstiness", "", "excess kurtosis of the speed; mean of both sides", None),
+    ("{0}_burstiness", "burstiness", "", "excess kurtosis of the speed; mean of both sides", None),
     (
-        "{}_frequency_hz",
+        "{0}_frequency_hz",
         "frequency, median",
         "Hz",
         "frequency below which half of the power of the velocity lies; Welch's spectra (Hann windows of 8.5 s,"
         " overlapping by half), summed over both sides and both axes",
         "Welch 1967, IEEE Trans Audio Electroacoust 15: 70",
     ),
-    ("{}_together_r", "speeds of left and right", "", "Pearson correlation of the speeds of left and right", None),
+    ("{1}_together_r", "speeds of left and right", "", "Pearson correlation of the speeds of left and right", None),
     (
-        "{}_units_per_min",
+        "{0}_units_per_min",
         "movement units",
         "1/min",
         "maxima of the speed of at least .25 trunk/s, with a prominence of at least .125 trunk/s; mean of both sides",
@@ -79,12 +79,12 @@ DIMENSIONS = of_recording(
 )
 
 
-def _of_both(part: str) -> list[Quantity]:
+def _of_both(part: str, parts: str) -> list[Quantity]:
     return [
-        of_recording(name.format(part), f"{part.capitalize()}: {label}", unit, about, source)
+        of_recording(name.format(part, parts), f"{part.capitalize()}: {label}", unit, about, source)
         for name, label, unit, about, source in _ENDS
     ]
 
 
-CORE = (*_of_both("hand"), *_of_both("foot"), KICKS, HAND_FOOT_TOGETHER, DIMENSIONS)
+CORE = (*_of_both("hand", "hands"), *_of_both("foot", "feet"), KICKS, HAND_FOOT_TOGETHER, DIMENSIONS)
 """The 21 measures, in the order in which they are computed."""
