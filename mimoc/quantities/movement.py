@@ -81,7 +81,9 @@ DIMENSIONS = of_recording(
 
 def _of_both(part: str, parts: str) -> list[Quantity]:
     return [
-        of_recording(name.format(part, parts), f"{part.capitalize()}: {label}", unit, about, source)
+        of_recording(
+            name.format(part, parts), f"{(parts if '{1}' in name else part).capitalize()}: {label}", unit, about, source
+        )
         for name, label, unit, about, source in _ENDS
     ]
 
