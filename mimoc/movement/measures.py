@@ -1,0 +1,119 @@
+"""The measures of movement of one recording."""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.signal import find_peaks, welch
+from scipy.stats import kurtosis
+
+from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.motion.points import SIDES
+from mimoc.movement.trunk_frame import TrunkPaths, trunk_paths
+from mimoc.quantities.movement import CORE
+
+IntArray = npt.NDArray[np.integer]
+
+MOVING_TRUNK_S = 0.25
+"""A limb that is faster moves."""
+KICK_TRUNK = 0.25
+"""Least extension of a leg that counts as a kick."""
+STILL = 1e-9
+"""What varies less is constant but for rounding."""
+SPECTRUM_S = 256 / 30
+"""Length of the windows of a spectrum."""
+ENTROPY_HZ = 10.0
+"""Rate at which entropy looks at speed."""
+LIMB_POINTS = "hand", "elbow", "foot", "knee"
+
+
+def core_measures(recording: PointRecording) -> dict[str, float]:
+    """Return the 21 measures that infants are compared by, in the order of `mimoc.quantities.movement.CORE`.
+
+    Raises:
+        MovementError: If points are missing, or it is too slow or too short.
+    """
+    return core_of(trunk_paths(recording))
+
+
+def core_of(body: TrunkPaths) -> dict[str, float]:
+    """Return the 21 measures of paths in the frame of the trunk."""
+    values = [value for part in ("hand", "foot") for value in _of_ends(body, part)]
+    kicks = [len(find_peaks(length, prominence=KICK_TRUNK)[0]) for length in leg_lengths(body)]
+    values.append(float(np.mean(kicks)) / body.minutes)
+    sides = zip(body.both("hand"), body.both("foot"), strict=True)
+    values += [float(np.mean([correlation(hand, foot) for hand, foot in sides])), _dimensions(body)]
+    return dict(zip((quantity.name for quantity in CORE), values, strict=True))
+
+
+def leg_lengths(body: TrunkPaths) -> list[FloatArray]:
+    """Return the distance from hip to foot of both legs, shape (t,) each, [trunk]."""
+    pairs = zip(body.sides("foot"), body.sides("hip"), strict=True)
+    return [np.linalg.norm(foot - hip, axis=1) for foot, hip in pairs]
+
+
+def movement_units(speed: FloatArray) -> IntArray:
+    """Return the frames of the maxima of the speed that are movement units, [trunk/s]."""
+    return find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]
+
+
+def sample_entropy(values: FloatArray, length: int = 2, tolerance: float = 0.2) -> float:
+    """Return the sample entropy of a signal, [nats]: how unpredictable it is, given its last *length* values.
+
+    -ln(A / B): B pairs of windows of *length* values, and A of those with the next value, whose largest difference is
+    below *tolerance* standard deviations; the windows are the first N - *length* of either length. 0 if it is constant.
+    """
+    deviation = values.std()
+    if deviation < STILL:
+        return 0.0
+    standard = (values - values.mean()) / deviation
+    count = len(standard) - length
+    shorter = longer = 0
+    for start in range(count - 1):  # Row by row: all pairs at once would need the square of ten minutes.
+        gaps = [np.abs(standard[start + lag] - standard[start + 1 + lag : count + lag]) for lag in range(length + 1)]
+        near = np.logical_and.reduce([gap < tolerance for gap in gaps[:length]])
+        shorter += int(near.sum())
+        longer += int((near & (gaps[length] < tolerance)).sum())
+    return float(-np.log(max(longer, 0.5) / max(shorter, 0.5)))  # Half a pair for none.
+
+
+def correlation(first: FloatArray, second: FloatArray) -> float:
+    """Return the Pearson correlation of two signals; 0 if one is constant."""
+    if first.std() < STILL or second.std() < STILL:
+        return 0.0
+    return float(np.corrcoef(first, second)[0, 1])
+
+
+def _of_ends(body: TrunkPaths, part: str) -> list[float]:
+    """Return what is measured of both hands or feet."""
+    both, paths = body.both(part), body.sides(part)
+    every = max(1, round(body.rate_hz / ENTROPY_HZ))
+    peaks = [len(movement_units(speed)) for speed in both]
+    return [
+        float(np.median(both)),
+        float(np.percentile(both, 95)),
+        float((both > MOVING_TRUNK_S).mean()),
+        float(np.mean([np.sqrt(path.var(axis=0).sum()) for path in paths])),
+        float(np.mean([sample_entropy(one[::every]) for one in both])),
+        float(np.mean([_excess_kurtosis(one) for one in both])),
+        _median_frequency(body, part),
+        correlation(both[0], both[1]),
+        float(np.mean(peaks)) / body.minutes,
+    ]
+
+
+def _excess_kurtosis(speed: FloatArray) -> float:
+    return float(kurtosis(speed)) if speed.std() >= STILL else 0.0
+
+
+def _median_frequency(body: TrunkPaths, part: str) -> float:
+    """Return the frequency below which half of the power of the velocity lies, [Hz]."""
+    velocity = np.concatenate([body.velocities[f"{side}_{part}"] for side in SIDES], axis=1)
+    window = min(round(SPECTRUM_S * body.rate_hz), len(velocity))
+    frequencies, power = welch(velocity, body.rate_hz, nperseg=window, axis=0)
+    below = np.cumsum(power.sum(axis=1))
+    return float(np.interp(0.5, below / below[-1], frequencies)) if below[-1] > STILL**2 else 0.0
+
+
+def _dimensions(body: TrunkPaths) -> float:
+    ends = np.concatenate([body.paths[f"{side}_{part}"] for side in SIDES for part in LIMB_POINTS], axis=1)
+    values = np.linalg.eigvalsh(np.cov(ends.T))
+    return float(values.sum() ** 2 / (values**2).sum()) if values.sum() > STILL**2 else 0.0
