@@ -153,7 +153,7 @@ class GeneralMovements:
         lasting = xp.take(self._styles.limbs * state["lasting_bend"], self._limb, axis=1) * self._of["flexion"]
         self._posture = (lasting + self._styles.posture * state["lasting"]) * self._scale
         for index, name in enumerate(POSTURES):
-            self._posture = self._posture + law[name] * self._of["postures"][:, index]
+            self._posture = self._posture + law[name] * self._of["postures"][:, index, :]
 
     def _drifted(self, value: Any, normal: Any, seconds: Any) -> Any:
         """Return an Ornstein-Uhlenbeck process of variance 1 a step later: k x + √(1 - k²) n, k = exp(-Δt / τ)."""
@@ -199,7 +199,7 @@ class GeneralMovements:
         choice = xp.take(chances["choice"], self._limb, axis=1) * (count + 1)
         chosen = 0.0 * choice
         for index in range(count):
-            chosen = xp.where((choice >= index) & (choice < index + 1), goals[:, index], chosen)
+            chosen = xp.where((choice >= index) & (choice < index + 1), goals[:, index, :], chosen)
         state["goal"] = xp.where(leaves, chosen, state["goal"])
         state["going"] = state["going"] + ease * (state["goal"] - state["going"])
 
