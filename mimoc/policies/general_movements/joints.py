@@ -51,6 +51,8 @@ POSTURES: Mapping[str, Mapping[str, float]] = {
     "arms_bent": {"elbow": -1.0},
     "legs_bent": {"hip1": -1.0},
     "knees_bent": {"knee": -1.0},
+    "legs_in": {"hip2": 1.0},
+    "legs_out": {"hip3": 1.0},
 }
 """The joints of each posture of `Law`."""
 GOALS: tuple[Mapping[str, float], ...] = (
