@@ -5,8 +5,13 @@ from mimoc.base.kinds import Kinds, PolicyKind
 POLICIES: Kinds[PolicyKind] = Kinds(
     "policy",
     {
-        "random": PolicyKind("random", "draws every command uniformly from its range", "mimoc.policies.random"),
-        "zero": PolicyKind("zero", "commands zero", "mimoc.policies.zero"),
+        "random": PolicyKind(
+            "random",
+            "draws every command uniformly from its range",
+            "mimoc.policies.random",
+            many="mimoc.policies.random",
+        ),
+        "zero": PolicyKind("zero", "commands zero", "mimoc.policies.zero", many="mimoc.policies.zero"),
         "reach": PolicyKind("reach", "reaches by inverse dynamics; not for servos", "mimoc.policies.reach"),
         "general_movements": PolicyKind(
             "general_movements",

@@ -20,6 +20,8 @@ class PolicyPart:
     """Its record; None for a trained policy."""
     argument: str | None
     """What stands after the colon, None if there is no colon; the path of a trained policy."""
+    text: str
+    """The part as it was written."""
 
     @property
     def label(self) -> str:
@@ -52,7 +54,7 @@ def trained_policies(text: str) -> tuple[str, ...]:
 def _part(text: str) -> PolicyPart:
     name, colon, argument = text.partition(":")
     if text.endswith(TRAINED) and not (colon and name in POLICIES):
-        return PolicyPart(None, text)
+        return PolicyPart(None, text, text)
     kind = POLICIES.find(name)
     if colon and not kind.argument:
         raise PolicyError(f"'{text}': the policy '{name}' takes nothing after a colon; write {name}")
@@ -60,7 +62,7 @@ def _part(text: str) -> PolicyPart:
         raise PolicyError(f"'{text}': nothing stands after the colon; write {usage(kind)}")
     if not colon and kind.argument and not kind.argument.startswith("["):
         raise PolicyError(f"'{text}': the policy '{name}' needs more than its name; write {usage(kind)}")
-    return PolicyPart(kind, argument if colon else None)
+    return PolicyPart(kind, argument if colon else None, text)
 
 
 def usage(kind: PolicyKind) -> str:

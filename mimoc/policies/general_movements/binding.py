@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.units import ms_to_s
+from mimoc.policies.batch import Batch, batch_of_one
 from mimoc.policies.general_movements.generator import GeneralMovements, draw
 from mimoc.policies.general_movements.joints import joints_of
 from mimoc.policies.general_movements.law import law_at
@@ -15,22 +16,23 @@ from mimoc.runtime.env import InfantEnv
 
 def bind(env: InfantEnv) -> Policy:
     """Return the policy for an environment."""
-    act = bind_many([env])
+    act = bind_many(batch_of_one(env))
     return lambda generator, observation: act([generator], observation)[0]
 
 
-def bind_many(envs: Sequence[InfantEnv]) -> BatchPolicy:
-    """Return the policy for the infants of several environments with the same commands."""
-    first = envs[0]
+def bind_many(batch: Batch) -> BatchPolicy:
+    """Return the policy for many infants with the same commands."""
+    first, put = batch.infants[0], batch.put
     joints = joints_of(first.manifest.actuation, first.actuation)
-    laws = [law_at(env.age_months) for env in envs]
-    movement, started = GeneralMovements(joints, laws, ms_to_s(first.manifest.step_ms)), []
+    laws = [law_at(env.age_months) for env in batch.infants]
+    movement = GeneralMovements(joints, laws, ms_to_s(first.manifest.step_ms), xp=batch.xp, put=put)
+    started = []
 
-    def act(generators: Sequence[np.random.Generator], observation: Any) -> np.ndarray:
+    def act(generators: Sequence[np.random.Generator], observation: Any) -> Any:
         if not started:
             started.append(True)
-            movement.start(draw(generators, 0, movement.starts)[1])
-        arousal = np.array([[env.arousal] for env in envs])
-        return movement.step(*draw(generators, movement.uniforms, movement.normals), arousal).astype(np.float32)
+            movement.start(put(draw(generators, 0, movement.starts)[1]))
+        uniform, normal = draw(generators, movement.uniforms, movement.normals)
+        return batch.actions(movement.step(put(uniform), put(normal), batch.arousals()))
 
     return act
