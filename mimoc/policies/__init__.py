@@ -19,5 +19,12 @@ POLICIES: Kinds[PolicyKind] = Kinds(
             "mimoc.policies.general_movements.binding",
             many="mimoc.policies.general_movements.binding",
         ),
+        "reflexes": PolicyKind(
+            "reflexes",
+            "has the reflexes of its age, or, by months, of a child that is later",
+            "mimoc.policies.reflexes.binding",
+            argument="[MONTHS]",
+            many="mimoc.policies.reflexes.binding",
+        ),
     },
 )

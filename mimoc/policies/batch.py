@@ -40,7 +40,11 @@ class Batch:
         """Return commands as actions, in numbers of 32 bits."""
         return self.xp.astype(commands, self.xp.float32)
 
-    def draw(self, draws: Sequence[np.ndarray]) -> Any:
+    def real(self, observation: Any) -> Any:
+        """Return an observation in the numbers that policies reckon with: of 64 bits, and of 32 on a device."""
+        return self.xp.astype(observation, self.xp.float64) if self.xp is NUMPY else observation
+
+    def draw(self, draws: Sequence[Any]) -> Any:
         """Return what each generator gave as one array, shape (k, ...)."""
         return self.put(np.stack(draws))
 
