@@ -8,7 +8,7 @@ from mimoc.policies.reflexes.sensing import Sensed
 
 UPRIGHT_LEAST, UPRIGHT_FULL = 0.6, 0.8
 """Upward part of the trunk's axis from which on an infant is upright, and wholly so. Ours."""
-SOLE_LEAST, SOLE_FULL = 0.01, 0.1
+SOLE_LEAST, SOLE_FULL = 0.005, 0.03
 """Force on both soles that is noticed, and that makes steps fastest, as shares of the body's weight. Ours."""
 SETTLE_S = 0.5
 """Time constant in which stepping sets in."""
@@ -19,7 +19,7 @@ LIFT_FROM, LIFT_FULL = 0.3, 0.8
 LIFT, BEND, TOES_UP, SUPPORT = 0.8, 0.6, 0.3, 0.3
 """Drives of hip, knee and foot of the leg that lifts, and of hip and knee of the other. Ours."""
 EDGE = 0.006
-"""Force on the back of the foot that sets off placing, as a share of the body's weight. Ours."""
+"""Force on the back of the foot, beyond that on its sole, that sets off placing, as a share of the body's weight. Ours."""
 PLACE_S, DOWN_S, PLACED_S = 0.7, 1.4, 2.0
 """Times since then at which the leg has been lifted, is put down, and can be placed again. Ours."""
 
@@ -53,7 +53,8 @@ def placing(sensed: Sensed, state: State) -> tuple[Drives, State]:
     is_upright = upright(sensed) > 0.5
     for side in SIDES:
         since = state[f"{side} since"]
-        is_set_off = is_upright & (sensed.pressure(f"{side} foot back") > EDGE) & (since > PLACED_S)
+        edge = sensed.pressure(f"{side} foot back") - sensed.pressure(f"{side} sole")
+        is_set_off = is_upright & (edge > EDGE) & (since > PLACED_S)
         kept[f"{side} since"] = since = xp.where(is_set_off, sensed.zero, since + sensed.step_s)
         lifts = xp.where(since < PLACE_S, 1.0 + sensed.zero, sensed.zero)
         is_put_down = xp.where((since >= PLACE_S) & (since < DOWN_S), 1.0 + sensed.zero, sensed.zero)

@@ -29,9 +29,8 @@ class Patch:
     """The opposite corner."""
 
 
-FINGERS = "{side}_(hand|fingers|(ff|mf|rf|lf)(knuckle|middle|distal)|lfmetacarpal)"
 AREAS: Mapping[str, tuple[Patch, ...]] = {
-    "palm": (Patch(FINGERS, (0, 1, 0), high=(1, 0.35, 1)),),
+    "palm": (Patch("{side}_hand", (0, 1, 0), high=(1, 0.35, 1)),),
     "cheek": (Patch("head", (0, 1, 0), (0.55, 0.0, 0.05), (0.97, 0.35, 0.55)),),
     "sole": (Patch("{side}_(foot|toes|big_toe)", (0, 0, 1), high=(1, 1, 0.35)),),
     "ball": (
