@@ -32,9 +32,7 @@ class Examiner:
         weld.objtype = mujoco.mjtObj.mjOBJ_BODY
         weld.data[:] = 0.0
         weld.data[[6, 10]] = 1.0  # No turn between them; torques count as forces do.
-        turned = spec.add_equality(
-            name="turned", type=mujoco.mjtEq.mjEQ_JOINT, name1="robot:head_swivel", active=False
-        )
+        turned = spec.add_equality(name="turned", type=mujoco.mjtEq.mjEQ_JOINT, name1="robot:head_swivel", active=False)
         turned.data[:] = 0.0
         model = spec.compile()
         prepare(model)

@@ -9,6 +9,8 @@ import pytest
 from support import store
 from support.examiner import SENSES, Examiner
 
+from mimoc.policies.batch import batch_of_one
+from mimoc.policies.reflexes.binding import Reflexes, ReflexPolicy
 from mimoc.policies.reflexes.table import REFLEXES
 
 Trace = dict[str, np.ndarray]
@@ -68,7 +70,7 @@ def stand_on_plate(examiner):
 
 def touch_foot_back(examiner):
     examiner.start("standing", 0.15, is_held=True)
-    place = place_on(examiner, "right_foot", (0.6, 0.3, 0), (0.9, 0.7, 1), (0, 0, 1))
+    place = place_on(examiner, "right_foot", (0.4, 0.1, 0), (0.95, 0.9, 1), (0, 0, 1))
     return lambda time_s: examiner.press("right_foot", place, (0, 0, -1), 0.5 if 0.2 < time_s < 0.5 else 0.0)
 
 
@@ -103,7 +105,12 @@ TRIALS = (
     Trial("palmar_grasp", press_palm, 1.0, 1, 7, {"fingers close": (more("right_fingers", -1), 20)}),
     Trial("plantar_grasp", press_ball, 1.0, 1, 13, {"toes curl": (more("right_toes", -1), 8)}),
     Trial(
-        "moro", fall, 0.6, 1, 7, {"elbow straightens": (more("right_elbow"), 25), "hand opens": (more("left_fingers"), 25)}
+        "moro",
+        fall,
+        0.6,
+        1,
+        7,
+        {"elbow straightens": (more("right_elbow"), 25), "hand opens": (more("left_fingers"), 25)},
     ),
     Trial(
         "moro",
@@ -137,7 +144,9 @@ TRIALS = (
         {"arm reaches": (more("right_shoulder_horizontal"), 20), "elbow straightens": (more("left_elbow"), 15)},
     ),
     Trial("protective_sideways", tip(roll=-1.0), 1.2, 10, 5, {"arm reaches": (more("left_shoulder_ad_ab"), 25)}),
-    Trial("protective_backwards", tip(pitch=-1.0), 1.2, 11, 7, {"arm reaches": (more("left_shoulder_horizontal", -1), 8)}),
+    Trial(
+        "protective_backwards", tip(pitch=-1.0), 1.2, 11, 7, {"arm reaches": (more("left_shoulder_horizontal", -1), 8)}
+    ),
 )
 
 
@@ -152,11 +161,8 @@ def examine(trial: Trial, examiner: Examiner, policy: str) -> Trace:
     return examiner.watch(policy, trial.seconds, trial.do(examiner))
 
 
-def only(reflex: str, examiner: Examiner) -> Callable:
+def only(reflex: str) -> Callable:
     """Return the policy that has one reflex."""
-    from mimoc.policies.batch import batch_of_one
-    from mimoc.policies.reflexes.binding import Reflexes, ReflexPolicy
-
     return lambda env: ReflexPolicy(Reflexes(batch_of_one(env), reflexes={reflex: REFLEXES[reflex]}))
 
 
@@ -165,9 +171,8 @@ def only(reflex: str, examiner: Examiner) -> Callable:
 def test_a_stimulus_gives_the_response_inside_the_window_of_ages(trial, model):
     examiner = examiner_of(trial.inside_months, model)
     still = examine(trial, examiner, "zero")
-    moved = examine(trial, examiner, only(trial.reflex, examiner))
+    moved = examine(trial, examiner, only(trial.reflex))
     seen = {what: measure(moved, still) for what, (measure, _) in trial.seen.items()}
-    print(trial.reflex, model, seen)
     assert {what for what, (_, least) in trial.seen.items() if seen[what] <= least} == set()
 
 
@@ -175,5 +180,28 @@ def test_a_stimulus_gives_the_response_inside_the_window_of_ages(trial, model):
 def test_a_stimulus_gives_nothing_outside_the_window_of_ages(trial):
     examiner = examiner_of(trial.outside_months, "muscle")
     still = examine(trial, examiner, "zero")
-    moved = examine(trial, examiner, only(trial.reflex, examiner))
+    moved = examine(trial, examiner, only(trial.reflex))
     assert moved["actions"].tobytes() == still["actions"].tobytes()
+
+
+def test_five_fingers_close_and_servos_too():
+    examiner = examiner_of(1, "torque", "five_finger")
+    trial = Trial("palmar_grasp", press_palm, 1.0, 1, 7, {})
+    still, moved = examine(trial, examiner, "zero"), examine(trial, examiner, only("palmar_grasp"))
+    assert more("right_ff_knuckle")(moved, still) > 10
+    examiner = examiner_of(1, "position")
+    still, moved = examine(trial, examiner, "zero"), examine(trial, examiner, only("palmar_grasp"))
+    assert more("right_fingers", -1)(moved, still) > 10
+
+
+def test_the_other_hand_does_not_close():
+    examiner = examiner_of(1, "muscle")
+    moved = examine(TRIALS[0], examiner, only("palmar_grasp"))
+    commanded = {
+        actuator.name
+        for actuator, action in zip(
+            examiner.env.manifest.actuation.actuators, moved["actions"].max(axis=0), strict=True
+        )
+        if action > 0
+    }
+    assert commanded == {"act:right_fingers_negative"}
