@@ -117,25 +117,3 @@ COLUMNS: Mapping[str, tuple[float, ...]] = {
     "goals_hz": _constant(0.3),
 }
 assert set(COLUMNS) == {field.name for field in fields(Law)}
-
-
-@dataclass(frozen=True, slots=True)
-class Styles:
-    """How infants of one age differ: standard deviations of the logarithms of numbers of `Law`, over infants."""
-
-    rate: float = 0.3
-    strength: float = 0.3
-    duration: float = 0.1
-    swell: float = 0.2
-    slow: float = 0.3
-    tone: float = 0.3
-    arms: float = 0.2
-    side: float = 0.1
-    """Of the rate of the left limbs over that of the right ones, halved."""
-    posture: float = 0.1
-    """Standard deviation of the lasting share of each joint; not a logarithm."""
-    limbs: float = 0.1
-    """The same of the lasting flexion of each limb."""
-
-
-STYLES = Styles()
