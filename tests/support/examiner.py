@@ -70,9 +70,9 @@ class Examiner:
         self.data.eq_active[equality] = 1
 
     def press(self, body: str, place_m: np.ndarray, inward: np.ndarray, force_n: float = 0.5) -> None:
-        """Press the fingertip on a body, at a place and in a direction of its frame; it goes on until the force is there.
+        """Press the fingertip on a body, at a place and in a direction of its frame.
 
-        With a force of 0, it goes away.
+        It goes on until the force is there; with a force of 0, it goes away.
         """
         index = self.model.body("fingertip").mocapid[0]
         if not force_n:

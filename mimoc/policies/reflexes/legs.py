@@ -19,7 +19,7 @@ LIFT_FROM, LIFT_FULL = 0.3, 0.8
 LIFT, BEND, TOES_UP, SUPPORT = 0.8, 0.6, 0.3, 0.3
 """Drives of hip, knee and foot of the leg that lifts, and of hip and knee of the other. Ours."""
 EDGE = 0.006
-"""Force on the back of the foot, beyond that on its sole, that sets off placing, as a share of the body's weight. Ours."""
+"""Force on the back of the foot, less that on its sole, that sets off placing, as a share of the weight. Ours."""
 PLACE_S, DOWN_S, PLACED_S = 0.7, 1.4, 2.0
 """Times since then at which the leg has been lifted, is put down, and can be placed again. Ours."""
 
