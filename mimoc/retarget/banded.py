@@ -56,12 +56,13 @@ class NormalEquations:
     def add_chain(self, chain: FloatArray) -> None:
         """Add a prior that couples each unknown with itself at neighbouring frames, shape (3, t, n).
 
-        Entry [d, t] is what couples frames t and t + d.
+        Entry [d, t] is what couples frames t and t + d; those beyond the last frame do not count.
         """
         n = self.g.shape[1]
         rows = self.bands.reshape(-1, n, 2 * n + 1)
         for distance, diagonal in enumerate(chain):
-            rows[: len(diagonal), :, distance * n] += diagonal
+            last = max(0, len(diagonal) - distance)
+            rows[:last, :, distance * n] += diagonal[:last]
 
     def factored(self, damping: float = 0.0) -> "Factored":
         """Return the Cholesky factor of A, which overwrites it, with its diagonal multiplied by 1 + *damping*."""
@@ -130,5 +131,6 @@ class Factored:
             below = strip[n:] @ inverse
             across = -later @ below
             block = inverse.T @ inverse - below.T @ across
+            block = (block + block.T) / 2  # Otherwise errors of rounding double at each frame.
             yield frame, block
             later = np.block([[block, across[:n].T], [across[:n], later[:n, :n]]])
