@@ -123,7 +123,8 @@ def setting_of(recording: PointRecording, child: Child, height_m: float | None) 
     moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
     sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
     shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
-    start = start_of(recording.filled(), *_resting(model, rest), matrix_of(rest[3:7]), height_m)
+    trunk = [point for point in body_points(model, TRUNK) if point]
+    start = start_of(recording.filled(), _resting(model, rest, trunk), rest[:3], matrix_of(rest[3:7]), height_m)
     return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, np.zeros(1 + len(sizes)))
 
 
@@ -132,6 +133,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     model, hinges, start = setting.child.model, setting.hinges, setting.start
     spheres = spheres_of(model)
     points = _points(model, recording.names)
+    resting = _resting(model, setting.rest, [sphere.point for sphere in spheres])
     skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
@@ -142,7 +144,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         skeleton=skeleton,
         shape=setting.shape,
         observed=Observed.of(recording, noise.places, noise.depth_m),
-        contacts=contacts_of(spheres, len(recording.names), start.lies),
+        contacts=contacts_of(spheres, len(recording.names), resting[:, 2] if start.lies else None),
         rate_hz=recording.rate_hz,
         chain=prior.chain(prior.usual_of(hinges), recording.frames, recording.rate_hz),
         mean=np.tile(usual, (recording.frames, 1)),
@@ -216,14 +218,12 @@ def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[B
     return [point for point in body_points(model, names) if point] + [sphere.point for sphere in spheres_of(model)]
 
 
-def _resting(model: mujoco.MjModel, rest: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return neck and hips of the resting infant in the world, shape (3, 3), and its root."""
+def _resting(model: mujoco.MjModel, rest: FloatArray, points: list[BodyPoint]) -> FloatArray:
+    """Return where points of the resting infant are in the world, shape (k, 3)."""
     data = mujoco.MjData(model)
     data.qpos[:] = rest
     mujoco.mj_kinematics(model, data)
-    points = [point for point in body_points(model, TRUNK) if point]
-    places = [data.xpos[p.body] + data.xmat[p.body].reshape(3, 3) @ p.offset_m for p in points]
-    return np.array(places), rest[:3].copy()
+    return np.array([data.xpos[p.body] + data.xmat[p.body].reshape(3, 3) @ p.offset_m for p in points])
 
 
 def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column: int, count: int) -> bool:
