@@ -92,6 +92,11 @@ def figures(model: mujoco.MjModel, qpos: np.ndarray, result: Retargeted) -> dict
     return {
         "of_trunk": account.error_share,
         "joints_m": float(np.nanmedian(apart)),
+        "proportion_error": {
+            n: abs(interval.value / truth[n] / (lengths["trunk"].value / truth["trunk"]) - 1)
+            for n, interval in lengths.items()
+            if n in truth
+        },
         "length_error": {n: abs(interval.value / truth[n] - 1) for n, interval in lengths.items() if n in truth},
         "length_inside": [interval.contains(truth[n]) for n, interval in lengths.items() if n in truth],
         "height_inside": None if height is None else height.contains(HEIGHT_M),
@@ -128,6 +133,10 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "angles_inside": shown(float(np.concatenate(inside).mean())),
         "lengths_error_median": {
             n: shown(float(np.median([row["length_error"][n] for row in rows if n in row["length_error"]])))
+            for n in sizes
+        },
+        "proportions_error_median": {
+            n: shown(float(np.median([row["proportion_error"][n] for row in rows if n in row["proportion_error"]])))
             for n in sizes
         },
         "lengths_inside": shown(float(np.mean(np.concatenate([row["length_inside"] for row in rows])))),

@@ -28,12 +28,13 @@ from mimoc.retarget.setting import (
 )
 from mimoc.retarget.sizes import compile_child, starting_spec
 from mimoc.retarget.start import TRUNK
-from mimoc.retarget.uncertainty import Uncertainty, uncertainty_of
+from mimoc.retarget.uncertainty import Uncertainty, pull_of, uncertainty_of
 from mimoc.schema.infant import InfantSpec
 
-STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 32, 8, 10, 6
-"""Most steps: of the first fit; of it with the noise known; of all frames, with sizes; of all frames of that child."""
-TOTAL = STEPS_THIN + STEPS_AGAIN + STEPS_ALL + STEPS_LAST
+ROUNDS = 3
+STEPS_POSTURE, STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 12, 30, 8, 10, 6
+"""Most steps: of the first fit, with the sizes of the child that it starts from; with sizes; of it with the noise known; of all frames, with sizes; of all frames of that child."""
+TOTAL = STEPS_POSTURE + STEPS_THIN + ROUNDS * STEPS_AGAIN + STEPS_ALL + STEPS_LAST
 FIRST_OUTLIER = 20 * OUTLIER
 FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 """Points that a recording must have, and share of them that must be seen."""
@@ -68,14 +69,23 @@ class _Run:
         self.compiling_s += time.process_time() - begin
         return result
 
-    def solve(self, problem: Problem, state: State, steps: int, free: FloatArray, outlier: float = OUTLIER) -> State:
+    def solve(
+        self,
+        problem: Problem,
+        state: State,
+        steps: int,
+        free: FloatArray,
+        outliers: tuple[float, float] = (OUTLIER, OUTLIER),
+    ) -> State:
         """Return the best state after some steps, or when it was interrupted."""
         if self.interrupted:
             return state
         states = [state]
         end = self.done + steps
         try:
-            return solve(problem, state, steps, free=free, first_outlier=outlier, tick=self.tick, keep=states.append)
+            first, last = outliers
+            options = {"first_outlier": first, "last_outlier": last, "tick": self.tick, "keep": states.append}
+            return solve(problem, state, steps, free=free, **options)
         except KeyboardInterrupt:
             self.interrupted = True
             self.notes.append(INTERRUPTED)
@@ -125,12 +135,15 @@ def retarget(
     state, noise = _first_fit(setting, run)
     problem = problem_of(setting, setting.recording, noise)
     state = replace(state, x=interpolated(state.x, setting.every, recording.frames))
+    if not run.interrupted:
+        problem = replace(problem, pull=pull_of(problem, state, setting.every))
+    pull = problem.pull
     state = run.solve(problem, state, STEPS_ALL, setting.free)
     if not run.interrupted:
         noise = _rescaled(noise, uncertainty_of(problem, state))
     child = run.compiled(lambda: child_of(setting, state.logs))
     setting = of_child(setting, child, state.logs)
-    problem = problem_of(setting, setting.recording, noise)
+    problem = replace(problem_of(setting, setting.recording, noise), pull=pull)
     state = run.solve(problem, replace(state, logs=0 * state.logs), STEPS_LAST, setting.only_height)
     sure = uncertainty_of(problem, state)
     state = replace(state, x=problem.within_limits(state.x))
@@ -184,12 +197,15 @@ def _first_fit(setting: Setting, run: _Run) -> tuple[State, Noise]:
     noise = usual_noise(setting.recording)
     problem = problem_of(setting, thin, noise)
     state = first_state(setting, problem)
-    state = run.solve(problem, state, STEPS_THIN, setting.free, FIRST_OUTLIER)
-    for _ in range(2):
+    far = FIRST_OUTLIER, FIRST_OUTLIER
+    state = run.solve(problem, state, STEPS_POSTURE, setting.only_height, far)
+    state = run.solve(problem, state, STEPS_THIN, setting.free, (FIRST_OUTLIER, OUTLIER))
+    for _ in range(ROUNDS):
         if not run.interrupted:
             noise = _rescaled(noise, uncertainty_of(problem, state))
             problem = problem_of(setting, thin, noise)
-            state = run.solve(problem, state, STEPS_AGAIN // 2, setting.free)
+            problem = replace(problem, pull=pull_of(problem, state))
+            state = run.solve(problem, state, STEPS_AGAIN, setting.free)
     return state, noise
 
 

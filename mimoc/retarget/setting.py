@@ -12,6 +12,7 @@ from mimoc.retarget.contacts import contacts_of, spheres_of
 from mimoc.retarget.fitting import Problem, State
 from mimoc.retarget.hinges import combined_limits, hinges_of
 from mimoc.retarget.observations import Observed
+from mimoc.retarget.postures import likely_postures
 from mimoc.retarget.sizes import (
     OVERALL_SD,
     SIZES,
@@ -154,14 +155,19 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
         shared_sd=np.array([height_sd, *sizes_sd]),
+        pull=np.zeros(2 + len(setting.sizes)),
     )
 
 
 def first_state(setting: Setting, problem: Problem) -> State:
-    """Return the usual posture, placed and turned as the trunk is seen."""
-    x = problem.mean.copy()
-    x[:, :ROOT] = setting.start.root[:: setting.every]
-    return State(x, setting.start.height_m, np.zeros(1 + len(setting.sizes)))
+    """Return likely postures, the trunk placed and turned as it is seen."""
+    x, start = problem.mean.copy(), setting.start
+    x[:, :ROOT] = start.root[:: setting.every]
+    sd = np.array([usual.sd for usual in prior.usual_of(setting.hinges)[ROOT:]])
+    scale = setting.recording.trunk, start.height_m, problem.rate_hz
+    bounds = sd, problem.low, problem.high
+    x = likely_postures(problem.skeleton, problem.shape, problem.observed, x, bounds, scale)
+    return State(x, start.height_m, np.zeros(1 + len(setting.sizes)))
 
 
 def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:

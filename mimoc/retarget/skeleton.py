@@ -150,6 +150,11 @@ class Skeleton:
             result[:, :, place, column[chosen]] += factor[chosen] * cross(pose.axes[:, frames][:, :, j], arm)
         return result
 
+    def points_moved(self, columns: IntArray) -> IntArray:
+        """Return the points that some unknowns move, as indices."""
+        moved = [point[np.isin(column, columns)] for point, _, column, _ in self._pairs]
+        return np.unique(np.concatenate(moved))
+
     def qpos(self, x: FloatArray) -> FloatArray:
         """Return configurations of the model, shape (f, nq)."""
         result = np.repeat(self.rest[None], len(x), axis=0)
