@@ -110,7 +110,7 @@ LAYERS = {
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco"),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
-    "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
+    "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
         f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
