@@ -10,7 +10,7 @@ Starred is the motion at the time at which a command takes effect: after the del
 which the activation follows. Until then, joints are taken to move on at their present speed.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -20,11 +20,12 @@ from mimoc.actuation.binding import bind_actuation
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
+from mimoc.control.ground_support import unsupported, with_margin
 from mimoc.control.inverse_dynamics import STATE, Joints
 from mimoc.control.torque_mapping import TorqueMapping, find_mapping
 from mimoc.senses.sense import FloatArray, IntArray
 
-BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
+BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 2.5
 """Of the feedback of joints, which is that of the prototype, and of the trunk where it is assisted (a choice)."""
 FRICTION_RAD_S = 0.05
 """Speed v_f above which dry friction counts as whole."""
@@ -72,21 +73,30 @@ class Body:
         mujoco.mj_forward(self.model, self.data)
 
     def needed(self, acceleration: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the torques that bring an acceleration about where nothing touches, and the limits of those there are.
+        """Return the forces that bring an acceleration about where nothing touches, and the limits of those there are.
 
-        Actuators are brought to rest first. The torques have shape (n,), their limits shape (n, 2), [N m].
+        Actuators are brought to rest first. The forces of all degrees of freedom have shape (nv,), the limits of the
+        joints' torques shape (n, 2), [N m].
 
         Args:
             acceleration: Shape (nv,).
             direction: Speeds, shape (nv,), against which dry friction acts.
         """
-        model, data, speeds = self.model, self.data, self.joints.speeds
+        model, data = self.model, self.data
         limits_nm = self.torques.rest(model, data)
         force = np.zeros(model.nv)
         mujoco.mj_mulM(model, data, force, acceleration)
         force += data.qfrc_bias - data.qfrc_passive - data.qfrc_actuator
         force += model.dof_frictionloss * np.tanh(direction / FRICTION_RAD_S)
-        return force[speeds], limits_nm
+        return force, limits_nm
+
+    def root_inertia(self) -> FloatArray:
+        """Return the inertia of the root while its joints are loose, ((M⁻¹) of its rows and columns)⁻¹, shape (6, 6)."""
+        unit = np.zeros((self.root_speeds.size, self.model.nv))
+        unit[np.arange(len(unit)), self.root_speeds] = 1.0
+        mobility = np.zeros_like(unit)
+        mujoco.mj_solveM(self.model, self.data, mobility, unit)
+        return np.linalg.inv(mobility[:, self.root_speeds])
 
     @property
     def touches(self) -> npt.NDArray[np.intp]:
@@ -98,16 +108,13 @@ class Body:
 class Tracker:
     """Returns the action that follows a motion in the present state, at each control step."""
 
-    def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest, bandwidth_hz: float = BANDWIDTH_HZ
-    ):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest):
         """Bind to an infant.
 
         Args:
             model: The infant and its world.
             data: Its state, which each call reads.
             manifest: Manifest of its bundle; it must have motors or muscles.
-            bandwidth_hz: Of the feedback.
 
         Raises:
             ControlError: If the infant has servos.
@@ -115,17 +122,17 @@ class Tracker:
         self._observed, self._body = data, Body(model, manifest)
         self.lead_s = ms_to_s(manifest.step_ms + dict(manifest.delays)["motor"].ms)
         """Time after which a command takes effect."""
-        stiffness = np.full(model.nv, (2.0 * np.pi * bandwidth_hz) ** 2)
+        stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
         stiffness[self._body.root_speeds] = (2.0 * np.pi * ROOT_BANDWIDTH_HZ) ** 2
         self._stiffness, self._damping = stiffness, 2.0 * np.sqrt(stiffness)
         resting = {joint for group in RESTING for joint in manifest.anatomy.groups.get(group, ())}
         self._resting = np.array([name in resting for name in self._body.joints.names], bool)
 
     def __call__(self, wanted: Wanted) -> tuple[npt.NDArray[np.float32], FloatArray]:
-        """Return the action, shape (nu,), and the wrench at the root that would let it follow too, shape (6,).
+        """Return the action, shape (nu,), and what the feedback would add at the root, shape (6,) or (0,) if it is held.
 
-        The wrench, [N] in the world's frame and [N m] in the body's, is what inverse dynamics with contacts leaves over
-        at the present state; without a free root it has shape (0,).
+        This wrench, [N] in the world's frame and [N m] in the body's, accelerates the whole body as a spring of
+        `ROOT_BANDWIDTH_HZ` demands; it carries no weight, which the ground does.
 
         Args:
             wanted: The motion at the time at which the command takes effect, `lead_s` from now.
@@ -136,62 +143,53 @@ class Tracker:
         if not np.isfinite(data.qpos).all():  # The simulation became unstable; the episode is over.
             body.torques.rest(model, data)
             return body.torques.command(np.zeros(len(speeds))).astype(np.float32), np.zeros(len(body.root_speeds))
-        acceleration = self._acceleration(wanted)
-        wrench = self._wrench(acceleration)
-        at_joints = np.zeros(model.nv)
-        at_joints[speeds] = acceleration[speeds]
-        torques_nm, limits_nm = body.needed(at_joints, wanted.qvel)
+        feedback = self._feedback(wanted)
+        moving = np.zeros(model.nv)
+        moving[speeds] = (wanted.qacc + feedback)[speeds]
+        wrench = body.root_inertia() @ feedback[body.root_speeds]
+        forces, limits_nm = body.needed(moving, wanted.qvel)
+        torques_nm = forces[speeds]
         if len(body.touches):
             torques_nm = torques_nm - np.where(self._resting, data.qfrc_bias[speeds], 0.0)
-        return body.torques.command(np.clip(torques_nm, *limits_nm.T)).astype(np.float32), wrench
+        action = body.torques.command(np.clip(torques_nm, *limits_nm.T)).astype(np.float32)
+        return action, wrench
 
-    def _acceleration(self, wanted: Wanted) -> FloatArray:
-        """Return the acceleration that the feedback demands, shape (nv,)."""
+    def _feedback(self, wanted: Wanted) -> FloatArray:
+        """Return the accelerations that errors of places and velocities demand, shape (nv,)."""
         model, data = self._body.model, self._body.data
         coming, errors = data.qpos.copy(), np.zeros(model.nv)
         mujoco.mj_integratePos(model, coming, data.qvel, self.lead_s)
         mujoco.mj_differentiatePos(model, errors, 1.0, coming, wanted.qpos)
-        return wanted.qacc + self._stiffness * errors + self._damping * (wanted.qvel - data.qvel)
-
-    def _wrench(self, acceleration: FloatArray) -> FloatArray:
-        """Return what inverse dynamics with contacts leaves over at the root."""
-        model, data, root = self._body.model, self._body.data, self._body.root_speeds
-        data.qacc[:] = acceleration
-        mujoco.mj_inverse(model, data)
-        return data.qfrc_inverse[root].copy()
+        return self._stiffness * errors + self._damping * (wanted.qvel - data.qvel)
 
 
-@dataclass
 class Demand:
     """What a motion demands of a body, frame by frame, along the motion itself and not along what came of it."""
 
-    body: Body
-    shares: list[FloatArray] = field(default_factory=list)
-    """Torque needed of each joint over what the infant has in that state and direction, shape (n,) each; NaN where
-    something touches the limb, so that it is not known what it carries."""
-    wrenches: list[FloatArray] = field(default_factory=list)
-    """What is left over at the free root by inverse dynamics with contacts, shape (6,) each: [N], [N m]."""
-    _distal: FloatArray = field(init=False)
+    def __init__(self, model: mujoco.MjModel, manifest: Manifest):
+        """Bind to an infant with motors or muscles."""
+        self._body = body = Body(with_margin(model), manifest)
+        self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in body.joints.indices])
+        self.shares: list[FloatArray] = []
+        """Torque needed of each joint over what the infant has in that state and direction, shape (n,) each; NaN where
+        something touches the limb, so that it is not known what it carries."""
+        self.wrenches: list[FloatArray] = []
+        """What no contact gives of the wrench at the free root, shape (6,) each, [N] and [N m]; see `unsupported`."""
 
-    def __post_init__(self) -> None:
-        """Find the bodies that hang on each joint, shape (n, bodies)."""
-        model, joints = self.body.model, self.body.joints
-        self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in joints.indices])
-
-    def add(self, wanted: Wanted) -> None:
-        """Add a frame."""
-        body = self.body
-        model, data = body.model, body.data
+    def add(self, wanted: Wanted) -> FloatArray:
+        """Add a frame; return what no contact gives of the wrench at its root, shape (6,), or (0,) if that is held."""
+        body = self._body
+        model, data, root = body.model, body.data, body.root_speeds
         data.qpos[:], data.qvel[:], data.act[:] = wanted.qpos, wanted.qvel, 0.0
         mujoco.mj_forward(model, data)
-        data.qacc[:] = wanted.qacc
-        mujoco.mj_inverse(model, data)
-        self.wrenches.append(data.qfrc_inverse[body.root_speeds].copy())
         torques_nm, limits_nm = body.needed(wanted.qacc, wanted.qvel)
-        available_nm = np.abs(np.where(torques_nm > 0.0, limits_nm[:, 1], limits_nm[:, 0]))
-        shares = np.abs(torques_nm) / np.maximum(available_nm, np.finfo(float).tiny)
+        available_nm = np.abs(np.where(torques_nm[body.joints.speeds] > 0.0, limits_nm[:, 1], limits_nm[:, 0]))
+        shares = np.abs(torques_nm[body.joints.speeds]) / np.maximum(available_nm, np.finfo(float).tiny)
         shares[self._touched(body.touches)] = np.nan
         self.shares.append(shares)
+        wrench = torques_nm[root]
+        self.wrenches.append(unsupported(model, data, body.is_own, body.root, wrench) if root.size else wrench)
+        return self.wrenches[-1]
 
     def _touched(self, touches: IntArray) -> npt.NDArray[np.bool_]:
         """Return on which joints something hangs that touches anything else, shape (n,)."""

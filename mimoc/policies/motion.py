@@ -1,7 +1,6 @@
 """A policy that follows a motion, such as that of a filmed infant, by the infant's own actuators within its strength."""
 
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -13,14 +12,13 @@ from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import ms_to_s
 from mimoc.control.tracking import Body, Demand, Tracker, Wanted
 from mimoc.motion.joint_motion import JointMotion, read_motion
+from mimoc.policies.motion_report import Followed
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.simulation_state import physics_of, set_physics
 from mimoc.senses.sense import FloatArray, Observation
 
 Root = Literal["free", "assisted"]
 """Whether the trunk moves as the ground and the limbs let it, or a wrench at the root makes it follow, too."""
-GRAVITY_M_S2 = 9.81
-"""Of bodies' weights in what is reported."""
 
 
 class MotionPolicy:
@@ -55,24 +53,31 @@ class MotionPolicy:
             self._bind()  # The scene has changed.
         if env.steps == 0:
             self._begin()
-        self._log(self._at(env.steps * self._step_s))
-        action, wrench = self._tracker(self._at(env.steps * self._step_s + self._tracker.lead_s))
+        now_s = env.steps * self._step_s
+        missing = self._demand.add(self._at(now_s))
+        action, wrench = self._tracker(self._at(now_s + self._tracker.lead_s))
         if self._root == "assisted":
-            self._assist(wrench)
+            self._assist(missing + wrench)
+        self._log(self._at(now_s))
         return action
 
     def metrics(self) -> Mapping[str, float]:
         """Return how well the motion was followed, and what it demands; docs/replay.md says what each number is."""
-        from mimoc.policies.motion_report import report
+        return self.followed.metrics()
 
-        return report(self._body, self._env.manifest, *self._logged, self._demand)
+    @property
+    def followed(self) -> Followed:
+        """What was followed so far, for tables."""
+        errors_rad, root_errors, applied = (np.array(rows) for rows in self._logged)
+        return Followed(self._body, self._env.manifest, errors_rad, root_errors, applied, self._demand)
 
     def _bind(self) -> None:
         env = self._env
         self._model, self._step_s = env.model, ms_to_s(env.manifest.step_ms)
         self._places = self._motion.places(env.model)
-        self._tracker, self._body = Tracker(env.model, env.data, env.manifest), Body(env.model, env.manifest)
-        self._demand, self._rest = Demand(Body(env.model, env.manifest)), env.data.qpos.copy()
+        self._tracker = Tracker(env.model, env.data, env.manifest)
+        self._body = Body(env.model, env.manifest)
+        self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
         times_s = self._step_s * np.arange(self.steps_per_episode + 2 + round(self._tracker.lead_s / self._step_s))
         self._states = self._motion.at(times_s)
 
@@ -115,14 +120,12 @@ class MotionPolicy:
         set_physics(model, data, physics_of(model, data))
 
     def _log(self, wanted: Wanted) -> None:
-        """Keep how far the infant is from the motion, what was applied at its root, and what the motion demands."""
-        errors, (far, now, applied) = np.zeros(self._model.nv), self._logged
+        """Keep how far the infant is from the motion and what was applied at its root."""
+        errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
         mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
-        far.append(errors[self._body.joints.speeds])
-        now.append(errors[self._body.root_speeds])
+        joint_errors.append(errors[self._body.joints.speeds])
+        root_errors.append(errors[self._body.root_speeds])
         applied.append(self._env.data.qfrc_applied[self._body.root_speeds].copy())
-        if len(self._demand.shares) < self.steps_per_episode:
-            self._demand.add(wanted)
 
 
 def bind(env: InfantEnv, text: str, root: Root = "free") -> MotionPolicy:
