@@ -41,6 +41,8 @@ class MotionPolicy:
         self._env, self._motion, self._root = env, motion, root
         self.steps_per_episode = int(motion.seconds / ms_to_s(env.manifest.step_ms) + 1e-6)
         """Control steps of the motion."""
+        self.whole_steps = self.steps_per_episode
+        """Control steps of a run that follows all of it."""
         if not self.steps_per_episode:
             raise MimocError("the motion is shorter than a control step; take a longer recording")
         self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()

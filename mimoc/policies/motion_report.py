@@ -33,6 +33,8 @@ class Followed:
     applied: FloatArray
     """Force [N] and torque [N m] that were applied at the root, shape (t, 6)."""
     demand: Demand
+    headings = "joint", "error [°]", "torque needed / available", "95th percentile", "above 1", "known"
+    """Of the columns of `rows`."""
 
     def metrics(self) -> dict[str, float]:
         """Return the numbers of a run, by name with unit; those of which there is nothing are left out."""
@@ -49,7 +51,8 @@ class Followed:
         return metrics
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Return name, error, torque needed (median, 95th percentile), share above and share seen of each joint."""
+        """Return a row for each joint: its name, its error, the torque it needs over what it has (median and 95th
+        percentile), the share of the time that this is above 1, and the share of the time that it is known."""
         rows, shares = list[tuple[str, ...]](), np.array(self.demand.shares)
         for joint, name in enumerate(self.body.joints.names):
             known = shares[:, joint][np.isfinite(shares[:, joint])]
@@ -83,8 +86,6 @@ class Followed:
 
 PLACE, TURN = slice(0, 3), slice(3, 6)
 """Linear and angular part of a velocity or wrench of the root."""
-HEADINGS = "joint", "error [°]", "torque needed / available: median", "95 %", "above 1", "while nothing touches"
-"""Of the columns of `Followed.rows`."""
 
 
 def _of_joints(prefix: str, errors_rad: FloatArray, shares: FloatArray) -> Iterator[tuple[str, float]]:
