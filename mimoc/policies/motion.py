@@ -39,11 +39,9 @@ class MotionPolicy:
         """
         check_name("way for the root to move", root, get_args(Root))
         self._env, self._motion, self._root = env, motion, root
-        self.steps_per_episode = int(motion.seconds / ms_to_s(env.manifest.step_ms) + 1e-6)
-        """Control steps of the motion."""
-        self.whole_steps = self.steps_per_episode
-        """Control steps of a run that follows all of it."""
-        if not self.steps_per_episode:
+        self.whole_steps = int(motion.seconds / ms_to_s(env.manifest.step_ms) + 1e-6)
+        """Control steps of the motion, and of a run that follows all of it; after them, the infant holds the last."""
+        if not self.whole_steps:
             raise MimocError("the motion is shorter than a control step; take a longer recording")
         self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()
         self._bind()
@@ -56,11 +54,13 @@ class MotionPolicy:
         if env.steps == 0:
             self._begin()
         now_s = env.steps * self._step_s
-        missing = self._demand.add(self._at(now_s))
+        is_moving = env.steps < self.whole_steps
+        missing = self._demand.add(self._at(now_s)) if is_moving else np.zeros(len(self._body.root_speeds))
         action, wrench = self._tracker(self._at(now_s + self._tracker.lead_s))
         if self._root == "assisted":
             self._assist(missing + wrench)
-        self._log(self._at(now_s))
+        if is_moving:
+            self._log(self._at(now_s))
         return action
 
     def metrics(self) -> Mapping[str, float]:
@@ -80,7 +80,7 @@ class MotionPolicy:
         self._tracker = Tracker(env.model, env.data, env.manifest)
         self._body = Body(env.model, env.manifest)
         self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
-        times_s = self._step_s * np.arange(self.steps_per_episode + 2 + round(self._tracker.lead_s / self._step_s))
+        times_s = self._step_s * np.arange(self.whole_steps + 2 + round(self._tracker.lead_s / self._step_s))
         self._states = self._motion.at(times_s)
 
     def _at(self, time_s: float) -> Wanted:
