@@ -27,7 +27,10 @@ InfantPath = Annotated[
     ),
 ]
 RecordingPath = Annotated[
-    Path, typer.Argument(metavar="RECORDING", help="Folder written by `mimoc retarget`, or by `mimoc run` or `train` with `--record`.")
+    Path,
+    typer.Argument(
+        metavar="RECORDING", help="Folder written by `mimoc retarget`, or by `mimoc run` or `train` with `--record`."
+    ),
 ]
 
 
@@ -63,8 +66,7 @@ def load_spec(path: Path) -> "InfantSpec":
 
 
 def load_infant(path: Path) -> "Bundle":
-    """Return the bundle in a folder, that of a recorded infant, or the one built from a spec in a file or, for `-`,
-    in standard input.
+    """Return the bundle in a folder, or of a recording, or built from a spec: of a file or, for `-`, standard input.
 
     Raises:
         BundleError: If the folder is not an intact bundle.

@@ -1,12 +1,12 @@
 """The part of the wrench at a free root that contact with the ground cannot give.
 
-With the wrench w that inverse dynamics without contacts asks for at the root, and contacts that can push along the edges
-e of their friction pyramids, whose wrenches about the root are the columns of A, what is left over is
+With the wrench w that inverse dynamics without contacts asks for at the root, and contacts that can push along the
+edges of their friction pyramids, whose wrenches about the root are the columns of A, what is left over is
 
-    r = w − A x,  x = argmin ‖S (w − A x)‖ over x ≥ 0  (non-negative least squares),
+    r = w - A x,  x = argmin |S (w - A x)| over x >= 0  (non-negative least squares),
 
-where S weighs 1 N m as 1 N at a distance of `ARM_M`. Forces of soft contacts, which say what millimetres of overlap would
-give, are not used: no camera sees millimetres.
+where S weighs 1 N m as 1 N at a distance of `ARM_M`. Forces of soft contacts, which say what millimetres of overlap
+would give, are not used: no camera sees millimetres.
 """
 
 import mujoco

@@ -2,12 +2,12 @@
 
 The torque of each joint (computed torque, such as Siciliano et al. 2009, Robotics, 8.5.2) is
 
-    τ = M (q̈* + k_p (q* − q) + k_d (q̇* − q̇)) + h − τ_passive + f tanh(q̇* / v_f)
+    τ = M (q̈* + k_p (q* - q) + k_d (q̇* - q̇)) + h - τ_passive + f tanh(q̇* / v_f)
 
-with the mass matrix M, bias forces h, forces of springs and dampers τ_passive and dry friction f, for a root that does not
-accelerate; k_p = (2π b)², k_d = 4π b is a critically damped spring of bandwidth b. It is clipped to what the infant has.
-Starred is the motion at the time at which a command takes effect: after the delay of commands and the control step within
-which the activation follows. Until then, joints are taken to move on at their present speed.
+with the mass matrix M, bias forces h, forces of springs and dampers τ_passive and dry friction f, for a root that does
+not accelerate; k_p = (2π b)², k_d = 4π b is a critically damped spring of bandwidth b. It is clipped to what the infant
+has. Starred is the motion at the time at which a command takes effect: after the delay of commands and the control step
+within which the activation follows. Until then, joints are taken to move on at their present speed.
 """
 
 from dataclasses import dataclass
@@ -91,7 +91,7 @@ class Body:
         return force, limits_nm
 
     def root_inertia(self) -> FloatArray:
-        """Return the inertia of the root while its joints are loose, ((M⁻¹) of its rows and columns)⁻¹, shape (6, 6)."""
+        """Return the inertia of the root while its joints are loose, the inverse of its part of M⁻¹, shape (6, 6)."""
         unit = np.zeros((self.root_speeds.size, self.model.nv))
         unit[np.arange(len(unit)), self.root_speeds] = 1.0
         mobility = np.zeros_like(unit)
@@ -129,7 +129,7 @@ class Tracker:
         self._resting = np.array([name in resting for name in self._body.joints.names], bool)
 
     def __call__(self, wanted: Wanted) -> tuple[npt.NDArray[np.float32], FloatArray]:
-        """Return the action, shape (nu,), and what the feedback would add at the root, shape (6,) or (0,) if it is held.
+        """Return the action, shape (nu,), and what feedback would add at the root, shape (6,), or (0,) if it is held.
 
         This wrench, [N] in the world's frame and [N m] in the body's, accelerates the whole body as a spring of
         `ROOT_BANDWIDTH_HZ` demands; it carries no weight, which the ground does.

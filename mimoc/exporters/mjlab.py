@@ -1,8 +1,9 @@
 """A recording as motions that mjlab's tracking tasks follow: a NumPy archive for each episode.
 
-As mjlab's `csv_to_npz.py` writes them: `fps`, `joint_pos` and `joint_vel` of all joints but the free one; and of all bodies
-of the infant, in the order of the model, `body_pos_w`, `body_quat_w` (w, x, y, z), `body_lin_vel_w` (of the body's own
-origin) and `body_ang_vel_w`, all in the world's frame. `joint_names` and `body_names` are added, which mjlab passes over.
+As mjlab's `csv_to_npz.py` writes them: `fps`, `joint_pos` and `joint_vel` of all joints but the free one; and of all
+bodies of the infant, in the order of the model, `body_pos_w`, `body_quat_w` (w, x, y, z), `body_lin_vel_w` (of the
+body's own origin) and `body_ang_vel_w`, all in the world's frame. `joint_names` and `body_names` are added, which mjlab
+passes over.
 """
 
 from collections.abc import Callable

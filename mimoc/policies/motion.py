@@ -1,4 +1,4 @@
-"""A policy that follows a motion, such as that of a filmed infant, by the infant's own actuators within its strength."""
+"""A policy that follows a motion, such as that of a filmed infant, by the infant's actuators within its strength."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -116,7 +116,7 @@ class MotionPolicy:
         return lift
 
     def _assist(self, wrench: FloatArray) -> None:
-        """Apply the wrench at the root for the control step to come; a recording keeps it as a change of the physics."""
+        """Apply the wrench at the root for the control step to come; recordings keep it as a change of the physics."""
         model, data = self._model, self._env.data
         data.qfrc_applied[self._body.root_speeds] = wrench
         set_physics(model, data, physics_of(model, data))

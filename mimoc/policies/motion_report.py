@@ -51,8 +51,11 @@ class Followed:
         return metrics
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Return a row for each joint: its name, its error, the torque it needs over what it has (median and 95th
-        percentile), the share of the time that this is above 1, and the share of the time that it is known."""
+        """Return a row for each joint.
+
+        It has the joint's name, its error, the torque that it needs over what it has, median and 95th percentile, the
+        share of the time that this is above 1, and the share of the time that it is known.
+        """
         rows, shares = list[tuple[str, ...]](), np.array(self.demand.shares)
         for joint, name in enumerate(self.body.joints.names):
             known = shares[:, joint][np.isfinite(shares[:, joint])]

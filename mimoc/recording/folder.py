@@ -242,7 +242,7 @@ def read_infant(path: str | Path) -> Bundle:
         return read_bundle(folder)
     infants = description_in(folder).infants
     if len(infants) > 1:
-        raise RecordingError(f"{folder}: {len(infants)} infants are recorded here; name the bundle of one, in {BUNDLES}")
+        raise RecordingError(f"{folder}: {len(infants)} infants are recorded here; name a folder in its {BUNDLES}")
     return read_bundle(bundle_folder(folder, infants[0].bundle))
 
 

@@ -13,7 +13,7 @@
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name, 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
+from mimoc.compiler.pipeline import build
 from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.motion import read_npz
 from mimoc.motion.joint_motion import MOTION, JointMotion, motion_of, pack_motion, read_motion
@@ -90,6 +91,25 @@ def write_retargeted(
     except OSError as error:
         raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
     return target
+
+
+def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str | None) -> Retargeted:
+    """Return the same motion of a child with other senses, by name, or another actuation model; None leaves them.
+
+    Raises:
+        SpecError: If there is no such sense or actuation model.
+    """
+    changes: dict[str, Any] = {}
+    if senses is not None:
+        changes["senses"] = {name: {} for name in senses} | {
+            name: None for name in type(retargeted.spec.senses).model_fields if name not in senses
+        }
+    if actuation is not None:
+        changes["actuation"] = {"model": actuation}
+    if not changes:
+        return retargeted
+    spec = retargeted.spec.with_(**changes)
+    return replace(retargeted, spec=spec, bundle=build(spec))
 
 
 def check_writable(out: str | Path, force: bool) -> Path:
@@ -170,11 +190,12 @@ def _fill(folder: Path, retargeted: Retargeted, progress: Progress) -> None:
 def _readme(retargeted: Retargeted, motion: JointMotion) -> str:
     """Return what the folder says of itself."""
     child, account = retargeted.bundle.manifest.child, retargeted.account
+    error = 100 * account.error_median / account.trunk
     return f"""# {retargeted.bundle.manifest.name}: a recorded infant on its own body
 
-A child of {child.age_months:g} months and {child.length_cm:.0f} cm, and {motion.seconds:.1f} s of its motion, fitted by mimoc to recorded points
-(median error {100 * account.error_median / account.trunk:.1f} % of the trunk). This folder derives from a recording of a child: whatever
-holds for that recording holds for this folder.
+A child of {child.age_months:g} months and {child.length_cm:.0f} cm, and {motion.seconds:.1f} s of its motion, fitted by
+mimoc to recorded points (median error {error:.1f} % of the trunk). This folder derives from a recording of a child:
+whatever holds for that recording holds for this folder.
 
 - `mimoc view . -o page.html` shows it beside its points; `mimoc replay .` and `mimoc export .` read it as a recording.
 - `mimoc run . --policy motion` replays it physically, within the infant's strength.

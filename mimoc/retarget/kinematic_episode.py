@@ -1,7 +1,8 @@
 """An episode in which an infant is put, at each control step, where a motion has it: a recording like any other.
 
-For the control step in between, forces and torques that inverse dynamics gives are applied to all its joints and its
-root, whatever its strength: so it moves on as the motion does, and what touches it pushes back as at that place.
+For the control step in between, forces and torques that inverse dynamics gives are applied to its joints and root, up
+to its strength beyond what contacts leave: so it moves on as the motion does. Where a motion has parts of the body within
+each other or in the ground, these push each other apart meanwhile; what it touches then says nothing of reality.
 """
 
 from collections.abc import Callable
@@ -19,8 +20,14 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.simulation_state import STATE, physics_of, set_physics
 from mimoc.senses.sense import FloatArray
 
-CORRECTIONS, CLOSE = 15, 2e-3
+CORRECTIONS, CLOSE = 6, 2e-3
 """Most corrections of the forces of a control step, and the error, [rad] or [m], below which none is needed."""
+
+STRENGTHS, WEIGHTS = 1.0, 2.0
+"""Most that is added against contacts: torque of a joint, in peak torques of its actuators, and force at the root, in body
+weights. With more, parts that a motion has within each other are pressed together without measure."""
+LEVER_M = 0.1
+"""By which that force is taken for the largest torque at the root, and of joints without actuators."""
 
 
 def record_motion(
@@ -54,6 +61,20 @@ def record_motion(
         env.close()
 
 
+def _limits(env: InfantEnv) -> FloatArray:
+    """Return the largest force or torque at each degree of freedom, shape (nv,)."""
+    model, actuation = env.model, env.actuation
+    weight_n = -float(model.opt.gravity[2]) * float(model.body_subtreemass[model.body(env.manifest.root_body).id])
+    limits = np.full(model.nv, WEIGHTS * weight_n * LEVER_M)
+    limits[model.jnt_dofadr[model.actuator_trnid[actuation.actuators, 0]]] = 0.0
+    for actuator, torques_nm in zip(actuation.actuators, actuation.limits_nm, strict=True):
+        speed = model.jnt_dofadr[model.actuator_trnid[actuator, 0]]
+        limits[speed] = max(limits[speed], STRENGTHS * float(np.abs(torques_nm).max()))
+    for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
+        limits[model.jnt_dofadr[joint] : model.jnt_dofadr[joint] + 3] = WEIGHTS * weight_n
+    return limits
+
+
 class _Puppet:
     """Puts an infant where a motion has it."""
 
@@ -65,6 +86,7 @@ class _Puppet:
         self._states = motion.at(step_s * np.arange(self.steps + 1))
         self._model = env.model.__copy__()
         self._model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_INVDISCRETE)
+        self._limits = _limits(env)[self._speeds]
         self._data, self._period = mujoco.MjData(self._model), round(step_s / env.model.opt.timestep)
 
     def put(self, step: int) -> None:
@@ -88,17 +110,19 @@ class _Puppet:
         mujoco.mj_forward(model, data)
         data.qacc[speeds] = self._states.qacc[step]
         mujoco.mj_inverse(model, data)
-        forces = data.qfrc_inverse - data.qfrc_actuator
-        best, smallest = forces[speeds], np.inf
+        forces = (data.qfrc_inverse - data.qfrc_actuator)[speeds]
+        free = forces + data.qfrc_constraint[speeds]  # As if nothing touched.
+        best, smallest = free, np.inf
         for _ in range(CORRECTIONS):
+            forces = free + np.clip(forces - free, -self._limits, self._limits)
             errors = self._errors(state, forces, min(step + 1, self.steps))
             if (size := float(np.abs(errors).max())) < smallest:
-                best, smallest = forces[speeds], size
+                best, smallest = forces, size
             if size < CLOSE:
                 break
             correction = np.zeros(model.nv)
             mujoco.mj_mulM(model, data, correction, errors)
-            forces = forces + correction / (model.opt.timestep**2 * self._period * (self._period + 1) / 2)
+            forces = forces + correction[speeds] / (model.opt.timestep**2 * self._period * (self._period + 1) / 2)
         return best
 
     def _errors(self, state: FloatArray, forces: FloatArray, step: int) -> FloatArray:
@@ -106,7 +130,7 @@ class _Puppet:
         model, data, errors = self._model, self._data, np.zeros(self._model.nv)
         mujoco.mj_setState(model, data, state, STATE)
         data.ctrl[:], data.qfrc_applied[:] = 0.0, 0.0
-        data.qfrc_applied[self._speeds] = forces[self._speeds]
+        data.qfrc_applied[self._speeds] = forces
         mujoco.mj_step(model, data, self._period)
         wanted = data.qpos.copy()
         wanted[self._angles] = self._states.qpos[step]

@@ -12,7 +12,9 @@ from mimoc.motion.joint_motion import JointMotion, motion_of
 from mimoc.retarget.result import Account, Interval, Retargeted
 
 
-def moved(bundle: mimoc.Bundle, seconds: float = 2.0, every: int = 3, seed: int = 0, strength: float = 0.3) -> JointMotion:
+def moved(
+    bundle: mimoc.Bundle, seconds: float = 2.0, every: int = 3, seed: int = 0, strength: float = 0.3
+) -> JointMotion:
     """Return the motion of an infant under slow random commands: one that its own body can make.
 
     Args:
