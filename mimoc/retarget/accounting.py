@@ -1,0 +1,106 @@
+"""The account of a fit: its errors, and how far its result can be trusted."""
+
+import numpy as np
+
+from mimoc.motion.point_recording import FloatArray
+from mimoc.retarget.fitting import Problem, State
+from mimoc.retarget.prior import usual_of
+from mimoc.retarget.result import QUANTILE, Account, Interval
+from mimoc.retarget.setting import Setting, points_of
+from mimoc.retarget.sizes import lengths_of
+from mimoc.retarget.skeleton import ROOT
+from mimoc.retarget.uncertainty import Uncertainty
+
+UNSEEN = 0.8
+"""Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""
+TOUCHED_RAD = np.radians(0.1)
+"""Distance from an end of its range at which a hinge touches it."""
+
+
+def account_of(
+    setting: Setting,
+    problem: Problem,
+    state: State,
+    sure: Uncertainty,
+    fitted: FloatArray,
+    seconds: float,
+    notes: tuple[str, ...],
+) -> Account:
+    """Return the account of a fit.
+
+    Args:
+        setting: What was fitted.
+        problem: The last problem.
+        state: Its solution.
+        sure: How sure it is.
+        fitted: Where the points of the model are, as the recording has them, shape (t, k, 2) or (t, k, 3).
+        seconds: Processor time.
+        notes: What was assumed.
+    """
+    recording, hinges = setting.recording, setting.hinges
+    seen = (problem.observed.weight > 0) & np.isfinite(fitted).all(-1)
+    distance = np.linalg.norm(fitted - problem.observed.places, axis=-1)
+    names = recording.names
+    by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
+    joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
+    factors = np.abs(hinges.factor)
+    height_sd = float(np.sqrt(sure.shared_covariance[0, 0]))
+    return Account(
+        unit=recording.unit,
+        error_median=float(np.median(distance[seen])),
+        error_p95=float(np.percentile(distance[seen], 95)),
+        trunk=recording.trunk,
+        error_of_trunk={name: value / recording.trunk for name, value in by_point.items()},
+        depth_error_m=_depth_error(problem, state),
+        noise=problem.observed.noise * sure.noise[0],
+        depth_noise_m=problem.observed.depth_noise_m * sure.noise[1] if len(sure.noise) > 1 else None,
+        size_is_known=setting.size_is_known,
+        lengths_m=_lengths(setting, sure),
+        camera_height_m=_interval(state.height_m, height_sd) if recording.unit == "px" else None,
+        joints=joints,
+        angle_sd_rad=sure.angle_sd_rad[:, hinges.column] * factors,
+        depth_sd_m=dict(zip(names, np.median(sure.depth_sd_m, axis=0).tolist(), strict=True)),
+        unseen=_unseen(setting, sure),
+        limits_touched=_touched(problem, state, hinges.names),
+        frames=recording.frames,
+        seconds=seconds,
+        notes=notes,
+    )
+
+
+def _depth_error(problem: Problem, state: State) -> float | None:
+    observed = problem.observed
+    if observed.depth_m is None or observed.depth_weight is None:
+        return None
+    away = np.abs(state.height_m - points_of(problem, state)[..., 2] - observed.depth_m)
+    return float(np.median(away[observed.depth_weight > 0]))
+
+
+def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
+    """Return the lengths of the child; the logarithm of each is the sum of that of overall size and its own."""
+    lengths, covariance = lengths_of(setting.child.model), sure.shared_covariance[1:, 1:]
+    result = {}
+    for index, size in enumerate(setting.sizes, start=1):
+        row = np.zeros(len(covariance))
+        row[0] = row[index] = 1.0
+        half = QUANTILE * np.sqrt(row @ covariance @ row)
+        value = lengths[size.name]
+        result[size.name] = Interval(value, float(value * np.exp(-half)), float(value * np.exp(half)))
+    return result
+
+
+def _unseen(setting: Setting, sure: Uncertainty) -> tuple[str, ...]:
+    usual = np.array([item.sd for item in usual_of(setting.hinges)[ROOT:]])
+    unseen = np.median(sure.angle_sd_rad, axis=0) > UNSEEN * usual
+    return tuple(name for name, is_unseen in zip(setting.hinges.names, unseen, strict=True) if is_unseen)
+
+
+def _touched(problem: Problem, state: State, names: tuple[str, ...]) -> dict[str, float]:
+    angles = state.x[:, ROOT:]
+    touched = (angles < problem.low + TOUCHED_RAD) | (angles > problem.high - TOUCHED_RAD)
+    shares = dict(zip(names, touched.mean(axis=0).tolist(), strict=True))
+    return {name: share for name, share in shares.items() if share}
+
+
+def _interval(value: float, sd: float) -> Interval:
+    return Interval(value, value - QUANTILE * sd, value + QUANTILE * sd)

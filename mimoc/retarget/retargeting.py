@@ -1,0 +1,199 @@
+"""The child in a recording of points, and the motion of its joints."""
+
+import re
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+import numpy as np
+
+from mimoc.base.errors import RecordingError
+from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.retarget.accounting import account_of
+from mimoc.retarget.fitting import Problem, State, solve
+from mimoc.retarget.observations import OUTLIER
+from mimoc.retarget.result import Retargeted
+from mimoc.retarget.setting import (
+    Noise,
+    Setting,
+    child_of,
+    first_state,
+    interpolated,
+    of_child,
+    points_of,
+    problem_of,
+    setting_of,
+    usual_noise,
+)
+from mimoc.retarget.sizes import compile_child, starting_spec
+from mimoc.retarget.start import TRUNK
+from mimoc.retarget.uncertainty import Uncertainty, uncertainty_of
+from mimoc.schema.infant import InfantSpec
+
+STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 32, 8, 10, 6
+"""Most steps: of the first fit; of it with the noise known; of all frames, with sizes; of all frames of that child."""
+TOTAL = STEPS_THIN + STEPS_AGAIN + STEPS_ALL + STEPS_LAST
+FIRST_OUTLIER = 20 * OUTLIER
+FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
+"""Points that a recording must have, and share of them that must be seen."""
+FEWEST_FRAMES = 3
+_T = TypeVar("_T")
+INTERRUPTED = "stopped before the end, by Ctrl-C: the motion is the best so far"
+
+
+@dataclass
+class _Run:
+    """One fit: what it reports to, what it has, and how long it was compiling."""
+
+    progress: Callable[[int, int], None] | None
+    done: int = 0
+    compiling_s: float = 0.0
+    notes: list[str] = field(default_factory=list)
+    interrupted: bool = False
+
+    def tick(self) -> None:
+        self.done += 1
+        if self.progress:
+            self.progress(min(self.done, TOTAL), TOTAL)
+
+    def reached(self, done: int) -> None:
+        if done > self.done:
+            self.done = done - 1
+            self.tick()
+
+    def compiled(self, make: Callable[[], _T]) -> _T:
+        begin = time.process_time()
+        result = make()
+        self.compiling_s += time.process_time() - begin
+        return result
+
+    def solve(self, problem: Problem, state: State, steps: int, free: FloatArray, outlier: float = OUTLIER) -> State:
+        """Return the best state after some steps, or when it was interrupted."""
+        if self.interrupted:
+            return state
+        states = [state]
+        end = self.done + steps
+        try:
+            return solve(problem, state, steps, free=free, first_outlier=outlier, tick=self.tick, keep=states.append)
+        except KeyboardInterrupt:
+            self.interrupted = True
+            self.notes.append(INTERRUPTED)
+            return states[-1]
+        finally:
+            self.reached(end)
+
+
+def retarget(
+    recording: PointRecording,
+    age_months: float = 3.0,
+    spec: InfantSpec | None = None,
+    *,
+    camera_height_m: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Retargeted:
+    """Return the child of a recording and its motion: a fit of the body's sizes and of all frames at once.
+
+    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is that of the
+    average child of the age, unless the camera's height is known; what else remains open is said in the account.
+    Ctrl-C ends the fit with the best motion so far.
+
+    Args:
+        recording: Points on the infant; neck and both hips must be among them.
+        age_months: Age of the infant, from 0 to 24.
+        spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
+        camera_height_m: Height of the camera above the floor, if it is known.
+        progress: Called with the number of steps done, and of all.
+
+    Raises:
+        RecordingError: If the recording has too few points or frames.
+        SpecError: If there is no such child.
+
+    Example:
+        >>> import mimoc, numpy as np
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> still = np.repeat(env.model.key("supine").qpos[None], 12, axis=0)
+        >>> result = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
+        >>> result.qpos.shape[0], result.account.error_share < 0.01
+        (12, True)
+    """
+    begin, run = time.process_time(), _Run(progress)
+    check(recording)
+    child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
+    setting = run.compiled(lambda: setting_of(recording, child, camera_height_m))
+    state, noise = _first_fit(setting, run)
+    problem = problem_of(setting, setting.recording, noise)
+    state = replace(state, x=interpolated(state.x, setting.every, recording.frames))
+    state = run.solve(problem, state, STEPS_ALL, setting.free)
+    if not run.interrupted:
+        noise = _rescaled(noise, uncertainty_of(problem, state))
+    child = run.compiled(lambda: child_of(setting, state.logs))
+    setting = of_child(setting, child, state.logs)
+    problem = problem_of(setting, setting.recording, noise)
+    state = run.solve(problem, replace(state, logs=0 * state.logs), STEPS_LAST, setting.only_height)
+    sure = uncertainty_of(problem, state)
+    state = replace(state, x=problem.within_limits(state.x))
+    seconds = time.process_time() - begin - run.compiling_s
+    notes = (*recording.notes, *setting.notes, *run.notes)
+    fitted = problem.observed.project(points_of(problem, state), state.height_m)
+    account = account_of(setting, problem, state, sure, fitted, seconds, notes)
+    whole = np.full((recording.frames, len(recording.names), fitted.shape[-1]), np.nan)
+    whole[:, [recording.names.index(name) for name in setting.recording.names]] = fitted
+    height_m = None if recording.unit == "m" else state.height_m
+    qpos = problem.skeleton.qpos(state.x)
+    return Retargeted(recording, child.spec, child.bundle, recording.rate_hz, qpos, height_m, whole, account)
+
+
+def check(recording: PointRecording) -> None:
+    """Check that a recording tells enough for a fit.
+
+    Raises:
+        RecordingError: If not.
+    """
+    missing = [name for name in TRUNK if name not in recording.names]
+    if missing:
+        raise RecordingError(
+            f"{recording.name}: the points {', '.join(missing)} are missing; a fit needs neck and hips"
+        )
+    if len(recording.names) < FEWEST_POINTS:
+        raise RecordingError(
+            f"{recording.name}: {len(recording.names)} points are too few; give {FEWEST_POINTS} or more"
+        )
+    if recording.frames < FEWEST_FRAMES:
+        raise RecordingError(f"{recording.name}: {recording.frames} frames are too few; give {FEWEST_FRAMES} or more")
+    seen = np.isfinite(recording.positions).all(-1) & (recording.confidence > 0)
+    for name in TRUNK:
+        if not seen[:, recording.names.index(name)].any():
+            raise RecordingError(f"{recording.name}: the point '{name}' is never seen; a fit needs neck and hips")
+    if seen.mean() < FEWEST_SEEN:
+        raise RecordingError(
+            f"{recording.name}: only {seen.mean():.0%} of the points are seen; give a part where {FEWEST_SEEN:.0%} are"
+        )
+
+
+def _name(recording: PointRecording) -> str:
+    """Return the name of a recording's child: letters, digits and underscores, a letter first."""
+    name = re.sub(r"\W+", "_", recording.name, flags=re.ASCII).strip("_") or "child"
+    return name if name[0].isalpha() else f"child_{name}"
+
+
+def _first_fit(setting: Setting, run: _Run) -> tuple[State, Noise]:
+    """Return the fit to some frames, from the usual posture on, and the noise."""
+    thin = setting.recording.window(0, setting.recording.frames, setting.every)
+    noise = usual_noise(setting.recording)
+    problem = problem_of(setting, thin, noise)
+    state = first_state(setting, problem)
+    state = run.solve(problem, state, STEPS_THIN, setting.free, FIRST_OUTLIER)
+    for _ in range(2):
+        if not run.interrupted:
+            noise = _rescaled(noise, uncertainty_of(problem, state))
+            problem = problem_of(setting, thin, noise)
+            state = run.solve(problem, state, STEPS_AGAIN // 2, setting.free)
+    return state, noise
+
+
+def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:
+    """Return the noise that differences have."""
+    factors = (*sure.noise, 1.0)
+    return Noise(max(noise.places * factors[0], noise.least), max(noise.depth_m * factors[1], 1e-4), noise.least)

@@ -1,0 +1,243 @@
+"""What a fit is of: the points that are seen, the hinges and sizes that these tell of, and where it starts."""
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from mimoc.motion.body_points import BodyPoint, body_points
+from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.retarget import prior
+from mimoc.retarget.contacts import contacts_of, spheres_of
+from mimoc.retarget.fitting import Problem, State
+from mimoc.retarget.hinges import combined_limits, hinges_of
+from mimoc.retarget.observations import Observed
+from mimoc.retarget.sizes import (
+    OVERALL_SD,
+    SIZES,
+    Child,
+    Size,
+    at_sizes,
+    lengths_of,
+    matched,
+    shape_of,
+)
+from mimoc.retarget.skeleton import ROOT, Hinges, Shape, Skeleton, matrix_of
+from mimoc.retarget.start import TRUNK, Start, start_of
+
+THIN_HZ = 7.5
+"""Frames per second of the first fit, which finds postures and sizes."""
+FEWEST_THIN = 12
+"""Frames that it has at least, if there are as many."""
+NOISE_OF_TRUNK, NOISE_M = 0.012, 0.01
+"""Noise that a fit begins with: of places as a share of the trunk, and of depth."""
+LEAST_OF_TRUNK = 0.001
+"""Noise that is assumed at least, since no model is exact."""
+HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
+"""How far the height is from where the fit starts, and from one that was measured."""
+ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
+ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
+STRAIGHT = "the camera is taken to look straight down on a level floor"
+NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Standard deviations of a recording."""
+
+    places: float
+    """In its unit."""
+    depth_m: float
+    least: float
+    """Of places at least."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What stays the same while problems of a fit differ in frames and noise."""
+
+    recording: PointRecording
+    """Its points that the infant has and that are seen."""
+    child: Child
+    hinges: Hinges
+    rest: FloatArray
+    """The resting configuration, shape (nq,)."""
+    sizes: tuple[Size, ...]
+    shape: Shape
+    """At the child's sizes."""
+    start: Start
+    height_m: float | None
+    """Height of the camera, if it is known."""
+    logs: FloatArray
+    """Logarithms of the sizes that the child has, relative to the child that the fit started from, shape (s,)."""
+
+    @property
+    def size_is_known(self) -> bool:
+        """Whether something gives absolute size."""
+        return self.recording.unit == "m" or self.recording.depth_m is not None or self.height_m is not None
+
+    @property
+    def every(self) -> int:
+        """Of how many frames the first fit takes one."""
+        return int(max(1, min(self.recording.rate_hz // THIN_HZ, self.recording.frames // FEWEST_THIN)))
+
+    @property
+    def free(self) -> FloatArray:
+        """Which of the height and the sizes may change: overall size only if something tells of it."""
+        return np.array([True, self.size_is_known, *(True for _ in self.sizes)])
+
+    @property
+    def only_height(self) -> FloatArray:
+        """The height, with sizes as they are."""
+        return np.arange(2 + len(self.sizes)) == 0
+
+    @property
+    def notes(self) -> list[str]:
+        """What is assumed."""
+        in_pixels = self.recording.unit == "px"
+        return [
+            *([ASSUMED_CAMERA] if in_pixels and self.recording.camera is None else []),
+            *([STRAIGHT] if in_pixels else []),
+            *([] if self.size_is_known else [ASSUMED_SIZE]),
+            *([] if self.start.lies else [NOT_LYING]),
+        ]
+
+
+def setting_of(recording: PointRecording, child: Child, height_m: float | None) -> Setting:
+    """Return what a fit is of.
+
+    Args:
+        recording: The recording.
+        child: The child that the fit starts from.
+        height_m: Height of the camera above the floor, if it is known.
+    """
+    model = child.model
+    seen = np.isfinite(recording.positions).all(-1) & (recording.confidence > 0)
+    on_body = body_points(model, recording.names)
+    names = [name for k, name in enumerate(recording.names) if on_body[k] and seen[:, k].any()]
+    recording = recording.select(names)
+    points = [point for point in body_points(model, names) if point]
+    hinges = hinges_of(model, points)
+    rest = model.key("supine").qpos.copy()
+    shape = shape_of(child, lambda other: _points(other, names), SIZES)
+    moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
+    sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
+    shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
+    start = start_of(recording.filled(), *_resting(model, rest), matrix_of(rest[3:7]), height_m)
+    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, np.zeros(1 + len(sizes)))
+
+
+def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Problem:
+    """Return the problem of fitting some frames of a setting's recording."""
+    model, hinges, start = setting.child.model, setting.hinges, setting.start
+    spheres = spheres_of(model)
+    points = _points(model, recording.names)
+    skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
+    low, high = prior.limits(model, hinges)
+    sums, bounds = combined_limits(model, hinges)
+    usual = np.concatenate([np.median(start.root, axis=0), prior.posture(model, hinges, setting.rest)])
+    sizes_sd = [OVERALL_SD, *(size.sd for size in setting.sizes)]
+    height_sd = HEIGHT_SD_M if setting.height_m is None else KNOWN_SD_M
+    return Problem(
+        skeleton=skeleton,
+        shape=setting.shape,
+        observed=Observed.of(recording, noise.places, noise.depth_m),
+        contacts=contacts_of(spheres, len(recording.names), start.lies),
+        rate_hz=recording.rate_hz,
+        chain=prior.chain(prior.usual_of(hinges), recording.frames, recording.rate_hz),
+        mean=np.tile(usual, (recording.frames, 1)),
+        low=low,
+        high=high,
+        sums=sums,
+        sum_bounds=bounds,
+        shared_mean=np.array([start.height_m, *(-setting.logs)]),
+        shared_sd=np.array([height_sd, *sizes_sd]),
+    )
+
+
+def first_state(setting: Setting, problem: Problem) -> State:
+    """Return the usual posture, placed and turned as the trunk is seen."""
+    x = problem.mean.copy()
+    x[:, :ROOT] = setting.start.root[:: setting.every]
+    return State(x, setting.start.height_m, np.zeros(1 + len(setting.sizes)))
+
+
+def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:
+    """Return unknowns of all frames from those of every second, third and so on."""
+    known = np.arange(0, frames, every)
+    return np.stack([np.interp(np.arange(frames), known, column) for column in x.T], axis=1)
+
+
+def child_of(setting: Setting, logs: FloatArray) -> Child:
+    """Return the compiled child with the sizes that were fitted.
+
+    Raises:
+        SpecError: If there is no such child.
+    """
+    base = lengths_of(setting.child.model)
+    names = [size.name for size in setting.sizes]
+    factors = dict(zip(names, np.exp(logs[1:]).tolist(), strict=True))
+    overall = float(np.exp(logs[0]))
+    wanted = {name: length * overall * factors.get(name, 1.0) for name, length in base.items()}
+    if not setting.size_is_known:
+        wanted = {name: wanted[name] for name in names if name in wanted}
+    length_cm = setting.child.bundle.manifest.child.length_cm * overall if setting.size_is_known else None
+    return matched(setting.child.spec, wanted, length_cm)
+
+
+def of_child(setting: Setting, child: Child, logs: FloatArray) -> Setting:
+    """Return the setting with a child that has been compiled with the sizes *logs* of the one before.
+
+    Vectors are those of the compiled child; derivatives by sizes are those of the child before at these sizes.
+    """
+    scaled = at_sizes(setting.shape, logs)
+    points = _points(child.model, setting.recording.names)
+    vectors = child.model.body_pos, child.model.jnt_pos, np.array([point.offset_m for point in points])
+    pairs = zip(vectors, (scaled.bodies_m, scaled.anchors_m, scaled.points_m), strict=True)
+    columns = [np.concatenate([v[..., None], v[..., None], s[..., 2:]], axis=-1) for v, s in pairs]
+    rest = setting.rest.copy()
+    return replace(setting, child=child, rest=rest, shape=Shape(*columns), logs=setting.logs + logs)
+
+
+def points_of(problem: Problem, state: State) -> FloatArray:
+    """Return where the model's points are in the world, shape (t, k, 3)."""
+    pose = problem.skeleton.pose(state.x, at_sizes(problem.shape, state.logs))
+    return np.moveaxis(pose.points_m[:, :, : problem.observed.places.shape[1], 0], 0, -1)
+
+
+def usual_noise(recording: PointRecording) -> Noise:
+    """Return the noise that a fit begins with."""
+    least = LEAST_OF_TRUNK * recording.trunk
+    return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
+
+
+def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:
+    """Return the points of a recording on a model, and then those of its contacts."""
+    return [point for point in body_points(model, names) if point] + [sphere.point for sphere in spheres_of(model)]
+
+
+def _resting(model: mujoco.MjModel, rest: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return neck and hips of the resting infant in the world, shape (3, 3), and its root."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = rest
+    mujoco.mj_kinematics(model, data)
+    points = [point for point in body_points(model, TRUNK) if point]
+    places = [data.xpos[p.body] + data.xmat[p.body].reshape(3, 3) @ p.offset_m for p in points]
+    return np.array(places), rest[:3].copy()
+
+
+def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column: int, count: int) -> bool:
+    """Return whether a size moves a point of the recording relative to others."""
+    if np.abs(shape.points_m[:count, :, column]).max() > 1e-6:
+        return True
+    bodies = set()
+    for point in points:
+        body = point.body
+        while body:
+            bodies.add(body)
+            body = int(model.body_parentid[body])
+    return bool(np.abs(shape.bodies_m[sorted(bodies - {int(model.jnt_bodyid[0])}), :, column]).max() > 1e-6)
+
+
+def _chosen(shape: Shape, columns: list[int]) -> Shape:
+    return Shape(shape.bodies_m[..., columns], shape.anchors_m[..., columns], shape.points_m[..., columns])

@@ -1,0 +1,99 @@
+"""What a recording leaves open: the noise of its points, and standard deviations from the inverse of the Hessian."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from mimoc.motion.point_recording import FloatArray
+from mimoc.retarget.banded import Factored
+from mimoc.retarget.fitting import CHUNK, Problem, State
+from mimoc.retarget.observations import OUTLIER
+from mimoc.retarget.sizes import at_sizes
+from mimoc.retarget.skeleton import ROOT
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Of a fit to t frames and k points, with u hinges."""
+
+    noise: tuple[float, ...]
+    """Estimated noise of each channel, relative to what was assumed: of places, then of depth."""
+    angle_sd_rad: FloatArray
+    """Shape (t, u)."""
+    depth_sd_m: FloatArray
+    """Of heights above the floor, shape (t, k)."""
+    shared_covariance: FloatArray
+    """Of the height and the logarithms of sizes, shape (1 + s, 1 + s)."""
+
+
+def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
+    """Return how sure a fit is, if it is linear about its solution and noise is independent.
+
+    The covariance of the unknowns x of a frame is P = A_t + Z_t S^-1 Z_t', A_t the frame's block of A^-1 (the inverse
+    if everything shared were known), and that of what is shared S^-1; so a quantity with derivatives a by x and b by
+    what is shared has the variance a A_t a' + (b - a Z_t) S^-1 (b - a Z_t)'. The noise is the root of the sum of
+    weighted squares over the number of coordinates less those that the unknowns use up, tr(A_t J' W J).
+    """
+    system, _ = problem.equations(state, OUTLIER)
+    factored = system.factored()
+    covariance = np.linalg.inv(factored.schur())
+    shape = at_sizes(problem.shape, state.logs)
+    t, n = state.x.shape
+    k = problem.observed.places.shape[1]
+    angle_sd, depth_sd = np.empty((t, n - ROOT)), np.empty((t, k))
+    sums: list[FloatArray] = []
+    blocks, stop = [], t
+    for frame, block in factored.blocks():
+        blocks.append(block)
+        if frame % CHUNK == 0:
+            part = slice(frame, stop)
+            angle_sd[part], depth_sd[part], squares = _of_part(
+                problem, state, shape, part, np.array(blocks[::-1]), factored, covariance
+            )
+            sums.append(squares)
+            blocks, stop = [], frame
+    noise = [
+        _noise(row, dimensions) for row, dimensions in zip(np.sum(sums, axis=0), _dimensions(problem), strict=True)
+    ]
+    return Uncertainty(tuple(noise), angle_sd, depth_sd, covariance)
+
+
+def _of_part(problem, state, shape, part, blocks, factored: Factored, covariance):
+    """Return standard deviations of angles and heights, and sums for the noise, of some frames."""
+    observed = problem.observed
+    pose = problem.skeleton.pose(state.x[part], shape)
+    seen = np.arange(observed.places.shape[1])
+    jacobian = problem.skeleton.jacobian(pose, seen)
+    z = factored.inverse_border[part]
+    angles = np.einsum("fnn->fn", blocks) + np.einsum("fns,sr,fnr->fn", z, covariance, z, optimize=True)
+    by_size = pose.points_m[2][:, seen, 1:]
+    rest = np.concatenate([np.zeros((*by_size.shape[:2], 1)), by_size], axis=-1) - jacobian[2] @ z
+    heights = np.einsum("fkn,fkn->fk", jacobian[2] @ blocks, jacobian[2])
+    heights += np.einsum("fks,sr,fkr->fk", rest, covariance, rest, optimize=True)
+    sums = []
+    for channel in observed.channels(part, pose, jacobian, state.height_m):
+        weight, _ = channel.robust(OUTLIER)
+        used = np.einsum("fkcn,fkcn->fk", channel.by_frame @ blocks[:, None], channel.by_frame)
+        squares = (channel.errors**2).sum(-1)
+        sums.append([(weight * squares).sum(), weight.sum() * channel.errors.shape[2], (weight * used).sum()])
+    return np.sqrt(angles[:, ROOT:]), np.sqrt(np.maximum(heights, 0.0)), np.array(sums)
+
+
+def _dimensions(problem: Problem) -> list[int]:
+    return [problem.observed.places.shape[2]] + [1] * (problem.observed.depth_m is not None)
+
+
+def _noise(sums: FloatArray, dimensions: int) -> float:
+    """Return the noise from sums of squares, of coordinates, and of those used up, all weighted.
+
+    Weights are smaller for larger differences, also of Gaussian noise: for d coordinates, r^2 is chi-squared, and the
+    expectation of w r^2 over that of w d is less than 1.
+    """
+    squares, coordinates, used = sums
+    if coordinates <= 0:
+        return 1.0
+    r2 = chi2.ppf((np.arange(400) + 0.5) / 400, dimensions)
+    weight = (1 + r2 / OUTLIER**2) ** -2
+    usual = (weight * r2).mean() / (weight.mean() * dimensions)
+    return float(np.sqrt(squares / max(coordinates - used, 0.05 * coordinates) / usual))
