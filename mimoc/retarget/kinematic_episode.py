@@ -1,8 +1,8 @@
 """An episode in which an infant is put, at each control step, where a motion has it: a recording like any other.
 
-For the control step in between, forces and torques that inverse dynamics gives are applied to its joints and root, up
-to its strength beyond what contacts leave: so it moves on as the motion does. Where a motion has parts of the body within
-each other or in the ground, these push each other apart meanwhile; what it touches then says nothing of reality.
+For the control step in between, forces and torques that inverse dynamics gives are applied to its joints and root: so
+it moves on as the motion does. Where a motion has parts of the body within each other or in the ground, these push each
+other apart meanwhile, as far as its strength does not keep them there; what it touches then says nothing of reality.
 """
 
 from collections.abc import Callable
@@ -24,8 +24,8 @@ CORRECTIONS, CLOSE = 6, 2e-3
 """Most corrections of the forces of a control step, and the error, [rad] or [m], below which none is needed."""
 
 STRENGTHS, WEIGHTS = 1.0, 2.0
-"""Most that is added against contacts: torque of a joint, in peak torques of its actuators, and force at the root, in body
-weights. With more, parts that a motion has within each other are pressed together without measure."""
+"""Most that is added against contacts: torque of a joint, in peak torques of its actuators, and force at the root, in
+body weights. With more, parts that a motion has within each other are pressed together without measure."""
 LEVER_M = 0.1
 """By which that force is taken for the largest torque at the root, and of joints without actuators."""
 

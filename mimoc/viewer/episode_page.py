@@ -17,8 +17,8 @@ from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
-from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.filmed_points import points_of
+from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.page import Progress, describe, fill
 
 FRAMES = 3000
