@@ -2,5 +2,19 @@
 
 from mimoc.base.kinds import Kinds, MotionFormat
 
-FORMATS = Kinds[MotionFormat]("format of recorded points", {})
+_ABOUT = {
+    "openpose": "folder of OpenPose's JSON, a file for each frame: BODY_25 or COCO-18",
+    "coco": "JSON of COCO-17 keypoints: a folder of frames, or one file with all (MMPose, ViTPose, AlphaPose, YOLO)",
+    "mini_rgbd": "folder of MINI-RGBD: 2D joints with depth, or 3D joints",
+    "csv": "table of named points: wide, long, DeepLabCut's, or public keypoints of MINI-RGBD",
+    "npz": "arrays, as mimoc writes them",
+    "c3d": "markers of motion capture",
+}
+FORMATS = Kinds[MotionFormat](
+    "format of recorded points",
+    {
+        name: MotionFormat(name, about, f"{__name__}.read_{name}", f"{__name__}.read_{name}")
+        for name, about in _ABOUT.items()
+    },
+)
 """Formats that recordings of points are read from, in the order in which they are tried."""

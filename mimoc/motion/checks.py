@@ -1,0 +1,176 @@
+"""What is wrong with a recording of points: an error where it cannot be used, a note where it can."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.bundle.regular_files import UnusableFileError, first_of
+from mimoc.motion.frame_files import MOST_FRAMES
+from mimoc.motion.options import View
+from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.points import SIDES
+from mimoc.motion.sides import mirrored, repair_exchanges, share_from_behind, share_of_knees_backwards, swapped
+
+RATES_HZ = 1.0, 1000.0
+"""Of cameras and motion capture."""
+NEEDED = "neck", "left_hip", "right_hip"
+"""The trunk, in whose lengths all else is measured."""
+TRUNK_M = 0.08, 0.6
+"""Between the trunk of the smallest preterm infant and that of an adult: what is outside is not in metres."""
+_LEAST_TRUNK_PX = 5.0
+_LEAST_SEEN = 0.1
+"""Share of frames in which the trunk must be seen."""
+_FAR = 1e5
+"""More than the pixels of any picture, or the metres of any room."""
+_MOSTLY = 0.9
+"""Share of frames in which sides are wrong that makes them wrong throughout."""
+_SOMETIMES = 0.1
+_SHOWN_GAP = 0.01
+"""Share of frames in which a point is missing that is worth a note."""
+_PERCENTILE = 95
+APART: dict[tuple[str, str], tuple[float, float]] = {
+    ("left_shoulder", "right_shoulder"): (0.0, 1.2),
+    ("left_hip", "right_hip"): (0.0, 0.7),
+    ("neck", "head"): (0.1, 0.8),
+    ("neck", "nose"): (0.05, 0.7),
+    **{
+        (f"{side}_{first}" if first != "nose" else first, f"{side}_{second}"): bounds
+        for side in SIDES
+        for first, second, bounds in (
+            ("shoulder", "elbow", (0.1, 0.65)),
+            ("elbow", "wrist", (0.08, 0.55)),
+            ("elbow", "hand", (0.12, 0.8)),
+            ("wrist", "hand", (0.0, 0.35)),
+            ("hip", "knee", (0.12, 0.85)),
+            ("knee", "ankle", (0.12, 0.85)),
+            ("knee", "foot", (0.15, 1.0)),
+            ("ankle", "foot", (0.0, 0.45)),
+            ("ankle", "big_toe", (0.0, 0.5)),
+            ("ankle", "heel", (0.0, 0.3)),
+            ("nose", "eye", (0.0, 0.3)),
+            ("nose", "ear", (0.0, 0.5)),
+        )
+    },
+}
+"""How far points are apart, in trunks, in the 95th percentile over time: bodies of mimoc at 0 to 24 months and twelve
+infants seen from above (MINI-RGBD) lie between 1.5 times the first and .65 of the second number, so that trunks may be
+foreshortened by a third, and limbs by most of their length."""
+
+
+def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
+    """Return a recording with its frame rate, which a user may give, or raise an UnusableFileError."""
+    notes = recording.notes
+    if recording.frames < 2:
+        raise UnusableFileError("has one frame, and no movement; give all frames of a film")
+    if recording.frames > MOST_FRAMES:
+        raise UnusableFileError(f"has {recording.frames:,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    known = math.isfinite(recording.rate_hz)
+    if rate_hz is None and not known:
+        raise UnusableFileError("has no frame rate; say how many frames a second the camera took: rate_hz=30")
+    rate = recording.rate_hz if rate_hz is None else float(rate_hz)
+    if not RATES_HZ[0] <= rate <= RATES_HZ[1]:
+        least, most = RATES_HZ
+        raise UnusableFileError(f"has {rate:g} frames a second; give a frame rate from {least:g} to {most:g}")
+    if rate_hz is not None and known and abs(rate / recording.rate_hz - 1) > 0.01:
+        notes = (*notes, f"its own frame rate is {recording.rate_hz:.4g}, and not {rate:g} frames/s, as was given")
+    return replace(recording, rate_hz=rate, notes=notes)
+
+
+def check_points(recording: PointRecording, view: View) -> PointRecording:
+    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
+    _check_trunk(recording)
+    _check_unit(recording)
+    whole = repair_exchanges(recording)
+    if view == "mirrored":
+        whole = mirrored(whole)
+    elif view == "swapped":
+        whole = swapped(whole)
+    _check_proportions(whole)
+    return _without_unseen(replace(whole, notes=(*whole.notes, *_check_sides(whole, view), *_gaps(whole))))
+
+
+def _check_trunk(recording: PointRecording) -> None:
+    missing = [name for name in NEEDED if name not in recording.names]
+    if missing:
+        shown = first_of(recording.names, 8)
+        raise UnusableFileError(
+            f"has no {', '.join(missing)}, only {shown}; name its points: names={{'label': '{missing[0]}'}}"
+        )
+    seen = np.isfinite(recording.select(NEEDED).positions).all(axis=(1, 2)).mean()
+    if seen < _LEAST_SEEN:
+        raise UnusableFileError(f"shows neck and hips in {seen:.0%} of its frames; choose another view of the infant")
+
+
+def _check_unit(recording: PointRecording) -> None:
+    largest = np.nanmax(np.abs(recording.positions))
+    trunk = recording.trunk
+    if largest > _FAR:
+        raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
+    if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
+        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture")
+    least, most = TRUNK_M
+    if recording.unit == "m" and not least <= trunk <= most:
+        raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
+
+
+def _check_proportions(recording: PointRecording) -> None:
+    """Raise an UnusableFileError if points are further apart than on any infant, or much closer: their order is wrong."""
+    for (first, second), (least, most) in APART.items():
+        if not {first, second} <= {*recording.names}:
+            continue
+        apart = np.linalg.norm(recording.path(first) - recording.path(second), axis=1) / recording.trunk
+        apart = apart[np.isfinite(apart)]
+        if apart.size and not least <= (far := float(np.percentile(apart, _PERCENTILE))) <= most:
+            raise UnusableFileError(
+                f"has {first} and {second} {far:.2g} trunks apart, on infants {least:g} to {most:g}; its points may be in "
+                "another order: say what its labels are: names={'label': 'left_hip'}"
+            )
+
+
+def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
+    """Return what is to be said of left and right, or raise an UnusableFileError if they are wrong throughout."""
+    if recording.unit == "m" or recording.depth_m is not None:
+        if share_of_knees_backwards(recording) > _MOSTLY:
+            raise UnusableFileError(
+                "has knees that bend backwards: left and right are exchanged (view='swapped'), or the picture or an axis "
+                "is mirrored (view='mirrored')"
+            )
+        return ()
+    share = share_from_behind(recording)
+    if view == "back" or not share > _SOMETIMES:
+        return ()
+    if share > _MOSTLY:
+        raise UnusableFileError(
+            "shows an infant from behind: if it lies on its belly give view='back', if the picture is mirrored or y "
+            "counts upwards view='mirrored', if left and right are exchanged view='swapped'"
+        )
+    return (f"the infant is seen from behind, or left and right are exchanged, in {share:.0%} of frames",)
+
+
+def _without_unseen(recording: PointRecording) -> PointRecording:
+    """Return a recording without the points that are never seen."""
+    seen = np.isfinite(recording.positions).all(axis=-1).any(axis=0)
+    names = [name for name, is_seen in zip(recording.names, seen, strict=True) if is_seen]
+    return recording if seen.all() else recording.select(names)
+
+
+def _gaps(recording: PointRecording) -> tuple[str, ...]:
+    """Return how much is not seen, and for how long at most."""
+    missing = ~np.isfinite(recording.positions).all(axis=-1)
+    shares = {name: share for name, share in zip(recording.names, missing.mean(axis=0), strict=True) if share > _SHOWN_GAP}
+    if not shares:
+        return ()
+    never = [name for name, share in shares.items() if share == 1]
+    worst = sorted((name for name in shares if name not in never), key=shares.__getitem__, reverse=True)
+    longest = [_longest_gap(missing[:, recording.names.index(name)]) / recording.rate_hz for name in worst]
+    gaps = [f"{name} in {shares[name]:.0%} of frames" for name in worst]
+    return (
+        *((f"never seen, and left out: {first_of(never, 5)}",) if never else ()),
+        *((f"not seen: {first_of(gaps, 3)}; the longest gap is {max(longest):.2g} s",) if gaps else ()),
+    )
+
+
+def _longest_gap(missing: np.ndarray) -> int:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], missing, [0]])))
+    return int(np.max(edges[1::2] - edges[::2], initial=0))

@@ -1,0 +1,151 @@
+"""From the labels that files give to points to mimoc's names for them."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.base.errors import UnknownNameError, counted, suggestion
+from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
+from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.points import MIDDLE, ON_SIDES, POINTS, SIDES
+
+_PARTS = {
+    **{part: (part.replace("_", ""),) for part in ON_SIDES},
+    "hand": ("hand", "knuckle", "fingers", "midhand"),
+    "foot": ("foot", "toes"),
+    "big_toe": ("bigtoe", "hallux"),
+    "small_toe": ("smalltoe", "littletoe"),
+}
+_MIDDLE = {"mid_hip": ("midhip", "pelvis", "hipcenter", "hipcentre"), "neck": ("neck", "thorax")}
+MARKERS = {
+    "shoulder": ("sho",),
+    "elbow": ("elb",),
+    "wrist": ("wra", "wrb"),
+    "hand": ("fin",),
+    "hip": ("asi", "psi"),
+    "knee": ("kne",),
+    "ankle": ("ank",),
+    "foot": ("toe",),
+    "heel": ("hee",),
+    "head": ("fhd", "bhd"),
+}
+"""Markers of the Plug-in Gait set, after `L` or `R`, that lie at or around a point; `C7` and `CLAV` are at the neck."""
+_MOST_SHOWN = 5
+
+
+def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> PointRecording:
+    """Return a recording whose points have mimoc's names, in their order in `POINTS`.
+
+    What several labels name, such as two markers at a wrist, is in their middle. Points of no name that mimoc knows
+    are left out; a neck that is missing is in the middle of the shoulders.
+
+    Args:
+        recording: Its `names` are labels of a file.
+        names: Names of mimoc's by label, for those that mimoc does not know or gets wrong.
+
+    Raises:
+        UnknownNameError: If *names* has other names than mimoc's.
+        UnusableFileError: If *names* has labels that are not there, or no label means a point.
+    """
+    columns = _columns(recording.names, names or {})
+    if not columns:
+        shown = one_line(first_of(recording.names, _MOST_SHOWN))
+        raise UnusableFileError(
+            f"no label is the name of a point ({shown}); say what they are: names={{'label': 'left_hip'}}"
+        )
+    points = [name for name in POINTS if name in columns]
+    notes = [_note(name, [recording.names[index] for index in columns[name]]) for name in points]
+    left_out = [name for index, name in enumerate(recording.names) if not any(index in at for at in columns.values())]
+    if left_out:
+        notes.append(f"left out: {one_line(first_of(left_out, _MOST_SHOWN))}")
+    return _with_neck(_gathered(recording, {name: columns[name] for name in points}, [note for note in notes if note]))
+
+
+def known_name(label: str) -> str:
+    """Return mimoc's name of a label, such as `left_hip` of `LHip`, `hip_left` or `Baby:left hip`; "" if it has none."""
+    return _NAMES.get(_plain(label), "")
+
+
+def _columns(labels: Sequence[str], names: Mapping[str, str]) -> dict[str, list[int]]:
+    """Return at which labels each point is."""
+    for label, name in names.items():
+        if name not in POINTS:
+            raise UnknownNameError("point", name, POINTS)
+        if label not in labels:
+            near = suggestion(label, [one_line(known) for known in labels])
+            raise UnusableFileError(f"has no point '{one_line(label)}', which is given a name; {near}")
+    columns: dict[str, list[int]] = {}
+    for index, label in enumerate(labels):
+        name = names.get(label) or known_name(label)
+        if name and (label in names or name not in names.values()):
+            columns.setdefault(name, []).append(index)
+    return columns
+
+
+def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes: list[str]) -> PointRecording:
+    """Return a recording of points that are each in the middle of some of its own."""
+    several = list(columns.values())
+    depth_m = recording.depth_m
+    return replace(
+        recording,
+        names=tuple(columns),
+        positions=np.stack([recording.positions[:, index].mean(axis=1) for index in several], axis=1),
+        confidence=np.stack([recording.confidence[:, index].min(axis=1) for index in several], axis=1),
+        depth_m=None if depth_m is None else np.stack([depth_m[:, index].mean(axis=1) for index in several], axis=1),
+        notes=(*recording.notes, *notes),
+    )
+
+
+def _with_neck(recording: PointRecording) -> PointRecording:
+    """Return a recording with a neck, if it has one or both shoulders."""
+    shoulders = "left_shoulder", "right_shoulder"
+    if "neck" in recording.names or not {*shoulders} <= {*recording.names}:
+        return recording
+    columns = {name: [recording.names.index(name)] for name in recording.names}
+    columns["neck"] = [recording.names.index(name) for name in shoulders]
+    ordered = {name: columns[name] for name in POINTS if name in columns}
+    return _gathered(recording, ordered, ["the neck is taken to be in the middle of the shoulders"])
+
+
+def _note(name: str, labels: Sequence[str]) -> str:
+    """Return what is assumed of where a point is; nothing of a label that is its name."""
+    if len(labels) == 1 and _plain(labels[0]) not in _MARKER_NAMES:
+        return ""
+    return f"{name} is taken to be at {one_line(', '.join(labels))}"
+
+
+def _plain(label: str) -> str:
+    """Return a label as it stands in the tables below: without the name of a subject and all but letters and digits."""
+    return re.sub("[^a-z0-9]", "", label.rpartition(":")[2].lower())
+
+
+def _spellings() -> Iterator[tuple[str, str]]:
+    """Yield labels, in lower case and without all but letters and digits, with the names that they mean."""
+    for name in MIDDLE:
+        for word in _MIDDLE.get(name, (name,)):
+            yield word, name
+    for side in SIDES:
+        for part, words in _PARTS.items():
+            for word in words:
+                for mark in (side, side[0]):
+                    yield from ((mark + word, f"{side}_{part}"), (word + mark, f"{side}_{part}"))
+
+
+def _marker_names() -> Iterator[tuple[str, str]]:
+    for side in SIDES:
+        for part, words in MARKERS.items():
+            yield from ((side[0] + word, part if part in MIDDLE else f"{side}_{part}") for word in words)
+    yield from (("c7", "neck"), ("clav", "neck"))
+
+
+_MARKER_NAMES = dict(_marker_names())
+_NAMES = _MARKER_NAMES | dict(_spellings())
+
+
+def check_labels(labels: Sequence[str]) -> None:
+    """Raise an UnusableFileError if a label is there twice."""
+    twice = sorted({one_line(label) for label in labels if labels.count(label) > 1})
+    if twice:
+        raise UnusableFileError(f"has {counted(len(twice), 'point')} twice: {first_of(twice, _MOST_SHOWN)}")

@@ -1,0 +1,28 @@
+"""What a user can say of a recording of points that is read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from mimoc.motion.point_recording import Camera
+
+View = Literal["front", "back", "mirrored", "swapped"]
+VIEWS: tuple[View, ...] = get_args(View)
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What the files do not say, or say wrongly."""
+
+    rate_hz: float | None = None
+    """Frames per second; None if the files say it."""
+    camera: Camera | None = None
+    """The camera of pixels; None if the files say it, or nobody knows."""
+    infant: int | str | None = None
+    """Which of several persons is the infant: its identity in the files or, where they have none, its number in the
+    first frame with several, from 0. None is the largest."""
+    names: Mapping[str, str] = field(default_factory=dict)
+    """Mimoc's names by the labels of the files, for those that it does not know or gets wrong."""
+    view: View = "front"
+    """What the camera sees of an infant: its `front`; its `back` where it lies on its belly; `mirrored` if the picture
+    is, or y counts upwards; `swapped` if left and right are exchanged."""

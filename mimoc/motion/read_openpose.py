@@ -1,0 +1,64 @@
+"""A folder of OpenPose: JSON with `people` and their `pose_keypoints_2d`, a file for each frame."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.motion.frame_files import first_bytes, read_frame_files
+from mimoc.motion.json_frames import objects, parse_frames
+from mimoc.motion.options import ReadOptions
+from mimoc.motion.persons import Frame, Person, place_points
+from mimoc.motion.point_recording import PointRecording
+
+_COCO_18 = (
+    *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist"),
+    *("RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "REye", "LEye", "REar", "LEar"),
+)
+BODY_25 = (
+    *(*_COCO_18[:8], "MidHip", *_COCO_18[8:]),
+    *("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"),
+)
+"""Order of the points (OpenPose's documentation, `output.md`)."""
+_LABELS = {3 * len(labels): labels for labels in (BODY_25, _COCO_18)}
+_POINTS = "pose_keypoints_2d"
+
+
+def recognise(path: Path) -> bool:
+    """Return whether it is a folder whose first JSON file has people."""
+    return path.is_dir() and b'"people"' in first_bytes(path)
+
+
+def read(path: Path, options: ReadOptions) -> PointRecording:
+    """Return the points of the infant; they have no frame rate.
+
+    Raises:
+        UnusableFileError: If files are damaged, or it is not clear who the infant is.
+    """
+    files = read_frame_files(path, ".json")
+    frames = [
+        Frame(place, name, _persons(data, name))
+        for place, name, data in zip(files.places, files.names, parse_frames(files), strict=True)
+    ]
+    width = next((_width(person.numbers) for frame in frames for person in frame.persons), 3 * len(BODY_25))
+    if width not in _LABELS:
+        raise UnusableFileError(f"has {width} numbers a person, not 75 (BODY_25) or 54 (COCO); export BODY_25")
+    labels = _LABELS[width]
+    positions, confidence, note = place_points(frames, options.infant, len(labels))
+    notes = (*files.notes, note) if note else files.notes
+    return PointRecording(path.name, math.nan, labels, positions, confidence, notes=notes)
+
+
+def _persons(data: Any, name: str) -> list[Person]:
+    """Return those with points; OpenPose's IDs are -1 unless it tracks."""
+    people = objects(data, name, "people")
+    return [Person(_identity(person.get("person_id")), person[_POINTS]) for person in people if person.get(_POINTS)]
+
+
+def _identity(identity: Any) -> str:
+    number = identity[0] if isinstance(identity, list) and identity else identity
+    return str(number) if isinstance(number, int) and number >= 0 else ""
+
+
+def _width(numbers: Any) -> int:
+    return len(numbers) if isinstance(numbers, list) else 0

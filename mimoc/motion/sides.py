@@ -1,0 +1,148 @@
+"""Left and right: where pose estimators exchange them, and which side of an infant a camera sees."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
+from mimoc.motion.points import SIDES
+
+_LIMBS: Mapping[str, Sequence[str]] = {
+    "arms": ("shoulder", "elbow", "wrist", "hand"),
+    "legs": ("hip", "knee", "ankle", "foot", "heel", "big_toe", "small_toe"),
+}
+"""What estimators exchange as one."""
+_JUMP = 0.25
+"""Mean distance, in trunks, that the points of a pair of limbs jump between frames if they are exchanged: a fifth of
+the body's width is left, where limbs that move need several frames for it."""
+_RATIO = 1 / 3
+"""How much shorter the way must be if left and right are exchanged back."""
+_LEAST_ACROSS = 0.1
+"""Of the trunk's length squared: less of the front is seen of an infant that lies on its side."""
+_LEAST_BEND = 0.3
+"""Sine of the angle, about the infant's left, from which on a knee is clearly bent."""
+
+
+def repair_exchanges(recording: PointRecording) -> PointRecording:
+    """Return a recording without frames in which the left and right arm or leg are exchanged, and a note of them.
+
+    Limbs are exchanged from a frame on, and back, where all their points jump to where those of the other side were.
+    Those of fewer frames are taken to be wrong.
+    """
+    whole, trunk = recording.filled().positions, recording.trunk
+    columns = np.arange(len(recording.names))[None].repeat(recording.frames, axis=0)
+    notes = []
+    for limb, parts in _LIMBS.items():
+        pairs = [tuple(f"{side}_{part}" for side in SIDES) for part in parts]
+        index = [[recording.names.index(name) for name in pair] for pair in pairs if {*pair} <= {*recording.names}]
+        index = [pair for pair in index if np.isfinite(whole[:, pair]).all()]
+        if len(index) > 1:
+            left, right = np.array(index).T
+            wrong = _exchanged(whole[:, left], whole[:, right], trunk)
+            columns[np.ix_(wrong, [*left, *right])] = [*right, *left]
+            if wrong.any():
+                notes.append(f"left and right {limb} were exchanged in {wrong.sum():,} frames, and are put right")
+    return reorder(recording, columns, notes) if notes else recording
+
+
+def reorder(recording: PointRecording, columns: npt.NDArray[np.intp], notes: Sequence[str]) -> PointRecording:
+    """Return a recording in which a point is, in each frame, where another one was: index, shape (t, k)."""
+    depth_m = recording.depth_m
+    return replace(
+        recording,
+        positions=np.take_along_axis(recording.positions, columns[..., None], axis=1),
+        confidence=np.take_along_axis(recording.confidence, columns, axis=1),
+        depth_m=None if depth_m is None else np.take_along_axis(depth_m, columns, axis=1),
+        notes=(*recording.notes, *notes),
+    )
+
+
+def swapped(recording: PointRecording) -> PointRecording:
+    """Return a recording in which what was called left is right."""
+    names = [_other_side(name) for name in recording.names]
+    known = [name for name in recording.names if name in names]
+    return replace(recording, names=tuple(names)).select(known)
+
+
+def mirrored(recording: PointRecording) -> PointRecording:
+    """Return a recording whose x axis points the other way; pixels stay in the picture, as far as it is known."""
+    positions = recording.positions.copy()
+    x = positions[..., 0]
+    middle = recording.camera.centre_px[0] if recording.camera else float(np.nanmin(x) + np.nanmax(x)) / 2
+    positions[..., 0] = (2 * middle if recording.unit == "px" else 0.0) - x
+    return replace(recording, positions=positions)
+
+
+def _other_side(name: str) -> str:
+    for side, other in (SIDES, SIDES[::-1]):
+        if name.startswith(f"{side}_"):
+            return other + name.removeprefix(side)
+    return name
+
+
+def share_from_behind(recording: PointRecording) -> float:
+    """Return in what share of frames a picture shows the back, of those in which it shows front or back; NaN of none.
+
+    From the front, with y downwards, the infant's left is at the right of a line from the hips to the neck.
+    """
+    across, along = _across(recording), recording.path("neck") - recording.hips
+    area = (across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]) / recording.trunk**2
+    clear = np.abs(area) > _LEAST_ACROSS
+    return float((area[clear] > 0).mean()) if clear.any() else np.nan
+
+
+def share_of_knees_backwards(recording: PointRecording) -> float:
+    """Return in what share of the frames in which knees are clearly bent they bend the wrong way; NaN if none are.
+
+    Needs places in space, or depth: a knee bends about the infant's left, *thigh* x *shank*, whatever its hip does.
+    """
+    places = _in_space(recording)
+    left = _unit(_across(places))
+    bends = []
+    for side in SIDES:
+        end = next((name for name in (f"{side}_ankle", f"{side}_foot") if name in places.names), "")
+        if end and f"{side}_knee" in places.names:
+            knee = places.path(f"{side}_knee")
+            thigh, shank = _unit(knee - places.path(f"{side}_hip")), _unit(places.path(end) - knee)
+            bends.append((np.cross(thigh, shank) * left).sum(axis=1))
+    bent = np.concatenate(bends) if bends else np.empty(0)
+    bent = bent[np.abs(bent) > _LEAST_BEND]
+    return float((bent < 0).mean()) if bent.size else np.nan
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Return vectors, shape (t, 3), with the length 1; NaN where it was 0."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(lengths > 0, lengths, np.nan)
+
+
+def _exchanged(left: FloatArray, right: FloatArray, trunk: float) -> npt.NDArray[np.bool_]:
+    """Return in which frames two limbs, shape (t, p, d), are exchanged."""
+    kept, crossed = (
+        (_steps(left, first) + _steps(right, second)) / (2 * trunk) for first, second in ((left, right), (right, left))
+    )
+    changes = (kept > _JUMP) & (crossed < _RATIO * kept)
+    wrong = np.concatenate([[False], np.cumsum(changes) % 2 == 1])
+    return ~wrong if wrong.mean() > 0.5 else wrong
+
+
+def _steps(after: FloatArray, before: FloatArray) -> FloatArray:
+    """Return the mean distance between points in a frame and others in the frame before, shape (t - 1,)."""
+    return np.linalg.norm(after[1:] - before[:-1], axis=-1).mean(axis=-1)
+
+
+def _across(recording: PointRecording) -> FloatArray:
+    """Return vectors from right to left, by the hips and, if they are known, the shoulders."""
+    parts = [part for part in ("hip", "shoulder") if {f"{side}_{part}" for side in SIDES} <= {*recording.names}]
+    return np.sum([recording.path(f"left_{part}") - recording.path(f"right_{part}") for part in parts], axis=0)
+
+
+def _in_space(recording: PointRecording) -> PointRecording:
+    """Return pixels with depth as places in the frame of the camera, [m]."""
+    if recording.depth_m is None:
+        return recording
+    camera, depth_m = recording.camera or MINI_RGBD_CAMERA, recording.depth_m[..., None]
+    flat = (recording.positions - np.asarray(camera.centre_px)) / np.asarray(camera.focal_px) * depth_m
+    return replace(recording, positions=np.concatenate([flat, depth_m], axis=-1), depth_m=None)

@@ -1,0 +1,121 @@
+"""Infants that are filmed while they kick, and files as pose estimators, MINI-RGBD and motion capture write them."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+import mimoc
+from mimoc.motion.body_points import film, locate
+from mimoc.motion.labels import known_name
+from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.motion.points import MINI_RGBD_POINTS
+from mimoc.motion.read_coco import COCO_17
+from mimoc.motion.read_openpose import BODY_25
+
+BODY_25_POINTS = tuple(map(known_name, BODY_25))
+
+
+@cache
+def kicking_model() -> mujoco.MjModel:
+    """Return an infant of three months on a floor."""
+    spec = mimoc.InfantSpec(mimoc=1, name="kicking", age_months=3, senses={"proprioception": {}})
+    return mimoc.make(spec).unwrapped.model
+
+
+def kicking(frames: int, seed: int = 0) -> FloatArray:
+    """Return smooth random joint angles of a supine infant, shape (frames, nq)."""
+    model, generator = kicking_model(), np.random.default_rng(seed)
+    qpos = np.repeat(model.qpos0[None], frames, axis=0)
+    noise = gaussian_filter1d(generator.normal(size=(frames + 60, model.nq)), 8, axis=0)[30:-30]
+    for joint in range(model.njnt):
+        if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
+            at, (low, high) = model.jnt_qposadr[joint], model.jnt_range[joint]
+            share = 0.5 + 0.25 * noise[:, at] / max(noise[:, at].std(), 1e-9)
+            qpos[:, at] = low + (high - low) * share.clip(0.05, 0.95)
+    qpos[:, 3:7] = SUPINE
+    return qpos
+
+
+SUPINE = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
+"""How the root is turned of an infant on its back, as a quaternion."""
+
+
+def filmed(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: int = 0) -> PointRecording:
+    """Return what a camera above sees of it, without depth."""
+    return replace(film(kicking_model(), kicking(frames, seed), 30.0, names), depth_m=None, name="kicking")
+
+
+def in_space(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: int = 0) -> PointRecording:
+    """Return where its points are, z upwards."""
+    places_m = locate(kicking_model(), kicking(frames, seed), names)
+    return PointRecording("kicking", 30.0, names, places_m, np.ones(places_m.shape[:2]))
+
+
+def write_openpose(recording: PointRecording, folder: Path, others: tuple[PointRecording, ...] = ()) -> Path:
+    """Write BODY_25 as OpenPose does, a file for each frame, with other persons before the infant."""
+    folder.mkdir()
+    tables = [_table(person, BODY_25_POINTS) for person in (*others, recording)]
+    empty = {f"{part}_keypoints_{dimension}": [] for part in ("face", "hand_left") for dimension in ("2d", "3d")}
+    for frame in range(recording.frames):
+        people = [{"person_id": [-1], "pose_keypoints_2d": table[frame], **empty} for table in tables]
+        content = json.dumps({"version": 1.3, "people": people}, separators=(",", ":"))
+        (folder / f"film_{frame:012d}_keypoints.json").write_text(content)
+    return folder
+
+
+def coco_entries(recording: PointRecording, **keys: object) -> list[dict[str, object]]:
+    """Return results for each frame, as COCO's evaluation and AlphaPose have them."""
+    table = _table(recording, COCO_17)
+    return [
+        {"image_id": frame, "category_id": 1, "keypoints": row, "score": 0.9, **keys} for frame, row in enumerate(table)
+    ]
+
+
+def write_coco(recording: PointRecording, path: Path) -> Path:
+    """Write COCO-17: one file, or a folder with one for each frame."""
+    entries = coco_entries(recording)
+    if path.suffix:
+        path.write_text(json.dumps(entries))
+        return path
+    path.mkdir()
+    for frame, entry in enumerate(entries):
+        (path / f"{frame:06d}.json").write_text(json.dumps([entry]))
+    return path
+
+
+def write_pairs(recording: PointRecording, path: Path) -> Path:
+    """Write the form of public keypoints of MINI-RGBD: semicolons, and cells of x and y."""
+    rows = [[f"{frame:05d}.png", *(f"{x!r},{y!r}" for x, y in row)] for frame, row in enumerate(recording.positions.tolist())]
+    path.write_text("\n".join(";".join(row) for row in [["image", *recording.names], *rows]))
+    return path
+
+
+def write_c3d(recording: PointRecording, path: Path, labels: tuple[str, ...] = (), unit: str = "mm") -> Path:
+    """Write markers, as laboratories of motion capture do; `ezc3d` must be installed."""
+    import ezc3d
+
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [recording.rate_hz]
+    file["parameters"]["POINT"]["LABELS"]["value"] = list(labels or recording.names)
+    file["parameters"]["POINT"]["UNITS"]["value"] = [unit]
+    places = recording.positions.transpose(2, 1, 0) * {"mm": 1000, "m": 1}[unit]
+    file["data"]["points"] = np.concatenate([places, np.ones((1, *places.shape[1:]))])
+    file.write(str(path))
+    return path
+
+
+def _table(recording: PointRecording, names: tuple[str, ...]) -> list[list[float]]:
+    """Return x, y and confidence of some points in each frame, one after the other; three zeros of those not seen."""
+    table = np.zeros((recording.frames, len(names), 3))
+    for index, name in enumerate(names):
+        if name in recording.names:
+            at = recording.names.index(name)
+            seen = np.isfinite(recording.positions[:, at]).all(axis=1)
+            table[seen, index, :2] = recording.positions[seen, at]
+            table[seen, index, 2] = recording.confidence[seen, at]
+    return table.reshape(recording.frames, -1).round(3).tolist()
