@@ -31,7 +31,8 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
     Made from a spec, it can be given another scene whenever it is reset: `reset(options={"scene_seed": 7})`.
 
     Args:
-        source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec.
+        source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec. The folder
+            of a recording, such as `mimoc retarget` writes, stands for the infant that was recorded.
         options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
             the infant's task (see `mimoc.tasks.task`); `senses`, a dictionary of objects to sense with besides the
             infant's senses (see `mimoc.senses.custom`); and `max_episode_steps` for Gymnasium.
@@ -117,7 +118,11 @@ def prepared(
         from mimoc.compiler import loading
 
         return _compiled(loading.load_spec(source), like, alone)
-    return _opened(source if isinstance(source, Bundle) else read_bundle(source))
+    if isinstance(source, Bundle):
+        return _opened(source)
+    from mimoc.recording.folder import read_infant
+
+    return _opened(read_infant(source))
 
 
 def make_task(

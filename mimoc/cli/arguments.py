@@ -22,11 +22,15 @@ InfantPath = Annotated[
     Path,
     typer.Argument(
         metavar="INFANT",
-        help="Bundle folder written by `mimoc build`, or a spec (.yaml, or `-` for standard input) to build in memory.",
+        help="Bundle folder written by `mimoc build`, one written by `mimoc retarget`, or a spec (.yaml, or `-` for "
+        "standard input) to build in memory.",
     ),
 ]
 RecordingPath = Annotated[
-    Path, typer.Argument(metavar="RECORDING", help="Folder written by `mimoc run` or `mimoc train` with `--record`.")
+    Path,
+    typer.Argument(
+        metavar="RECORDING", help="Folder written by `mimoc retarget`, or by `mimoc run` or `train` with `--record`."
+    ),
 ]
 
 
@@ -62,21 +66,22 @@ def load_spec(path: Path) -> "InfantSpec":
 
 
 def load_infant(path: Path) -> "Bundle":
-    """Return the bundle in a folder, or the bundle built from a spec in a file or, for `-`, in standard input.
+    """Return the bundle in a folder, or of a recording, or built from a spec: of a file or, for `-`, standard input.
 
     Raises:
         BundleError: If the folder is not an intact bundle.
+        RecordingError: If the folder is a recording that is damaged, or of several infants.
         SpecError: If the spec cannot be built.
         ModelError: If MuJoCo rejects the model.
     """
-    from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
     from mimoc.compiler import loading, pipeline
+    from mimoc.recording.folder import read_infant
 
     if path.is_file() and path.suffix.lower() not in loading.SPEC_SUFFIXES:
         raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
     if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
-        return read_bundle(path)
+        return read_infant(path)
     spec = load_spec(path)
     with console.progress("building") as show:
         return pipeline.build(spec, progress=show)

@@ -5,7 +5,21 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli import bundles, cohort, doctor, movement, new, pages, pictures, recordings, run, train, validate, view
+from mimoc.cli import (
+    bundles,
+    cohort,
+    doctor,
+    movement,
+    new,
+    pages,
+    pictures,
+    recordings,
+    retarget,
+    run,
+    train,
+    validate,
+    view,
+)
 from mimoc.version import __version__
 
 app = typer.Typer(
@@ -49,6 +63,7 @@ COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
     "see": (pictures.see, "out/nine_months -o seen.png --pose sitting --ages 1,3,9"),
     "view": (view.view, "nine_months.yaml -o infant.html"),
     "rooms": (pictures.rooms, "playroom.yaml --seeds 0:12 -o rooms.png"),
+    "retarget": (retarget.retarget, "keypoints.csv -o out/kim --age 3 --rate 30"),
     "replay": (recordings.replay, "recordings/random"),
     "export": (recordings.export, "recordings/random --to csv -o out/random_csv"),
     "import": (new.import_config, "babybench config.yml -o self_touch.yaml"),

@@ -116,6 +116,15 @@ def print_run(summary: Summary) -> None:
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
 
 
+def print_joints(policy: object) -> None:
+    """Print how each joint followed a motion, if that is what a policy did."""
+    if (followed := getattr(policy, "followed", None)) is not None:
+        table = new_table(*followed.headings, title="How each joint followed the motion")
+        for row in followed.rows():
+            table.add_row(*row)
+        open_console().print(table)
+
+
 def print_check(check: PoseCheck) -> None:
     """Print the result for a pose."""
     verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")

@@ -3,11 +3,14 @@
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
+from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant, load_trained
 from mimoc.cli.terminal import printable
@@ -17,6 +20,7 @@ from mimoc.policies.spec import usage
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
+    from mimoc.policies.policy import PolicyMaker
     from mimoc.recording.record import Watch
     from mimoc.runtime.rollout import Run
 
@@ -33,6 +37,22 @@ VideoFile = Annotated[
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
 ]
+Steps = Annotated[
+    int | None, typer.Option(min=1, help="Number of control steps to run; default: 1000, or a whole motion.")
+]
+
+
+class Root(StrEnum):
+    """How the trunk moves while a motion is followed."""
+
+    FREE = "free"
+    ASSISTED = "assisted"
+
+
+RootOption = Annotated[
+    Root | None, typer.Option(help="For `motion`: the trunk is `free`, the default, or `assisted` by a wrench.")
+]
+MOTION, STEPS = "motion", 1000
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training.")
 ]
@@ -41,7 +61,8 @@ OwnTask = Annotated[
 def run(
     infant: InfantPath,
     policy: Annotated[str, typer.Option(help=POLICIES_HELP)] = "random",
-    steps: Annotated[int, typer.Option(min=1, help="Number of control steps to run.")] = 1000,
+    steps: Steps = None,
+    root: RootOption = None,
     seed: Seed = 0,
     task: OwnTask = None,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
@@ -63,7 +84,7 @@ def run(
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
-        act = policy_of(env, policy, load_trained)  # Refuses bad names before anything is written.
+        act = policy_of(env, _chosen(policy, infant, root), load_trained)  # Refuses bad names before writing anything.
         if record:
             from mimoc.recording.recorder import Recording
 
@@ -72,10 +93,23 @@ def run(
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
         written = [path for path in (video, record) if path]
-        _run(rollout, steps, filmed, written)
+        _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     console.print_run(rollout.summary())
+    console.print_joints(act)
     for path in written:
         print(printable(path))
+
+
+def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":
+    """Return what is said of a policy; `motion` alone follows the motion in the infant's own folder."""
+    name, _, folder = policy.partition(":")
+    if name != MOTION or "+" in policy:
+        if root:
+            raise MimocError("--root says how the trunk follows a motion; choose --policy motion, and no other")
+        return policy
+    from mimoc.policies import motion
+
+    return partial(motion.bind, text=folder or str(infant), root=(root or Root.FREE).value)
 
 
 def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | None]", written: Sequence[Path]) -> None:

@@ -7,6 +7,7 @@ EARLIER = "recording"
 _OWN = (
     ExporterKind("minari", "needs `mimoc[minari]`", "mimoc.exporters.minari", is_uniform=True),
     ExporterKind("lerobot", "version 3", "mimoc.exporters.lerobot", is_uniform=True),
+    ExporterKind("mjlab", "motions for its tracking tasks", "mimoc.exporters.mjlab"),
     ExporterKind("csv", "tables of text", "mimoc.exporters.csv_tables"),
     ExporterKind(EARLIER, "converts one that an older mimoc made", "mimoc.exporters.earlier"),
 )

@@ -26,5 +26,6 @@ POLICIES: Kinds[PolicyKind] = Kinds(
             argument="[MONTHS]",
             many="mimoc.policies.reflexes.binding",
         ),
+        "motion": PolicyKind("motion", "follows a recorded motion; not for servos", "mimoc.policies.motion", "DIR"),
     },
 )

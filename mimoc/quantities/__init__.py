@@ -29,6 +29,14 @@ def measured_in(step: str) -> list[Quantity]:
     return [quantity for quantity in QUANTITIES.values() if step in quantity.steps]
 
 
+UNITS = {"deg": "°", "m": "m", "n": "N", "nm": "N m", "s": "s", "weights": "body weights"}
+"""Units of numbers that are no quantities of mimoc's, by the last word of their names."""
+
+
 def quantity_of(name: str) -> Quantity:
-    """Return a quantity, or for the name of anything else one without unit that is called by this name's words."""
-    return QUANTITIES[name] if name in QUANTITIES else Quantity(name, (name[:1].upper() + name[1:]).replace("_", " "))
+    """Return a quantity; for the name of anything else, one that is called by this name's words, the last its unit."""
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    words, _, unit = name.rpartition("_")
+    label = words if words and unit in UNITS else name
+    return Quantity(name, (label[:1].upper() + label[1:]).replace("_", " "), UNITS.get(unit, "") if words else "")

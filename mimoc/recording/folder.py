@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
-from mimoc.bundle.io import LOCK, Bundle, write_bundle
+from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
 from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
 from mimoc.version import __version__
@@ -228,6 +228,22 @@ def _remove(episode: EpisodeFiles) -> None:
 def bundle_folder(folder: Path, bundle_digest: str) -> Path:
     """Return where the bundle of a digest is."""
     return folder / BUNDLES / bundle_digest.removeprefix("sha256:")[:DIGITS]
+
+
+def read_infant(path: str | Path) -> Bundle:
+    """Return the bundle in a folder, or that of the infant whose recording, or retargeted recording, is in it.
+
+    Raises:
+        BundleError: If the folder is not an intact bundle, and no recording.
+        RecordingError: If the recording is damaged, or of several infants side by side.
+    """
+    folder = Path(path).expanduser()
+    if not os.path.lexists(folder / RECORDING):
+        return read_bundle(folder)
+    infants = description_in(folder).infants
+    if len(infants) > 1:
+        raise RecordingError(f"{folder}: {len(infants)} infants are recorded here; name a folder in its {BUNDLES}")
+    return read_bundle(bundle_folder(folder, infants[0].bundle))
 
 
 def digest(bundle: Bundle) -> str:

@@ -17,6 +17,7 @@ from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
+from mimoc.viewer.filmed_points import points_of
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.page import Progress, describe, fill
 
@@ -74,6 +75,7 @@ def describe_episode(
             "pictures": dict(_videos(episode)),
             "picture_s": episode.step_ms / 1000,
             "stride": film.stride,
+            "points": points_of(recording.path) if (episode.infant, episode.number) == (0, 0) else None,
         },
     }
     return data, str(replayed) if replayed.difference else None

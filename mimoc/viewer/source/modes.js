@@ -40,6 +40,7 @@ export function addModes(app, document) {
     press(name);
     for (const [each, mode] of Object.entries(modes)) mode.row.hidden = each !== name;
     app.eyes.recorded = name === "recording" ? app.recording.videos : [];
+    app.recording?.points?.hide(name !== "recording");
     app.showEyes(app.eyes.shown);
     modes[name].enter();
     app.look();

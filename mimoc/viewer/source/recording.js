@@ -1,6 +1,7 @@
 // Replaying a recorded episode: motion, touch, what the eyes saw, and any number that was recorded as a curve.
 
 import { drawing, element, section, sentence, timeline } from "./elements.js";
+import { Points } from "./points.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM] = [290, 90, 34, 14];
 const STRONG = 0.98; // Share of forces that are less than what is shown in the last colour.
@@ -13,6 +14,7 @@ export class Recording {
     const forces = recording.felt ? Float32Array.from(recording.felt.forces_n.values).sort() : [];
     this.most = forces[Math.floor(STRONG * forces.length)] || 1;
     this.videos = this.#videos();
+    this.points = recording.points && new Points(app, recording.points);
     this.curves = [new Curve(this, "touch"), new Curve(this, "proprioception")];
     const last = this.seconds.at(-1);
     this.slider = timeline({
@@ -30,7 +32,7 @@ export class Recording {
   get panel() {
     const { episode, infant } = this.recording;
     const text = `${infant === null ? "" : `Infant ${infant}, `}episode ${episode}: ${this.seconds.at(-1).toFixed(1)} s.`;
-    const found = section("Recording", element("p", { className: "note", textContent: text.replace(/^e/, "E") }), ...this.curves.map(({ figure }) => figure));
+    const found = section("Recording", element("p", { className: "note", textContent: text.replace(/^e/, "E") }), ...(this.points ? [this.points.control] : []), ...this.curves.map(({ figure }) => figure));
     found.id = "recording";
     return found;
   }
@@ -80,6 +82,7 @@ export class Recording {
       app.touch.setForces(recording.felt.points.values.subarray(first, end), recording.felt.forces_n.values.subarray(first, end), this.most);
     }
     for (const { video } of this.videos) video.currentTime = (frame * recording.stride + 0.5) * recording.picture_s;
+    this.points?.show(this.seconds[frame]);
     for (const curve of this.curves) curve.show(frame);
     app.show(recording.qpos.values.slice(frame * width, (frame + 1) * width));
   }

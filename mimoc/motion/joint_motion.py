@@ -1,0 +1,201 @@
+"""Motions of a body: the angles of its joints over time, between frames as well, and the files that keep them.
+
+Between frames, places and angles follow cubic splines, and rotations of free joints a spline with continuous angular
+acceleration (SciPy's `RotationSpline`); both pass through every frame.
+"""
+
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, RotationSpline
+
+from mimoc.base.errors import MimocError
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+MOTION = "motion.npz"
+"""Name of the file in the folder of a retargeted recording."""
+MOST_BYTES = 2**28
+"""Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB."""
+FREE, HINGE = 7, 1
+"""Numbers of a configuration that a free joint and a hinge have."""
+FREE_SPEEDS = 6
+TURN = slice(3, 7)
+"""Where the quaternion of a free joint is among its numbers: w, x, y, z."""
+FIXED_ORDER = [1, 2, 3, 0]
+"""From MuJoCo's order of a quaternion to SciPy's."""
+_ADVICE = "write it again with 'mimoc retarget'"
+
+
+@dataclass(frozen=True, slots=True)
+class States:
+    """A motion at n times: configurations, velocities and accelerations, as MuJoCo has them.
+
+    Those of free joints are linear in the world's frame, and angular in the body's.
+    """
+
+    qpos: FloatArray
+    """Shape (n, nq)."""
+    qvel: FloatArray
+    """Shape (n, nv)."""
+    qacc: FloatArray
+    """Shape (n, nv)."""
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """A motion of j joints over t frames.
+
+    Example:
+        >>> import numpy as np
+        >>> from mimoc.motion.joint_motion import JointMotion
+        >>> motion = JointMotion(30.0, ("elbow",), np.sin(np.arange(4.0))[:, None])
+        >>> motion.seconds
+        0.1
+    """
+
+    rate_hz: float
+    """Frames per second."""
+    joints: tuple[str, ...]
+    """Names of the joints: free joints and hinges."""
+    qpos: FloatArray
+    """Their configurations, one after another, shape (t, nq): 7 numbers of a free joint [m, quaternion], one of a hinge
+    [rad]."""
+    free: tuple[str, ...] = ()
+    """Which of the joints are free."""
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first to the last frame."""
+        return (len(self.qpos) - 1) / self.rate_hz
+
+    @cached_property
+    def _splines(self) -> list[Any]:
+        """The spline of each joint's place or angle, and of each free joint's rotation."""
+        times_s, splines, first = np.arange(len(self.qpos)) / self.rate_hz, list[Any](), 0
+        for joint in self.joints:
+            if joint in self.free:
+                turns = Rotation.from_quat(self.qpos[:, first : first + FREE][:, TURN][:, FIXED_ORDER])
+                splines.append((CubicSpline(times_s, self.qpos[:, first : first + 3]), RotationSpline(times_s, turns)))
+                first += FREE
+            else:
+                splines.append(CubicSpline(times_s, self.qpos[:, first : first + HINGE]))
+                first += HINGE
+        return splines
+
+    def at(self, times_s: FloatArray) -> States:
+        """Return the motion at n times from the first frame on, shape (n,); before and after it, nothing moves on.
+
+        Velocities and accelerations beyond the last frame are zero.
+        """
+        inside = np.clip(times_s, 0.0, self.seconds)
+        moving = (np.asarray(times_s) <= self.seconds)[:, None]
+        orders = ([_value(spline, inside, order) for spline in self._splines] for order in range(3))
+        qpos, qvel, qacc = (np.concatenate(parts, axis=1) for parts in orders)
+        return States(qpos, qvel * moving, qacc * moving)
+
+    def part(self, stop: int) -> Self:
+        """Return the first frames of it."""
+        return type(self)(self.rate_hz, self.joints, self.qpos[:stop], self.free)
+
+    def places(self, model: mujoco.MjModel) -> tuple[IntArray, IntArray]:
+        """Return where its numbers belong in the configuration and in the velocity of an infant, shape (nq,) and (nv,).
+
+        Raises:
+            MimocError: If the infant lacks one of the joints, or has it of another type.
+        """
+        qpos, speeds = list[int](), list[int]()
+        for name in self.joints:
+            joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+            is_free = name in self.free
+            wanted = mujoco.mjtJoint.mjJNT_FREE if is_free else mujoco.mjtJoint.mjJNT_HINGE
+            if joint < 0 or model.jnt_type[joint] != wanted:
+                raise MimocError(
+                    f"the motion moves the joint '{name}', which this infant does not have; choose an infant with the"
+                    " same parts, and one that is not held, as the motion was fitted to"
+                )
+            qpos += range(model.jnt_qposadr[joint], model.jnt_qposadr[joint] + (FREE if is_free else HINGE))
+            speeds += range(model.jnt_dofadr[joint], model.jnt_dofadr[joint] + (FREE_SPEEDS if is_free else HINGE))
+        return np.array(qpos, np.intp), np.array(speeds, np.intp)
+
+
+def motion_of(model: mujoco.MjModel, root_body: str, qpos: FloatArray, rate_hz: float) -> JointMotion:
+    """Return the motion of an infant in a model, without that of toys, from whole configurations, shape (t, nq)."""
+    root = model.body(root_body).id
+    joints = [joint for joint in range(model.njnt) if model.body_rootid[model.jnt_bodyid[joint]] == root]
+    free = [joint for joint in joints if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE]
+    names = tuple(model.joint(joint).name for joint in joints)
+    motion = JointMotion(rate_hz, names, np.zeros((0, 0)), tuple(model.joint(joint).name for joint in free))
+    return JointMotion(rate_hz, names, np.ascontiguousarray(qpos[:, motion.places(model)[0]]), motion.free)
+
+
+def _value(spline: Any, times_s: FloatArray, order: int) -> FloatArray:
+    """Return a spline, or its first or second derivative, as MuJoCo has it, shape (n, k)."""
+    if isinstance(spline, CubicSpline):
+        return spline(times_s, order)
+    place, turn = spline
+    turned = turn(times_s, order)
+    turned = turned.as_quat()[:, [3, 0, 1, 2]] if order == 0 else turned  # Rates are in the body's frame, as MuJoCo's.
+    return np.concatenate([place(times_s, order), turned], axis=1)
+
+
+def pack_motion(motion: JointMotion) -> bytes:
+    """Return the content of a file that `numpy.load` reads, too."""
+    packed = io.BytesIO()
+    arrays = {"qpos": motion.qpos, "rate_hz": np.float64(motion.rate_hz)}
+    names = {"joints": np.array(motion.joints), "free": np.array(motion.free, dtype="U")}
+    np.savez(packed, allow_pickle=False, **arrays, **names)
+    return packed.getvalue()
+
+
+def read_motion(path: Path) -> JointMotion:
+    """Return the motion in a file, or in the folder of a retargeted recording.
+
+    Raises:
+        MimocError: If there is none, or it is damaged.
+    """
+    file = path / MOTION if path.is_dir() else path
+    arrays = load_arrays(file, _ADVICE)
+    try:
+        joints, free = (tuple(map(str, arrays[name].tolist())) for name in ("joints", "free"))
+        motion = JointMotion(float(arrays["rate_hz"]), joints, np.asarray(arrays["qpos"], np.float64), free)
+        sizes = sum(FREE if joint in free else HINGE for joint in joints)
+        if len(motion.qpos) < 2 or motion.qpos.shape != (len(motion.qpos), sizes) or not 0 < motion.rate_hz < 1e6:
+            raise ValueError
+        if not np.isfinite(motion.qpos).all() or len({*joints}) != len(joints):
+            raise ValueError
+    except (KeyError, ValueError, TypeError):
+        raise MimocError(f"{file}: this is not a motion, or is damaged; {_ADVICE}") from None
+    return motion
+
+
+def load_arrays(file: Path, advice: str) -> Mapping[str, npt.NDArray[Any]]:
+    """Return the arrays of numbers and text in a NumPy archive that no more is unpacked of than `MOST_BYTES`.
+
+    Raises:
+        MimocError: If there is none, or it is damaged; *advice* ends what it says.
+    """
+    try:
+        content = read_regular_file(file, MOST_BYTES)
+    except UnusableFileError as error:
+        raise MimocError(f"{file}: {error}; {advice}") from None
+    if content is None:
+        raise MimocError(f"{file}: the file does not exist; {advice}")
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            if sum(member.file_size for member in archive.infolist()) > MOST_BYTES:
+                raise ValueError("it is too large")
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except Exception:  # Whatever a stranger's archive makes the readers of ZIP and NPY raise.
+        raise MimocError(f"{file}: the file is damaged; {advice}") from None

@@ -1,0 +1,141 @@
+"""A policy that follows a motion, such as that of a filmed infant, by the infant's actuators within its strength."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal, get_args
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.errors import MimocError, check_name
+from mimoc.base.units import ms_to_s
+from mimoc.control.tracking import Body, Demand, Tracker, Wanted
+from mimoc.motion.joint_motion import JointMotion, read_motion
+from mimoc.policies.motion_report import Followed
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.simulation_state import physics_of, set_physics
+from mimoc.senses.sense import FloatArray, Observation
+
+Root = Literal["free", "assisted"]
+"""Whether the trunk moves as the ground and the limbs let it, or a wrench at the root makes it follow, too."""
+
+
+class MotionPolicy:
+    """Follows a motion from its first frame on, until it ends."""
+
+    def __init__(self, env: InfantEnv, motion: JointMotion, root: Root = "free"):
+        """Bind it to an infant.
+
+        Args:
+            env: The infant, with motors or muscles, and all joints of the motion.
+            motion: The motion.
+            root: `free`, or `assisted` by a wrench at the root, which is reported.
+
+        Raises:
+            MimocError: If the infant lacks a joint of the motion, or it is shorter than a control step.
+            ControlError: If the infant has servos.
+            UnknownNameError: If there is no such way for the root to move.
+        """
+        check_name("way for the root to move", root, get_args(Root))
+        self._env, self._motion, self._root = env, motion, root
+        self.whole_steps = int(motion.seconds / ms_to_s(env.manifest.step_ms) + 1e-6)
+        """Control steps of the motion, and of a run that follows all of it; after them, the infant holds the last."""
+        if not self.whole_steps:
+            raise MimocError("the motion is shorter than a control step; take a longer recording")
+        self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+        self._bind()
+
+    def __call__(self, generator: np.random.Generator, observation: Observation) -> npt.NDArray[np.float32]:
+        """Return the action; it depends neither on the generator nor on the observation."""
+        env = self._env
+        if env.model is not self._model:
+            self._bind()  # The scene has changed.
+        if env.steps == 0:
+            self._begin()
+        now_s = env.steps * self._step_s
+        is_moving = env.steps < self.whole_steps
+        missing = self._demand.add(self._at(now_s)) if is_moving else np.zeros(len(self._body.root_speeds))
+        action, wrench = self._tracker(self._at(now_s + self._tracker.lead_s))
+        if self._root == "assisted":
+            self._assist(missing + wrench)
+        if is_moving:
+            self._log(self._at(now_s))
+        return action
+
+    def metrics(self) -> Mapping[str, float]:
+        """Return how well the motion was followed, and what it demands; docs/replay.md says what each number is."""
+        return self.followed.metrics()
+
+    @property
+    def followed(self) -> Followed:
+        """What was followed so far, for tables."""
+        errors_rad, root_errors, applied = (np.array(rows) for rows in self._logged)
+        return Followed(self._body, self._env.manifest, errors_rad, root_errors, applied, self._demand)
+
+    def _bind(self) -> None:
+        env = self._env
+        self._model, self._step_s = env.model, ms_to_s(env.manifest.step_ms)
+        self._places = self._motion.places(env.model)
+        self._tracker = Tracker(env.model, env.data, env.manifest)
+        self._body = Body(env.model, env.manifest)
+        self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
+        times_s = self._step_s * np.arange(self.whole_steps + 2 + round(self._tracker.lead_s / self._step_s))
+        self._states = self._motion.at(times_s)
+
+    def _at(self, time_s: float) -> Wanted:
+        """Return the motion at a time of whole control steps, the rest of the world where it was at the beginning."""
+        model, (angles, speeds) = self._model, self._places
+        step = min(round(time_s / self._step_s), len(self._states.qpos) - 1)
+        qpos, qvel, qacc = self._rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
+        qpos[angles], qvel[speeds], qacc[speeds] = (
+            array[step] for array in (self._states.qpos, self._states.qvel, self._states.qacc)
+        )
+        return Wanted(qpos, qvel, qacc)
+
+    def _begin(self) -> None:
+        """Put the infant where the motion begins, lifted out of the ground, and let it sense that.
+
+        A recording of the run keeps this as a state that was restored.
+        """
+        env, first = self._env, self._at(0.0)
+        env.data.qpos[:], env.data.qvel[:] = first.qpos, first.qvel
+        mujoco.mj_forward(env.model, env.data)
+        env.data.qpos[self._places[0]] += self._lift()
+        set_physics(env.model, env.data, physics_of(env.model, env.data))
+        env.schedule.reset(env.data)
+        env.set_state(env.get_state())
+
+    def _lift(self) -> FloatArray:
+        """Return what to add to the configuration so that nothing is deeper in what does not move than it touches."""
+        model, data, lift = self._model, self._env.data, np.zeros(len(self._places[0]))
+        is_still = model.body_weldid[model.geom_bodyid[data.contact.geom]] == 0
+        depths_m = -data.contact.dist[is_still.any(axis=1)]
+        if self._motion.free and depths_m.size:
+            lift[2] = max(float(depths_m.max()), 0.0)
+        return lift
+
+    def _assist(self, wrench: FloatArray) -> None:
+        """Apply the wrench at the root for the control step to come; recordings keep it as a change of the physics."""
+        model, data = self._model, self._env.data
+        data.qfrc_applied[self._body.root_speeds] = wrench
+        set_physics(model, data, physics_of(model, data))
+
+    def _log(self, wanted: Wanted) -> None:
+        """Keep how far the infant is from the motion and what was applied at its root."""
+        errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
+        mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
+        joint_errors.append(errors[self._body.joints.speeds])
+        root_errors.append(errors[self._body.root_speeds])
+        applied.append(self._env.data.qfrc_applied[self._body.root_speeds].copy())
+
+
+def bind(env: InfantEnv, text: str, root: Root = "free") -> MotionPolicy:
+    """Return the policy for an environment and a motion, which *text* is the path of; see `MotionPolicy`.
+
+    Raises:
+        MimocError: If there is no motion there, and as `MotionPolicy` does.
+    """
+    if not text:
+        raise MimocError("say which motion to follow: --policy motion:DIR, the folder that 'mimoc retarget' wrote")
+    return MotionPolicy(env, read_motion(Path(text).expanduser()), root)
