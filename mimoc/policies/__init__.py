@@ -8,5 +8,11 @@ POLICIES: Kinds[PolicyKind] = Kinds(
         "random": PolicyKind("random", "draws every command uniformly from its range", "mimoc.policies.random"),
         "zero": PolicyKind("zero", "commands zero", "mimoc.policies.zero"),
         "reach": PolicyKind("reach", "reaches by inverse dynamics; not for servos", "mimoc.policies.reach"),
+        "general_movements": PolicyKind(
+            "general_movements",
+            "moves by itself as infants of its age do",
+            "mimoc.policies.general_movements.binding",
+            many="mimoc.policies.general_movements.binding",
+        ),
     },
 )
