@@ -15,8 +15,8 @@ from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.senses.sense import FloatArray
 
 SIDES = ("left", "right")
-BEFORE_S = 1.0
-"""Longest time before and after its peak that belongs to a kick."""
+LONGEST_S = 1.0
+"""Longest time before and after its peak that is searched for the phases of a kick."""
 STILL = 0.1
 """A phase lasts while the leg is faster than this share of the phase's peak speed; a choice of ours."""
 JOINTS = {"hip": ("hip1", -1.0), "knee": ("knee", -1.0), "ankle": ("foot1", 1.0)}
@@ -81,14 +81,14 @@ def kicks_of(leg: LegMotion) -> list[Kick]:
     return [_kick(leg, *map(int, base[:3]), float(base[3])) for base in bases]
 
 
-def phase_frames(speed: FloatArray) -> int:
-    """Return how many frames a phase lasts: around its largest *speed*, above a tenth of it; speed is positive."""
+def phase_of(speed: FloatArray) -> slice:
+    """Return the frames of a phase: those around the largest *speed*, which is positive, above a tenth of it."""
     if not len(speed) or speed.max() <= 0:
-        return 0
+        return slice(0, 0)
     top = int(np.argmax(speed))
     slow = np.flatnonzero(speed < STILL * speed[top])
     before, after = slow[slow < top], slow[slow > top]
-    return int((after[0] if len(after) else len(speed)) - (before[-1] + 1 if len(before) else 0))
+    return slice(int(before[-1]) + 1 if len(before) else 0, int(after[0]) if len(after) else len(speed))
 
 
 def summarise(legs: Mapping[str, LegMotion]) -> dict[str, float]:
@@ -117,17 +117,19 @@ def _means(kicks: Sequence[Kick]) -> dict[str, float]:
 
 
 def _kick(leg: LegMotion, peak: int, left_base: int, right_base: int, size_trunk: float) -> Kick:
-    most = round(BEFORE_S * leg.rate_hz)
-    start, stop = max(left_base, peak - most), min(right_base, peak + most) + 1
+    most = round(LONGEST_S * leg.rate_hz)
+    first, last = max(left_base, peak - most), min(right_base, peak + most) + 1
     speed = np.gradient(leg.length_trunk) * leg.rate_hz
-    angles = {joint: angle[start:stop] for joint, angle in leg.angles_deg.items()}
+    stretch, bend = phase_of(speed[first : peak + 1]), phase_of(-speed[peak:last])
+    part = slice(first + stretch.start, peak + bend.stop)
+    angles = {joint: angle[part] for joint, angle in leg.angles_deg.items()}
     return Kick(
         peak,
         size_trunk,
         {joint: float(np.ptp(angle)) for joint, angle in angles.items()},
-        phase_frames(speed[start : peak + 1]) / leg.rate_hz,
-        phase_frames(-speed[peak:stop]) / leg.rate_hz,
-        float(leg.acceleration_m_s2[start:stop].max()),
+        (stretch.stop - stretch.start) / leg.rate_hz,
+        (bend.stop - bend.start) / leg.rate_hz,
+        float(leg.acceleration_m_s2[part].max()),
         correlation(angles["hip"], angles["knee"]),
         correlation(angles["knee"], angles["ankle"]),
     )
