@@ -12,7 +12,19 @@ from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
 
 EXPERIMENTS: Mapping[str, str] = {
     name: f"mimoc.studies.experiments.{name}"
-    for name in ("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing")
+    for name in (
+        "growth",
+        "strength",
+        "acuity",
+        "delays",
+        "inverse",
+        "rooms",
+        "development",
+        "growing",
+        "kicking",
+        "weights",
+        "stepping",
+    )
 }
 """Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 

@@ -10,7 +10,7 @@ from scipy.signal import butter, find_peaks, sosfiltfilt
 
 from mimoc.motion.body_points import film, locate
 from mimoc.motion.point_recording import CUTOFF_HZ
-from mimoc.movement.measures import KICK_TRUNK, correlation, leg_length
+from mimoc.movement.measures import KICK_TRUNK, MOVING_TRUNK_S, correlation, leg_length
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.senses.sense import FloatArray
 
@@ -32,6 +32,8 @@ class LegMotion:
     """Distance from hip to foot as a camera above sees it, by the length of the trunk, shape (t,)."""
     angles_deg: Mapping[str, FloatArray]
     """By joint, shape (t,) each; bending is positive."""
+    speed_trunk_s: FloatArray
+    """Of the ankle, in space, by the length of the trunk, shape (t,)."""
     acceleration_m_s2: FloatArray
     """Of the ankle, in space, without gravity, shape (t,)."""
 
@@ -64,14 +66,28 @@ def leg_motions(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> dict
         qpos: Its configurations, shape (t, nq).
         rate_hz: Frames per second.
     """
-    body = trunk_paths(film(model, qpos, rate_hz))
+    recording = film(model, qpos, rate_hz)
+    body = trunk_paths(recording)
     ankles_m = _smooth(locate(model, qpos, [f"{side}_ankle" for side in SIDES]), rate_hz)
-    accelerations = np.gradient(np.gradient(ankles_m, axis=0), axis=0) * rate_hz**2
-    sizes = np.linalg.norm(accelerations, axis=-1)
+    velocity = np.gradient(ankles_m, axis=0) * rate_hz
+    speed = np.linalg.norm(velocity, axis=-1) / trunk_m(model, qpos[0])
+    acceleration = np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=-1)
     return {
-        side: LegMotion(rate_hz, leg_length(body, side), _angles_deg(model, qpos, side, rate_hz), sizes[:, slot])
+        side: LegMotion(
+            rate_hz,
+            leg_length(body, side),
+            _angles_deg(model, qpos, side, rate_hz),
+            speed[:, slot],
+            acceleration[:, slot],
+        )
         for slot, side in enumerate(SIDES)
     }
+
+
+def trunk_m(model: mujoco.MjModel, qpos: FloatArray) -> float:
+    """Return the distance from the neck to the middle of the hips in a configuration."""
+    neck, left, right = locate(model, qpos[None], ["neck", "left_hip", "right_hip"])[0]
+    return float(np.linalg.norm(neck - (left + right) / 2))
 
 
 def kicks_of(leg: LegMotion) -> list[Kick]:
@@ -91,16 +107,37 @@ def phase_of(speed: FloatArray) -> slice:
     return slice(int(before[-1]) + 1 if len(before) else 0, int(after[0]) if len(after) else len(speed))
 
 
+def units_of(leg: LegMotion) -> list[tuple[float, float]]:
+    """Return duration, [s], and largest acceleration, [m/s²], of all movement units of a leg, however small.
+
+    A unit is a maximum of the ankle's speed, of the least height and prominence that `mimoc movement` asks for, from
+    the minimum before it to the one after it.
+    """
+    speed = leg.speed_trunk_s
+    lows = find_peaks(-speed)[0]
+    units = []
+    for top in find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]:
+        after = int(np.searchsorted(lows, top))
+        if 0 < after < len(lows):
+            start, stop = lows[after - 1], lows[after]
+            units.append(((stop - start) / leg.rate_hz, leg.acceleration_m_s2[start : stop + 1].max()))
+    return [(float(duration_s), float(peak_m_s2)) for duration_s, peak_m_s2 in units]
+
+
 def summarise(legs: Mapping[str, LegMotion]) -> dict[str, float]:
     """Return the measures of kicking of both legs; those of kicks are left out if there are none."""
     kicks = {side: kicks_of(leg) for side, leg in legs.items()}
     left, right = (legs[side].length_trunk for side in SIDES)
     minutes = len(left) / legs["left"].rate_hz / 60
     every = [kick for side in SIDES for kick in kicks[side]]
+    units = [unit for side in SIDES for unit in units_of(legs[side])]
     return {
         "rate_per_min": len(every) / len(SIDES) / minutes,
         "left_right_r": correlation(left, right),
         **(_means(every) if every else {}),
+        **(
+            {"unit_s": fmean(unit[0] for unit in units), "unit_m_s2": fmean(unit[1] for unit in units)} if units else {}
+        ),
     }
 
 
@@ -138,8 +175,7 @@ def _kick(leg: LegMotion, peak: int, left_base: int, right_base: int, size_trunk
 def _angles_deg(model: mujoco.MjModel, qpos: FloatArray, side: str, rate_hz: float) -> dict[str, FloatArray]:
     addresses = {joint: model.joint(f"robot:{side}_{hinge}").qposadr[0] for joint, (hinge, _) in JOINTS.items()}
     return {
-        joint: JOINTS[joint][1] * _smooth(np.degrees(qpos[:, address]), rate_hz)
-        for joint, address in addresses.items()
+        joint: JOINTS[joint][1] * _smooth(np.degrees(qpos[:, address]), rate_hz) for joint, address in addresses.items()
     }
 
 
