@@ -8,7 +8,6 @@ from pathlib import Path
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, open_infant
 from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test

@@ -12,10 +12,11 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler import pipeline
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones.infant import FIXED_ARMATURE
 
 SIDES = ("left", "right")
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
+HELD_ARMATURE = 1e9
+"""Armature of degrees of freedom that are held, in [kg] and [kg m²]: an infant of 5 kg sinks by .1 mm in a minute."""
 MONTHS_PER_WEEK = 12 / 52.1775
 """Ages of the literature are in weeks."""
 MOBILE, RIBBON = "mobile", "ribbon"
@@ -57,10 +58,14 @@ def open_infant(setup: Setup) -> InfantEnv:
     return InfantEnv(Variant(bundle, model))
 
 
-def tie_ribbon(env: InfantEnv) -> None:
-    """Make the ribbon as long as its way from the ankle to the mobile is now: it is straight, and pulls nothing."""
-    ribbon = env.model.tendon(RIBBON).id
-    env.model.tendon_range[ribbon, 1] = env.data.ten_length[ribbon]
+def ribbon_m(env: InfantEnv) -> float:
+    """Return the length of the way from the ankle through the ring to the mobile."""
+    return float(env.data.ten_length[env.model.tendon(RIBBON).id])
+
+
+def tie_ribbon(env: InfantEnv, length_m: float) -> None:
+    """Give the ribbon a length: while its way is shorter, it is slack and pulls nothing."""
+    env.model.tendon_range[env.model.tendon(RIBBON).id, 1] = length_m
 
 
 def mobile_speed_m_s(env: InfantEnv) -> float:
@@ -127,4 +132,4 @@ def _hold(model: mujoco.MjModel) -> None:
     free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
     held = np.ones(model.nv, bool)
     held[[int(model.joint(name).dofadr[0]) for name in free]] = False
-    model.dof_armature[held] = FIXED_ARMATURE
+    model.dof_armature[held] = HELD_ARMATURE

@@ -16,9 +16,9 @@ from mimoc.studies.experiments.legs.infants import SIDES, Setup, open_infant
 from mimoc.studies.experiments.legs.trials import Result
 from mimoc.studies.experiments.legs.water import Water
 
-SHARE, SPREAD = 0.35, 0.5
-"""Median activation of the muscles that bend a leg, and the standard deviation of its logarithm: fitted, so that newborns step
-about as often as published, and every step is not the same."""
+SHARE, SPREAD = 0.13, 0.5
+"""Median activation of the muscles that bend a leg, fitted, so that newborns step about as often as published, and the
+standard deviation of its logarithm, a guess."""
 BURST_S = 0.6
 """How long the muscles of a step are active; flexion of a kick takes .3 to .4 s, and it has to be put down again."""
 TRIES_PER_MIN = 24.0
@@ -26,7 +26,8 @@ TRIES_PER_MIN = 24.0
 UNEVEN = 0.2
 """Standard deviation of the logarithm of the time between two tries; a guess."""
 BENDING = {"hip_flex_negative": 1.0, "knee_negative": 0.7, "foot_flexion_positive": 0.5}
-"""Muscles of a step, after the side, by the activation of the hip's: all bend (Thelen & Fisher 1982); sizes are a guess."""
+"""Muscles of a step, after the side, by the activation of the hip's: all bend (Thelen & Fisher 1982, from memory); sizes
+are a guess."""
 STRETCHING = {"hip_flex_positive": 1.0, "knee_positive": 1.0}
 """Muscles that stretch a leg while it is not lifted, as newborns bear weight on their legs (positive support)."""
 STANCE = 0.15

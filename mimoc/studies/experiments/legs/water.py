@@ -20,13 +20,13 @@ ADDED = 1.0
 class Water:
     """Forces of water on both legs.
 
-    On a part of mass m and velocity v of its centre of mass act
+    On a part of mass m and velocity v of its centre of mass act, with r the density of water by that of the leg,
 
-        buoyancy (m + a) g ρ_w / ρ_b' upwards, so that its weight in water is m g (1 - ρ_w / ρ_b),
-        drag -½ ρ_w c A |v| v,
+        buoyancy  m g r  upwards, so that its weight in water is m g (1 - r), and
+        drag      -½ d c A |v| v,  with the density d of water, and c = DRAG,
 
-    and the water that it moves along, a = ADDED m ρ_w / ρ_b, is added to its mass, but has no weight. A is the broadside
-    of the box that has its mass and inertia. Water up to the chest covers the legs wholly, whatever they do.
+    and a = ADDED m r of water moves along with it: a is added to its mass, but has no weight. A is the broadside of the
+    box that has its mass and inertia. Water up to the chest covers the legs wholly, whatever they do.
     """
 
     def __init__(self, model: mujoco.MjModel):
