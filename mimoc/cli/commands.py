@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli import bundles, cohort, doctor, new, pages, pictures, recordings, run, train, validate, view
+from mimoc.cli import bundles, cohort, doctor, movement, new, pages, pictures, recordings, run, train, validate, view
 from mimoc.version import __version__
 
 app = typer.Typer(
@@ -40,6 +40,7 @@ COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
     "validate": (validate.validate, "--against who --plot growth.png"),
     "run": (run.run, "out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"),
     "train": (train.train, "reach.yaml -o runs/reach --algo ppo --steps 4096"),
+    "movement": (movement.movement, "nine_months.yaml --policy random --seeds 0:2 --seconds 9 --against real"),
     "experiment": (pages.experiment, "growth -o out/growth --quick"),
     "check": (bundles.check, "out/nine_months"),
     "explain": (bundles.explain, "out/nine_months body.left_foot.mass"),

@@ -1,6 +1,7 @@
 """The measures of movement of one recording."""
 
 import numpy as np
+import numpy.typing as npt
 from scipy.signal import find_peaks, welch
 from scipy.stats import kurtosis
 
@@ -8,6 +9,8 @@ from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.trunk_frame import TrunkPaths, trunk_paths
 from mimoc.quantities.movement import CORE
+
+IntArray = npt.NDArray[np.integer]
 
 MOVING_TRUNK_S = 0.25
 """A limb that is faster moves."""
@@ -22,15 +25,6 @@ ENTROPY_HZ = 10.0
 LIMB_POINTS = "hand", "elbow", "foot", "knee"
 
 
-def measure_movement(recording: PointRecording) -> dict[str, float]:
-    """Return all measures of movement of a recording, by the name of the quantity.
-
-    Raises:
-        MovementError: If points are missing, or it is too slow or too short.
-    """
-    return core_measures(recording)
-
-
 def core_measures(recording: PointRecording) -> dict[str, float]:
     """Return the 21 measures that infants are compared by, in the order of `mimoc.quantities.movement.CORE`.
 
@@ -43,16 +37,22 @@ def core_measures(recording: PointRecording) -> dict[str, float]:
 def core_of(body: TrunkPaths) -> dict[str, float]:
     """Return the 21 measures of paths in the frame of the trunk."""
     values = [value for part in ("hand", "foot") for value in _of_ends(body, part)]
-    kicks = [len(find_peaks(leg_length(body, side), prominence=KICK_TRUNK)[0]) for side in SIDES]
+    kicks = [len(find_peaks(length, prominence=KICK_TRUNK)[0]) for length in leg_lengths(body)]
     values.append(float(np.mean(kicks)) / body.minutes)
     sides = zip(body.both("hand"), body.both("foot"), strict=True)
     values += [float(np.mean([correlation(hand, foot) for hand, foot in sides])), _dimensions(body)]
     return dict(zip((quantity.name for quantity in CORE), values, strict=True))
 
 
-def leg_length(body: TrunkPaths, side: str) -> FloatArray:
-    """Return the distance from hip to foot, shape (t,), [trunk]."""
-    return np.linalg.norm(body.paths[f"{side}_foot"] - body.paths[f"{side}_hip"], axis=1)
+def leg_lengths(body: TrunkPaths) -> list[FloatArray]:
+    """Return the distance from hip to foot of both legs, shape (t,) each, [trunk]."""
+    pairs = zip(body.sides("foot"), body.sides("hip"), strict=True)
+    return [np.linalg.norm(foot - hip, axis=1) for foot, hip in pairs]
+
+
+def movement_units(speed: FloatArray) -> IntArray:
+    """Return the frames of the maxima of the speed that are movement units, [trunk/s]."""
+    return find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]
 
 
 def sample_entropy(values: FloatArray, length: int = 2, tolerance: float = 0.2) -> float:
@@ -84,9 +84,9 @@ def correlation(first: FloatArray, second: FloatArray) -> float:
 
 def _of_ends(body: TrunkPaths, part: str) -> list[float]:
     """Return what is measured of both hands or feet."""
-    both, paths = body.both(part), [body.paths[f"{side}_{part}"] for side in SIDES]
+    both, paths = body.both(part), body.sides(part)
     every = max(1, round(body.rate_hz / ENTROPY_HZ))
-    peaks = [len(find_peaks(one, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]) for one in both]
+    peaks = [len(movement_units(speed)) for speed in both]
     return [
         float(np.median(both)),
         float(np.percentile(both, 95)),

@@ -24,8 +24,9 @@ class Sample:
 
     @classmethod
     def of(cls, measures: Sequence[Mapping[str, float]], name: str = "sample") -> "Sample":
-        """Return the sample of at least two infants, from the measures of each."""
-        values = {key: np.array([one[key] for one in measures]) for key in measures[0]}
+        """Return the sample of at least two infants, by the measures that all of them have."""
+        names = [key for key in measures[0] if all(key in one for one in measures)]
+        values = {key: np.array([one[key] for one in measures]) for key in names}
         means = {key: float(one.mean()) for key, one in values.items()}
         return cls(name, len(measures), means, {key: float(one.std(ddof=1)) for key, one in values.items()})
 

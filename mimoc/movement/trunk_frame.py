@@ -14,10 +14,11 @@ LEAST_RATE_HZ = 2.5 * CUTOFF_HZ
 LEAST_S = 2.0
 """Shorter recordings have too few movements to measure."""
 STAND_INS: Mapping[str, tuple[str, ...]] = {"hand": ("wrist",), "foot": ("big_toe", "ankle")}
-"""What is measured where a pose estimator does not know a hand or a foot, the best first."""
+"""What is measured where a pose estimator does not know a hand or a foot, the best first. Wrists and ankles move less:
+speeds come out lower."""
 _NEEDED = ("neck", *(f"{side}_{part}" for side in SIDES for part in ("elbow", "hand", "hip", "knee", "foot")))
 """Points that every measure can rely on."""
-_WANTED = {*_NEEDED, "left_shoulder", "right_shoulder"}
+_WANTED = {*_NEEDED, "left_shoulder", "right_shoulder", "head", "nose"}
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,10 @@ class TrunkPaths:
     def minutes(self) -> float:
         """Duration of the recording."""
         return len(self.paths["neck"]) / self.rate_hz / 60
+
+    def sides(self, part: str) -> list[FloatArray]:
+        """Return the paths of a part on the left and on the right, shape (t, 2) each, [trunk]."""
+        return [self.paths[f"{side}_{part}"] for side in SIDES]
 
     def both(self, part: str) -> FloatArray:
         """Return the speeds of a part on both sides, shape (2, t), [trunk/s]."""
@@ -92,11 +97,15 @@ def _with_stand_ins(recording: PointRecording) -> PointRecording:
     missing = [name for name in _NEEDED if name not in names]
     if missing:
         raise MovementError(f"{recording.name}: has no {', '.join(missing)}; measures of movement need all of them")
-    seen = np.isfinite(kept.positions).all(axis=-1).any(axis=0)
-    unseen = [name for name, is_seen in zip(names, seen, strict=True) if name in _NEEDED and not is_seen]
+    seen: FloatArray = np.isfinite(kept.positions).all(axis=-1).max(axis=0, initial=False)
+    unseen = [name for index, name in enumerate(names) if name in _NEEDED and not seen[index]]
     if unseen:
         raise MovementError(f"{recording.name}: {', '.join(unseen)} never seen; measures of movement need all of them")
-    return PointRecording(recording.name, recording.rate_hz, names, kept.positions, kept.confidence)
+    used = [index for index, name in enumerate(names) if seen[index]]
+    positions, confidence = kept.positions[:, used], kept.confidence[:, used]
+    return PointRecording(
+        recording.name, recording.rate_hz, tuple(names[index] for index in used), positions, confidence
+    )
 
 
 def _check(recording: PointRecording) -> None:

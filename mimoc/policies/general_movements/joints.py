@@ -12,6 +12,12 @@ from mimoc.senses.sense import FloatArray, IntArray
 
 LIMBS = ("right_arm", "left_arm", "right_leg", "left_leg", "trunk", "head")
 """What moves by itself: bursts begin in each of them, or in several at once."""
+ARMS, LEGS, TRUNK, IS_LEFT = np.array(
+    [[1, 1, 0, 0, 0, 0], [0, 0, 1, 1, 0, 0], [0, 0, 0, 0, 1, 1], [0, 1, 0, 1, 0, 0]], np.float64
+)
+"""1 for each of `LIMBS` that is an arm, a leg, trunk or head, or on the left; else 0."""
+OTHER_SIDE = np.array([0, 0, 2, 2, 4, 5], np.intp)
+"""For a limb on the left, the same on the right, as an index in `LIMBS`."""
 ARM: Mapping[str, float] = {
     "shoulder_horizontal": 0.8,
     "shoulder_ad_ab": 0.3,
@@ -35,8 +41,8 @@ LEG: Mapping[str, float] = {
     "big_toe": 0.0,
 }
 """The same of a leg: hip and knee bend and the foot goes up (Thelen & Fisher 1983)."""
-TRUNK: Mapping[str, float] = {"hip_bend1": 1.0, "hip_lean1": 0.0, "hip_rot1": 0.0}
-HEAD: Mapping[str, float] = {"head_tilt": 1.0, "head_tilt_side": 0.0, "head_swivel": 0.0}
+SPINE: Mapping[str, float] = {"hip_bend1": 1.0, "hip_lean1": 0.0, "hip_rot1": 0.0}
+NECK: Mapping[str, float] = {"head_tilt": 1.0, "head_tilt_side": 0.0, "head_swivel": 0.0}
 DISTAL = frozenset({"hand1", "hand2", "hand3", "fingers", "foot1", "foot2", "foot3", "toes", "big_toe"})
 FINGERS = ("ff_", "mf_", "rf_", "lf_", "th_")
 """Prefixes of the joints of five fingers, which are what `fingers` is to mittens."""
@@ -45,6 +51,8 @@ POSTURES: Mapping[str, Mapping[str, float]] = {
     "arms_bent": {"elbow": -1.0},
     "legs_bent": {"hip1": -1.0},
     "knees_bent": {"knee": -1.0},
+    "legs_in": {"hip2": 1.0},
+    "legs_out": {"hip3": 1.0},
 }
 """The joints of each posture of `Law`."""
 GOALS: tuple[Mapping[str, float], ...] = (
@@ -112,7 +120,7 @@ def _shares(roles, shares) -> npt.NDArray[np.float64]:
 def _role(joint: str) -> tuple[str, str, float] | None:
     """Return limb, kind and flexion of a hinge; None if it does not move by itself."""
     name = joint.removeprefix("robot:")
-    for limb, parts in (("trunk", TRUNK), ("head", HEAD)):
+    for limb, parts in (("trunk", SPINE), ("head", NECK)):
         if name in parts:
             return limb, name, parts[name]
     side, _, part = name.partition("_")

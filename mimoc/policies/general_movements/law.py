@@ -69,6 +69,10 @@ class Law:
     """Posture: share of the muscles that bend the hips."""
     knees_bent: float
     """Posture: share of the muscles that bend the knees."""
+    legs_in: float
+    """Posture: share of the muscles that bring the legs together."""
+    legs_out: float
+    """Posture: share of the muscles that turn the legs outwards, so that the feet come together."""
     goals: float
     """Size of movements towards goals, from 0 to 1."""
     goals_hz: float
@@ -85,57 +89,37 @@ def _constant(value: float) -> tuple[float, ...]:
 
 
 COLUMNS: Mapping[str, tuple[float, ...]] = {
-    "rate_hz": _constant(1.2),
-    "strength": _constant(0.5),
-    "size_spread": _constant(0.7),
-    "duration_s": _constant(0.3),
-    "duration_spread": _constant(0.35),
-    "coherence": _constant(0.6),
-    "rebound": _constant(0.3),
-    "together": _constant(0.2),
-    "whole": _constant(0.1),
-    "arms_in_phase": _constant(0.4),
-    "legs_in_phase": _constant(0.1),
-    "swell": _constant(0.8),
-    "swell_s": _constant(4.0),
-    "size_swell": _constant(0.3),
-    "limb_swell": _constant(0.6),
-    "limb_swell_s": _constant(2.0),
-    "slow": _constant(0.15),
-    "slow_s": _constant(1.5),
-    "fidget": _constant(0.05),
-    "fidget_hz": _constant(1.5),
-    "tone": _constant(0.05),
-    "arms": _constant(1.0),
-    "trunk": _constant(0.3),
-    "distal": _constant(0.4),
-    "arms_up": _constant(0.0),
-    "arms_bent": _constant(0.0),
-    "legs_bent": _constant(0.0),
-    "knees_bent": _constant(0.0),
+    "rate_hz": _constant(4.0),
+    "strength": _constant(0.56),
+    "size_spread": _constant(0.85),
+    "duration_s": _constant(0.21),
+    "duration_spread": _constant(0.18),
+    "coherence": _constant(0.7),
+    "rebound": _constant(0.32),
+    "together": _constant(0.27),
+    "whole": _constant(0.15),
+    "arms_in_phase": _constant(0.68),
+    "legs_in_phase": _constant(0.26),
+    "swell": _constant(1.0),
+    "swell_s": _constant(2.9),
+    "size_swell": _constant(0.5),
+    "limb_swell": _constant(0.44),
+    "limb_swell_s": _constant(6.0),
+    "slow": _constant(0.13),
+    "slow_s": _constant(2.2),
+    "fidget": _constant(0.09),
+    "fidget_hz": _constant(1.3),
+    "tone": _constant(0.03),
+    "arms": _constant(1.75),
+    "trunk": _constant(1.15),
+    "distal": _constant(0.6),
+    "arms_up": _constant(0.15),
+    "arms_bent": _constant(-0.4),
+    "legs_bent": _constant(0.28),
+    "knees_bent": _constant(0.09),
+    "legs_in": _constant(0.16),
+    "legs_out": _constant(0.24),
     "goals": (0.0, 0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0),
     "goals_hz": _constant(0.3),
 }
 assert set(COLUMNS) == {field.name for field in fields(Law)}
-
-
-@dataclass(frozen=True, slots=True)
-class Styles:
-    """How infants of one age differ: standard deviations of the logarithms of numbers of `Law`, over infants."""
-
-    rate: float = 0.3
-    strength: float = 0.3
-    duration: float = 0.1
-    swell: float = 0.2
-    slow: float = 0.3
-    tone: float = 0.3
-    arms: float = 0.2
-    side: float = 0.1
-    """Of the rate of the left limbs over that of the right ones, halved."""
-    posture: float = 0.1
-    """Standard deviation of the lasting share of each joint; not a logarithm."""
-    limbs: float = 0.1
-    """The same of the lasting flexion of each limb."""
-
-
-STYLES = Styles()

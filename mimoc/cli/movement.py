@@ -1,0 +1,125 @@
+"""`mimoc movement`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mimoc.base.errors import MimocError
+from mimoc.cli.pictures import parse_seeds
+from mimoc.cli.run import POLICY_NAMES
+from mimoc.cli.terminal import printable
+
+if TYPE_CHECKING:
+    from mimoc.movement.filming import Filmed
+
+Source = Annotated[
+    Path,
+    typer.Argument(
+        metavar="RECORDING|RUN|COHORT|INFANT",
+        help="Recorded points of a filmed infant, or a folder of such; a folder written with --record, by `mimoc "
+        "retarget`, or by `mimoc cohort run`; or a bundle or a spec, with --policy.",
+    ),
+]
+REAL = "real"
+SHOWN = 2
+"""Simulated or measured infants that are animated beside one of those they are compared with."""
+
+
+def movement(
+    source: Source,
+    against: Annotated[
+        str | None,
+        typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own."),
+    ] = None,
+    policy: Annotated[
+        str | None, typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}.")
+    ] = None,
+    seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
+    seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
+    fps: Annotated[
+        float | None, typer.Option(min=1, max=1000, help="Frames per second of points, if their files do not say it.")
+    ] = None,
+    full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
+    phase: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if simulated.")] = None,
+    gif: Annotated[Path | None, typer.Option(metavar="FILE", help="Animate stick figures: .gif or .mp4.")] = None,
+) -> None:
+    """Measure how infants move, real or simulated, and compare them with real infants or with others."""
+    from mimoc.cli import console
+    from mimoc.cli.movement_table import print_movement
+    from mimoc.movement import sources
+
+    _check_files(json, plot, phase, gif)
+    if against and against != REAL and not Path(against).exists():
+        raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
+    options = sources.SourceOptions(fps, policy, parse_seeds(seeds), seconds)
+    with console.progress("simulating") as show:
+        films = sources.films_in(source, options, show)
+    others = _recordings(against, fps) if against and against != REAL else []
+    measured = _measured(films, against, others)
+    print_movement(measured, full)
+    _write(measured, films, others, (json, plot, phase, gif))
+
+
+def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]") -> Any:
+    import numpy as np
+
+    from mimoc.movement.real_infants import real_infants
+    from mimoc.movement.report import compare, measure_all
+
+    if against is None:
+        return measure_all(films)
+    sample = [film.seen for film in others] or real_infants()
+    return compare(films, sample, np.random.default_rng(0))
+
+
+def _recordings(path: str, fps: float | None) -> "list[Filmed]":
+    from mimoc.cli import console
+    from mimoc.movement import sources
+
+    with console.progress("reading") as show:
+        others = sources.films_in(Path(path), sources.SourceOptions(fps), show)
+    if len(others) < 2:
+        raise MimocError(f"{path}: one infant is no sample; name a folder with recordings of two or more")
+    return others
+
+
+def _check_files(json: Path | None, plot: Path | None, phase: Path | None, gif: Path | None) -> None:
+    """Refuse, before anything takes time, names that no picture can have and folders that do not exist."""
+    from mimoc.recording.video import check_video
+    from mimoc.render.plots import file
+
+    for path in (plot, phase):
+        if path:
+            file.check_plot_name(path)
+            file.require_matplotlib()
+    if gif:
+        check_video(gif)
+    for path in (json, plot, phase):
+        if path and not path.expanduser().parent.is_dir():
+            raise MimocError(f"{path}: there is no folder {path.parent}; create it, or choose another file")
+
+
+def _write(measured: Any, films: "list[Filmed]", others: "list[Filmed]", paths: tuple[Path | None, ...]) -> None:
+    from mimoc.base.rounding import render_json
+    from mimoc.bundle.files import write_file
+    from mimoc.cli import console
+    from mimoc.movement.plots import write_measures, write_phases
+    from mimoc.movement.stick_figures import MOST, animate
+
+    json, plot, phase, gif = paths
+    if phase:
+        write_phases(films, phase)  # The only one that may refuse, so the first.
+    if json:
+        write_file(json, render_json(measured.to_data()))
+    if plot:
+        write_measures(measured, plot)
+    if gif:
+        chosen = [film.seen for film in (*others[:SHOWN], *films)][:MOST]
+        with console.progress("drawing") as show:
+            animate(chosen, gif, columns=min(4, len(chosen)), progress=show)
+    for path in paths:
+        if path:
+            print(printable(path))

@@ -1,0 +1,109 @@
+"""Angles of hips, knees and ankles of points whose places in space are known, and how they move together."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.motion.points import SIDES
+from mimoc.movement.kicks import kicks_of
+from mimoc.movement.measures import correlation
+from mimoc.movement.trunk_frame import stand_ins
+from mimoc.quantities.movement_details import FOOT_PEAK
+
+PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")
+LONGEST_LAG_S = 0.5
+
+
+def joint_measures(recording: PointRecording) -> dict[str, float]:
+    """Return what is measured of the joints of the legs; nothing if places in space are not known."""
+    places_m = _in_space(recording)
+    if places_m is None:
+        return {}
+    angles_deg = _angles(places_m)
+    values = _excursions(angles_deg, places_m, recording.rate_hz)
+    for first, second in PAIRS:
+        if f"left_{second}" in angles_deg:
+            pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in SIDES]
+            values[f"{first}_{second}_r"] = float(np.mean([correlation(*pair) for pair in pairs]))
+    values["hips_together_r"] = correlation(angles_deg["left_hip"], angles_deg["right_hip"])
+    legs = [(angles_deg[f"{side}_hip"], angles_deg[f"{side}_knee"]) for side in SIDES]
+    values["hip_knee_lag_s"] = float(np.mean([lag_s(hip, knee, recording.rate_hz) for hip, knee in legs]))
+    return {name: value for name, value in values.items() if math.isfinite(value)}
+
+
+def joint_angles(recording: PointRecording) -> dict[str, FloatArray]:
+    """Return the angles of `left_hip`, `right_knee` and so on, shape (t,) each, [deg]; none of points in a picture.
+
+    A straight leg in line with the trunk has 180 degrees at hip and knee. Ankles need points at ankles and toes.
+    """
+    places_m = _in_space(recording)
+    return {} if places_m is None else _angles(places_m)
+
+
+def lag_s(first: FloatArray, second: FloatArray, rate_hz: float) -> float:
+    """Return by how much *second* is later than *first*: the lag at which they correlate most."""
+    most = min(int(LONGEST_LAG_S * rate_hz), len(first) // 4)
+    lags = range(-most, most + 1)
+    count = len(first) - 2 * most
+    fits = [correlation(first[most : most + count], second[most + lag : most + lag + count]) for lag in lags]
+    return (int(np.argmax(fits)) - most) / rate_hz
+
+
+def _in_space(recording: PointRecording) -> Mapping[str, FloatArray] | None:
+    """Return the smoothed places of points, shape (t, 3) each, [m], by name; None if they are not known."""
+    places = recording
+    if recording.unit != "m":
+        if recording.depth_m is None or recording.camera is None or not np.isfinite(recording.depth_m).any():
+            return None
+        smooth = recording.smoothed()
+        depth_m = np.asarray(smooth.depth_m)[..., None]
+        away = (smooth.positions - np.asarray(recording.camera.centre_px)) / np.asarray(recording.camera.focal_px)
+        arrays = np.concatenate([away * depth_m, depth_m], axis=-1)
+    else:
+        arrays = places.smoothed().positions
+    by_name = {name: arrays[:, index] for index, name in enumerate(recording.names)}
+    by_name |= {absent: by_name[present] for absent, present in stand_ins(recording.names).items()}
+    return {name: path for name, path in by_name.items() if np.isfinite(path).all()}
+
+
+def _angles(places_m: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    trunk = places_m["neck"] - (places_m["left_hip"] + places_m["right_hip"]) / 2
+    angles = {}
+    for side in SIDES:
+        hip, knee, foot = (places_m[f"{side}_{part}"] for part in ("hip", "knee", "foot"))
+        ankle = places_m.get(f"{side}_ankle", foot)
+        angles[f"{side}_hip"] = _between(trunk, knee - hip)
+        angles[f"{side}_knee"] = _between(hip - knee, ankle - knee)
+        if ankle is not foot:
+            angles[f"{side}_ankle"] = _between(knee - ankle, foot - ankle)
+    return angles
+
+
+def _between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the angle between directions, shape (t,), [deg]."""
+    across = np.linalg.norm(np.cross(first, second), axis=1)
+    return np.degrees(np.arctan2(across, (first * second).sum(axis=1)))
+
+
+def _excursions(
+    angles_deg: Mapping[str, FloatArray], places_m: Mapping[str, FloatArray], rate_hz: float
+) -> dict[str, float]:
+    """Return the median range of each angle over kicks, and the mean of the foot's largest acceleration in them."""
+    middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
+    trunk_m = float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
+    ranges: dict[str, list[float]] = {"hip": [], "knee": [], "ankle": []}
+    peaks: list[float] = []
+    for side in SIDES:
+        foot = places_m[f"{side}_foot"]
+        velocity = np.gradient(foot, axis=0) * rate_hz
+        acceleration = np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=1)
+        for kick in kicks_of(np.linalg.norm(foot - places_m[f"{side}_hip"], axis=1) / trunk_m, rate_hz):
+            span = slice(kick.start, kick.stop + 1)
+            peaks.append(float(acceleration[span].max()))
+            for joint, values in ranges.items():
+                if f"{side}_{joint}" in angles_deg:
+                    values.append(float(np.ptp(angles_deg[f"{side}_{joint}"][span])))
+    medians = {f"{joint}_excursion_deg": float(np.median(some)) for joint, some in ranges.items() if some}
+    return medians | ({FOOT_PEAK.name: float(np.mean(peaks))} if peaks else {})

@@ -1,0 +1,20 @@
+"""All measures of movement of one recording."""
+
+from mimoc.motion.point_recording import PointRecording
+from mimoc.movement.details import details_of
+from mimoc.movement.joints import joint_measures
+from mimoc.movement.measures import core_of
+from mimoc.movement.trunk_frame import trunk_paths
+
+
+def measure_movement(recording: PointRecording) -> dict[str, float]:
+    """Return the measures of movement of a recording, by the name of their quantity.
+
+    The first 21 are those that infants are compared by. What needs points that it lacks (a face), or places in space
+    (joint angles), or a kick, is left out. `mimoc.quantities.movement` and `movement_details` define them all.
+
+    Raises:
+        MovementError: If points are missing or never seen, or it is too slow or too short.
+    """
+    body = trunk_paths(recording)
+    return {**core_of(body), **details_of(body), **joint_measures(recording)}

@@ -1,0 +1,162 @@
+"""What is said of some infants' movement: measures, scores, distances, and whether they are told from others."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mimoc.motion.point_recording import PointRecording
+from mimoc.movement.classifier import WINDOW_S, told_apart, windows_of
+from mimoc.movement.filming import Filmed
+from mimoc.movement.joints import joint_measures
+from mimoc.movement.measured import measure_movement
+from mimoc.movement.real_infants import told_from_real
+from mimoc.movement.sample import Sample, distance, standard_scores
+from mimoc.movement.trunk_frame import stand_ins
+from mimoc.quantities import QUANTITIES
+
+DIGITS = 6
+"""Significant digits of numbers in files."""
+
+
+@dataclass(frozen=True)
+class ToldApart:
+    """How well a classifier tells two groups of infants apart by windows of 8 s."""
+
+    accuracy: float
+    """Balanced accuracy, with whole infants left out; .5 is chance."""
+    exact: bool
+    """Whether the other group are recordings; or else windows drawn from the aggregates of a sample."""
+    deviation: float | None = None
+    """Standard deviation over the draws."""
+
+
+@dataclass(frozen=True)
+class MovementMeasures:
+    """The measures of some infants, and of the sample that they are compared with."""
+
+    names: tuple[str, ...]
+    """What each infant is called."""
+    infants: tuple[Mapping[str, float], ...]
+    """Measures of each, by the name of the quantity."""
+    sample: Sample | None = None
+    apart: ToldApart | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def means(self) -> dict[str, float]:
+        """Mean over infants of each measure that any of them has."""
+        names = [name for name in QUANTITIES if any(name in one for one in self.infants)]
+        return {name: float(np.mean([one[name] for one in self.infants if name in one])) for name in names}
+
+    @property
+    def scores(self) -> dict[str, float]:
+        """Standard scores of these means in the sample."""
+        return standard_scores(self.means, self.sample) if self.sample else {}
+
+    @property
+    def distances(self) -> tuple[float, ...]:
+        """Distance of each infant to the sample."""
+        return tuple(distance(one, self.sample) for one in self.infants) if self.sample else ()
+
+    @property
+    def distance(self) -> float | None:
+        """Distance of the mean over infants to the sample."""
+        return distance(self.means, self.sample) if self.sample else None
+
+    def to_data(self) -> dict[str, Any]:
+        """Return it as plain data for JSON, numbers to six digits."""
+        measures = {
+            name: {
+                "label": QUANTITIES[name].label,
+                "unit": QUANTITIES[name].unit,
+                "mean": _short(mean),
+                "infants": [_short(one[name]) if name in one else None for one in self.infants],
+                **self._compared(name),
+            }
+            for name, mean in self.means.items()
+        }
+        data: dict[str, Any] = {"infants": list(self.names), "measures": measures, "notes": list(self.notes)}
+        if self.sample:
+            data["against"] = {"name": self.sample.name, "infants": self.sample.infants}
+            data["distance"] = {"of_mean": _short(self.distance), "infants": [_short(one) for one in self.distances]}
+        if self.apart:
+            data["told_apart"] = {
+                "balanced_accuracy": _short(self.apart.accuracy),
+                "window_s": WINDOW_S,
+                "exact": self.apart.exact,
+                "sd_over_draws": _short(self.apart.deviation),
+            }
+        return data
+
+    def _compared(self, name: str) -> dict[str, Any]:
+        if self.sample is None or name not in self.sample.means:
+            return {}
+        return {
+            "sample_mean": _short(self.sample.means[name]),
+            "sample_sd": _short(self.sample.deviations[name]),
+            "score": _short(self.scores[name]),
+        }
+
+
+def measure_all(films: Sequence[Filmed]) -> MovementMeasures:
+    """Return the measures of some infants.
+
+    Raises:
+        MovementError: If one cannot be measured.
+    """
+    infants, notes = [], dict[str, None]()
+    for film in films:
+        infants.append(measure_movement(film.seen) | (joint_measures(film.space) if film.space else {}))
+        notes |= dict.fromkeys(film.seen.notes) | dict.fromkeys(_assumptions(film.seen))
+    return MovementMeasures(tuple(film.seen.name for film in films), tuple(infants), notes=tuple(notes))
+
+
+def compare(
+    films: Sequence[Filmed],
+    sample: Sample | Sequence[PointRecording],
+    generator: np.random.Generator,
+) -> MovementMeasures:
+    """Return the measures of some infants beside those of others, and whether the two are told apart.
+
+    Args:
+        films: The infants.
+        sample: The aggregates of a sample, those of `real_infants()`; or recordings, for the exact figure.
+        generator: Draws windows from the aggregates.
+
+    Raises:
+        MovementError: If one cannot be measured.
+    """
+    measured = measure_all(films)
+    seen = [film.seen for film in films]
+    enough, notes = _can_be_told_apart(seen), measured.notes
+    if not enough:
+        notes = (*notes, f"not told apart: this needs two infants or seeds, each of {WINDOW_S:g} s or more")
+    if isinstance(sample, Sample):
+        apart = ToldApart(*_approximate(seen, generator)) if enough else None
+        return MovementMeasures(measured.names, measured.infants, sample, apart, notes)
+    others = Sample.of([measure_movement(recording) for recording in sample], f"{len(sample)} recordings")
+    apart = ToldApart(told_apart(windows_of(sample), windows_of(seen)), True) if enough else None
+    return MovementMeasures(measured.names, measured.infants, others, apart, notes)
+
+
+def _approximate(seen: Sequence[PointRecording], generator: np.random.Generator) -> tuple[float, bool, float]:
+    accuracy, deviation = told_from_real(windows_of(seen), generator)
+    return accuracy, False, deviation
+
+
+def _can_be_told_apart(recordings: Sequence[PointRecording]) -> bool:
+    return len(recordings) > 1 and min(one.frames / one.rate_hz for one in recordings) >= WINDOW_S
+
+
+def _assumptions(recording: PointRecording) -> list[str]:
+    """Return what has to be known to read the measures of a recording."""
+    notes = [f"{present} stands in for {absent}" for absent, present in stand_ins(recording.names).items()]
+    if recording.unit == "m":
+        notes.append("points in space are measured as from straight above, by x and y")
+    return notes
+
+
+def _short(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.{DIGITS}g}")
