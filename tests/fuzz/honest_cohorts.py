@@ -23,8 +23,8 @@ from mimoc.cohorts.infants import children_of
 from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Result, Store
 from mimoc.policies import POLICIES
+from mimoc.policies.named import policy_of
 from mimoc.quantities import measures
-from mimoc.runtime.rollout import policy_of
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.source import in_memory

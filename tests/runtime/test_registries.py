@@ -7,8 +7,8 @@ from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.model import load_model
 from mimoc.policies import POLICIES
+from mimoc.policies.named import policy_of
 from mimoc.runtime.check import check_stability
-from mimoc.runtime.rollout import policy_of
 
 
 def test_every_actuation_of_the_manifest_is_in_the_table():

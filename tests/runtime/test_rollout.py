@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.rollout import POLICIES, Run
+from mimoc.policies import POLICIES
+from mimoc.runtime.rollout import Run
 
 
 def summary(env, policy="random", seed=0, steps=50):
