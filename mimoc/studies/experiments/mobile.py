@@ -143,7 +143,7 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
         frames, rewards_m_s, weights = [], [], []
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, case.minutes * windows_per_min)):
-            mover.gains = learner.gains()
+            mover.set_gains(learner.gains(), rates=True)
             qpos, reward_m_s = _window(env, mover)
             frames.append(qpos)
             rewards_m_s.append(reward_m_s)

@@ -119,7 +119,7 @@ def kicking(case: Case, seed: int) -> Result:
     setup = Setup(case.weeks * MONTHS_PER_WEEK, left_kg=case.weight_kg)
     with closing(open_infant(setup)) as env:
         mover = Mover(env, seed)
-        mover.gains = np.array([1.0 if limb.endswith("arm") else case.gain for limb in LIMBS])
+        mover.set_gains(np.array([1.0 if limb.endswith("arm") else case.gain for limb in LIMBS]))
         mover.move(SETTLING_S)
         legs = leg_motions(env.model, mover.move(case.seconds), mover.rate_hz)
     values = {}

@@ -10,7 +10,7 @@ from scipy.signal import butter, find_peaks, sosfiltfilt
 
 from mimoc.motion.body_points import film, locate
 from mimoc.motion.point_recording import CUTOFF_HZ
-from mimoc.movement.measures import KICK_TRUNK, MOVING_TRUNK_S, correlation, leg_length
+from mimoc.movement.measures import KICK_TRUNK, MOVING_TRUNK_S, correlation, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.senses.sense import FloatArray
 
@@ -66,8 +66,7 @@ def leg_motions(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> dict
         qpos: Its configurations, shape (t, nq).
         rate_hz: Frames per second.
     """
-    recording = film(model, qpos, rate_hz)
-    body = trunk_paths(recording)
+    lengths = leg_lengths(trunk_paths(film(model, qpos, rate_hz)))
     ankles_m = _smooth(locate(model, qpos, [f"{side}_ankle" for side in SIDES]), rate_hz)
     velocity = np.gradient(ankles_m, axis=0) * rate_hz
     speed = np.linalg.norm(velocity, axis=-1) / trunk_m(model, qpos[0])
@@ -75,7 +74,7 @@ def leg_motions(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> dict
     return {
         side: LegMotion(
             rate_hz,
-            leg_length(body, side),
+            lengths[slot],
             _angles_deg(model, qpos, side, rate_hz),
             speed[:, slot],
             acceleration[:, slot],
