@@ -23,7 +23,7 @@ LOADS_KG: Sequence[float] = (0.0, 0.1, 0.2, 0.4, 0.8)
 QUICK_LOADS_KG: Sequence[float] = (0.0, 0.4)
 LOADED_MONTHS = 1.0
 SEEDS, QUICK_SEEDS = range(20), range(2)
-SECONDS, QUICK_SECONDS = 40.0, 15.0
+SECONDS, QUICK_SECONDS = 30.0, 15.0
 RATE = Quantity("rate_per_min", "Steps", "1/min")
 LIFT = Quantity("lift_cm", "Lift of the foot", "cm")
 HIP = Quantity("hip_deg", "Range of the hip", "deg")
@@ -50,7 +50,9 @@ def run(notebook: Notebook) -> Path:
     results = run_trials(notebook, [Trial(stepping, case, seed) for case in cases for seed in seeds])
     values = [result.values for result in results]
     steps: Steps = {case: values[slot * len(seeds) : (slot + 1) * len(seeds)] for slot, case in enumerate(cases)}
-    notebook.write_table("steps.csv", "age_months,weight_kg,water,strength,seed,measure,value", _rows(steps, seeds))
+    notebook.write_table(
+        "steps.csv", "age_months,weight_kg,water,strength,reflex,seed,measure,value", _rows(steps, seeds)
+    )
     notebook.write_plots("stepping.png", [*_age_plots(steps, by_age), _load_plot(steps, loaded)])
     page = notebook.write_page(
         None,
@@ -71,16 +73,18 @@ def run(notebook: Notebook) -> Path:
 
 
 def cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
-    """Return the cases of an age: plain, weights, water, and legs that are stronger by practice."""
+    """Return the cases of an age: plain, weights, water, legs that are stronger by practice, and the reflex instead."""
     cases = step_cases_of(age_months, seconds)
-    return {**cases, "practised": replace(cases["plain"], strength=PRACTICE)}
+    plain = cases["plain"]
+    return {**cases, "practised": replace(plain, strength=PRACTICE), "reflex": replace(plain, reflex=True)}
 
 
 def _rows(steps: Steps, seeds: Sequence[int]) -> Iterator[tuple[float | str, ...]]:
     for case, group in steps.items():
         for seed, values in zip(seeds, group, strict=True):
             for name, value in values.items():
-                yield case.age_months, case.weight_kg, float(case.water), case.strength, seed, name, value
+                setup = case.age_months, case.weight_kg, float(case.water), case.strength, float(case.reflex)
+                yield *setup, seed, name, value
 
 
 def _of(values: Values, measure: Quantity) -> list[float]:
@@ -93,6 +97,7 @@ def _table(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str:
             f"{age:g}",
             f"{1000 * leg_kg(age):.0f}",
             *(interval(_of(steps[cases["plain"]], measure)).text(1) for measure in MEASURES),
+            *(interval(_of(steps[cases["reflex"]], measure)).text(1) for measure in (RATE, LIFT)),
         )
         for age, cases in by_age.items()
     )
@@ -120,16 +125,17 @@ def _answer(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str
     low, high = PUBLISHED_RATE
     inside = "inside" if newborn.overlaps(low, high) else "**outside**"
     gone = "gone" if later.mean < 0.2 * newborn.mean else "**not gone**"
+    published = f"{inside} the published {low:g} to {high:g} (from memory), to which the drive was fitted"
     return (
-        f"Newborns take {newborn.text(1)} steps a minute, {inside} the published {low:g} to {high:g} (from memory), to which "
-        f"the drive was fitted. At {GONE_MONTHS:g} months, with the same drive, it is {later.text(1)}: steps are {gone}."
+        f"Newborns take {newborn.text(1)} steps a minute, {published}. At {GONE_MONTHS:g} months, with the same drive, "
+        f"it is {later.text(1)}: steps are {gone}."
     )
 
 
 def _age_plots(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> Iterator[Plot]:
     for measure in (RATE, LIFT):
         lines, bands = [], []
-        for name in ("plain", "weights", "water", "practised"):
+        for name in next(iter(by_age.values())):
             means = [interval(_of(steps[cases[name]], measure)) for cases in by_age.values()]
             lines.append(Line(list(by_age), [mean.mean for mean in means], name))
             bands.append(Band(list(by_age), [mean.low for mean in means], [mean.high for mean in means], name))

@@ -31,7 +31,7 @@ class Mover:
 
     With the command c of the policy, the command at rest r = clip(0, low, high), and the gain g of an actuator's part,
     the infant is commanded clip(r + g (c - r), low, high). Without a policy of the caller's, it is `general_movements`,
-    whose bursts of an arm or a leg by itself can also begin more often: by the geometric mean of the gains of its parts.
+    whose bursts of an arm or a leg can also begin more often: by the geometric mean of the gains of its parts.
     """
 
     def __init__(self, env: InfantEnv, seed: int, maker: PolicyMaker | None = None, forces: Forces | None = None):

@@ -40,6 +40,8 @@ class Setup:
     """The leg whose ankle a ribbon ties to a mobile; no leg if empty."""
     strength: float = 1.0
     """Factor on the strength of the legs."""
+    feels: bool = False
+    """Whether it has touch and balance, which reflexes need."""
 
 
 def open_infant(setup: Setup) -> InfantEnv:
@@ -85,13 +87,15 @@ def leg_kg(age_months: float) -> float:
 
 
 def _bundle(setup: Setup) -> Bundle:
-    spec = {
+    spec: dict[str, object] = {
         "mimoc": 1,
         "name": "legs",
         "age_months": setup.age_months,
         "scene": {"kind": "flat", "pose": "standing" if setup.held else "supine"},
         "actuation": {"model": "muscle", "strength": {"legs": setup.strength}},
     }
+    if setup.feels:
+        spec["senses"] = {"touch": {}, "vestibular": {}}
     return pipeline.build(InfantSpec.model_validate(spec))
 
 

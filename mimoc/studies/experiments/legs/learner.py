@@ -15,7 +15,7 @@ FORGETTING_S = 300.0
 """Time constant in which gains go back to 1; fitted."""
 EXPECTING_S = 60.0
 """Time constant of the mean and of the variance of reward that are expected; a guess."""
-LARGEST = float(np.log(3.0))
+LARGEST = float(np.log(4.0))
 """Of the logarithm of a gain."""
 SMALLEST_REWARD = 1e-4
 """Reward below which nothing is seen, [m/s]."""
@@ -24,7 +24,8 @@ SMALLEST_REWARD = 1e-4
 class GainLearner:
     """Learns a gain for the drive of each limb from reward, as REINFORCE does (Williams 1992, Mach Learn 8: 229).
 
-    In each window, the logarithms of the gains are w + s ξ with ξ standard normal and s = EXPLORATION. A reward R then changes
+    In each window, the logarithms of the gains are w + s ξ, with ξ standard normal and s = EXPLORATION. Then a reward
+    R changes
 
         w <- (1 - window / forgetting) w + η (R - E) / S ξ,
 

@@ -2,6 +2,7 @@
 
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from statistics import fmean
 
 import mujoco
@@ -9,6 +10,7 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from mimoc.motion.body_points import locate
+from mimoc.policies.named import policy_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray, Observation
 from mimoc.studies.experiments.legs.driving import Mover
@@ -26,8 +28,8 @@ TRIES_PER_MIN = 24.0
 UNEVEN = 0.2
 """Standard deviation of the logarithm of the time between two tries; a guess."""
 BENDING = {"hip_flex_negative": 1.0, "knee_negative": 0.7, "foot_flexion_positive": 0.5}
-"""Muscles of a step, after the side, by the activation of the hip's: all bend (Thelen & Fisher 1982, from memory); sizes
-are a guess."""
+"""Muscles of a step, after the side, by the activation of the hip's: all of them bend, as in kicks (Thelen & Fisher
+1983); sizes are a guess."""
 STRETCHING = {"hip_flex_positive": 1.0, "knee_positive": 1.0}
 """Muscles that stretch a leg while it is not lifted, as newborns bear weight on their legs (positive support)."""
 STANCE = 0.15
@@ -48,8 +50,8 @@ class StepCase:
     """Whether it stands in water up to the chest."""
     strength: float = 1.0
     """Factor on the strength of its legs."""
-    drive: float = 1.0
-    """Factor on the drive."""
+    reflex: bool = False
+    """Whether the policy `reflexes` steps instead of the simple drive."""
 
 
 class AlternateSteps:
@@ -58,14 +60,14 @@ class AlternateSteps:
     A leg that is not bent is stretched a little.
     """
 
-    def __init__(self, env: InfantEnv, drive: float = 1.0):
+    def __init__(self, env: InfantEnv):
         """Look up the muscles."""
         names = [env.model.actuator(int(index)).name for index in env.actuation.actuators]
         self._bends, self._stretches = (
             {side: [names.index(f"act:{side}_{name}") for name in muscles] for side in SIDES}
             for muscles in (BENDING, STRETCHING)
         )
-        self._step_s, self._drive, self._time_s = env.manifest.step_ms / 1000.0, drive, 0.0
+        self._step_s = env.manifest.step_ms / 1000.0
         self._size, self._since_s, self._next_s, self._turn = len(names), BURST_S, 0.0, 0
         self._strength = 0.0
 
@@ -76,7 +78,7 @@ class AlternateSteps:
         if self._next_s <= 0.0:
             self._turn, self._since_s = 1 - self._turn, 0.0
             self._next_s = 60.0 / TRIES_PER_MIN * generator.lognormal(0.0, UNEVEN)
-            self._strength = self._drive * SHARE * generator.lognormal(0.0, SPREAD)
+            self._strength = SHARE * generator.lognormal(0.0, SPREAD)
         action = np.zeros(self._size, np.float32)
         lifted = SIDES[self._turn] if self._since_s < BURST_S else ""
         for side in SIDES:
@@ -90,10 +92,17 @@ class AlternateSteps:
 
 def stepping(case: StepCase, seed: int) -> Result:
     """Hold an infant upright, let it step for a while, and measure its steps."""
-    setup = Setup(case.age_months, held=True, left_kg=case.weight_kg, right_kg=case.weight_kg, strength=case.strength)
+    setup = Setup(
+        case.age_months,
+        held=True,
+        left_kg=case.weight_kg,
+        right_kg=case.weight_kg,
+        strength=case.strength,
+        feels=case.reflex,
+    )
     with closing(open_infant(setup)) as env:
         forces = Water(env.model) if case.water else None
-        mover = Mover(env, seed, lambda infant: AlternateSteps(infant, case.drive), forces)
+        mover = Mover(env, seed, partial(policy_of, policy="reflexes") if case.reflex else AlternateSteps, forces)
         qpos = mover.move(case.seconds)
         return Result(values=summarise_steps(env.model, qpos, mover.rate_hz))
 
