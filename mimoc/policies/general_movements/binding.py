@@ -29,6 +29,11 @@ class Moving:
         self._movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
         self._started = False
 
+    @property
+    def movement(self) -> GeneralMovements:
+        """What gives their commands."""
+        return self._movement
+
     def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
         """Return the actions of the next control step, shape (k, n)."""
         movement, batch, put = self._movement, self._batch, self._batch.put

@@ -88,6 +88,8 @@ class GeneralMovements:
         limbs_of = {"arms": ARMS, "legs": LEGS, "trunk": TRUNK, "left": IS_LEFT}
         self._limbs_of = {name: put(array[None]) for name, array in limbs_of.items()}
         self._set_laws(laws)
+        self.rate_gains = put(np.ones((1, limbs)))
+        """Factor on how often bursts of each limb by itself begin, shape (k, 6) or (1, 6), in the order of `LIMBS`."""
 
     def start(self, normal: Any) -> None:
         """Draw the style of each infant, and begin in the midst of its movement.
@@ -175,7 +177,7 @@ class GeneralMovements:
         of_all, of_pairs, alone = (rate * arousal * self._step_s for rate in rates)
         in_arms, in_legs = ((of[name] > 0.0) & (chances[name] < of_pairs) for name in ("arms", "legs"))
         together = in_arms | in_legs | (chances["all"] < of_all)
-        begins = (chances["alone"] < alone) | together
+        begins = (chances["alone"] < alone * self.rate_gains) | together
         same = self._in_phase * xp.take(noise["direction"], self._other_side, axis=1)
         same = same + xp.sqrt(1.0 - self._in_phase**2) * noise["direction"]
         direction = xp.where(together & (of["left"] > 0.0), same, noise["direction"])

@@ -1,4 +1,4 @@
-"""The paper's experiments, reproduced: each writes tables, figures and a report that compares the results."""
+"""Experiments of the paper and of others, reproduced: each writes tables, figures and a report that compares them."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -10,10 +10,11 @@ from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
 
-EXPERIMENTS: Mapping[str, str] = {
-    name: f"mimoc.studies.experiments.{name}"
-    for name in ("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing")
-}
+NAMES = (
+    *("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing"),
+    *("kicking", "weights", "mobile", "stepping"),
+)
+EXPERIMENTS: Mapping[str, str] = {name: f"mimoc.studies.experiments.{name}" for name in NAMES}
 """Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 
 DEVELOPMENTS: Mapping[str, Development] = {
@@ -35,7 +36,7 @@ def run_experiment(
     development: Development | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Run one of the paper's experiments; return the path of its report, `NAME.md` in the folder.
+    """Run an experiment; return the path of its report, `NAME.md` in the folder.
 
     Existing files of the same names are replaced, each of them atomically.
 

@@ -1,0 +1,47 @@
+"""Means over seeds with their intervals, and tests of a direction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import comb, sqrt
+from statistics import fmean, stdev
+
+from scipy.stats import t
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """The mean over seeds, and where 95 % of such intervals have the true mean (Student's t)."""
+
+    mean: float
+    low: float
+    high: float
+
+    def text(self, digits: int = 2, *, percent: bool = False) -> str:
+        """Return it as text: `1.23 (1.10 to 1.36)`."""
+        if percent:
+            return f"{self.mean:+.0%} ({self.low:+.0%} to {self.high:+.0%})"
+        return f"{self.mean:.{digits}f} ({self.low:.{digits}f} to {self.high:.{digits}f})"
+
+    def overlaps(self, low: float | None, high: float | None) -> bool:
+        """Return whether the mean is inside a range, whose ends can be open."""
+        return (low is None or self.mean >= low) and (high is None or self.mean <= high)
+
+
+def interval(values: Sequence[float]) -> Interval:
+    """Return the mean of at least one value with its interval, which is as wide as nothing for a single one."""
+    mean = fmean(values)
+    if len(values) < 2:
+        return Interval(mean, mean, mean)
+    half = float(t.ppf(0.975, len(values) - 1)) * stdev(values) / sqrt(len(values))
+    return Interval(mean, mean - half, mean + half)
+
+
+def sign_test(changes: Sequence[float]) -> float:
+    """Return how likely at least as many rises would be if rises and falls were equally likely; ties are left out.
+
+    >>> sign_test([1.0] * 10 + [-1.0] * 2)
+    0.019287109375
+    """
+    moved = [change > 0 for change in changes if change]
+    count, rises = len(moved), sum(moved)
+    return sum(comb(count, more) for more in range(rises, count + 1)) / 2**count

@@ -1,0 +1,283 @@
+"""A ribbon from a foot to a mobile: whether infants who see it move kick more, and with which leg."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from itertools import islice, repeat
+from pathlib import Path
+
+import numpy as np
+
+from mimoc.quantities import Quantity
+from mimoc.render.plots.plot import Band, Line, Plot
+from mimoc.runtime.env import InfantEnv
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.experiments.legs.driving import LIMBS, Mover
+from mimoc.studies.experiments.legs.infants import (
+    SIDES,
+    Setup,
+    mobile_speed_m_s,
+    open_infant,
+    ribbon_m,
+    tie_ribbon,
+)
+from mimoc.studies.experiments.legs.intervals import interval, sign_test
+from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions
+from mimoc.studies.experiments.legs.learner import EXPLORATION, FORGETTING_S, RATE, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.notebook import Notebook, table_rows
+
+AGE_MONTHS = 3.0
+PHASES_MIN: Mapping[str, int] = {"baseline": 2, "acquisition": 5, "extinction": 3}
+QUICK_PHASES_MIN: Mapping[str, int] = {"baseline": 1, "acquisition": 1, "extinction": 1}
+COMPARED_MIN = 2
+"""The last minutes of a phase, by which it is judged."""
+SEEDS, QUICK_SEEDS = range(20), range(2)
+TYING_S = 10.0
+"""Time that the infant moves before the ribbon is tied: straight half of that time."""
+AROUSAL = 0.7
+"""Of an infant that lies quietly under a mobile: fitted, so that it kicks about 10 times a minute before, as published.
+"""
+PARTNER = 1000
+"""Added to the seed of the infant that sees what another one did."""
+ENOUGH = 1.5
+"""Ratio of the rate of kicks that is asked for."""
+CONDITIONS = ("contingent", "yoked")
+LEGS = {"left": "tied leg", "right": "other leg"}
+MINUTES = Quantity("minute", "Time", "min")
+RATE_PER_MIN = Quantity("rate_per_min", "Kicks", "1/min")
+GAIN = Quantity("gain", "Learnt gain of the drive")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A pair of infants under a mobile: one moves it by a ribbon, the other sees what the first one did."""
+
+    baseline_min: int
+    acquisition_min: int
+    extinction_min: int
+
+    @property
+    def minutes(self) -> int:
+        """Length of a session."""
+        return self.baseline_min + self.acquisition_min + self.extinction_min
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """What an infant did under a mobile."""
+
+    legs: Mapping[str, LegMotion]
+    rewards_m_s: Sequence[float]
+    """Mean speed of the mobile that it was tied to in each window, seen or not."""
+    weights: FloatArray
+    """Logarithm of the gain of each limb that it had learnt after each window, shape (windows, 6)."""
+
+
+def run(notebook: Notebook) -> Path:
+    """Let pairs of infants lie under a mobile, and return the path of the report.
+
+    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
+    """
+    phases_min, seeds = (QUICK_PHASES_MIN, QUICK_SEEDS) if notebook.quick else (PHASES_MIN, SEEDS)
+    case = Case(*phases_min.values())
+    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
+    notebook.write_table("minutes.csv", "condition,leg,seed,minute,kicks", _minutes(results, seeds))
+    notebook.write_table(
+        "mobile.csv",
+        "seed,measure,value",
+        (
+            (seed, name, value)
+            for seed, result in zip(seeds, results, strict=True)
+            for name, value in result.values.items()
+        ),
+    )
+    notebook.write_plots("mobile.png", list(_plots(results, case)))
+    page = notebook.write_page(
+        None,
+        "scipy",
+        age=AGE_MONTHS,
+        seeds=len(seeds),
+        **{f"{name}_min": minutes for name, minutes in phases_min.items()},
+        compared=min(COMPARED_MIN, *phases_min.values()),
+        window=WINDOW_S,
+        exploration=EXPLORATION,
+        rate=RATE,
+        forgetting=FORGETTING_S,
+        limbs=", ".join(name.replace("_", " ") for name in LIMBS),
+        table=_table(results),
+        answer=_answer(results),
+        predictions=_predictions(results),
+    )
+    forget_trials(notebook)
+    return page
+
+
+def pair(case: Case, seed: int) -> Result:
+    """Let an infant learn under a mobile that its left leg moves, and another under a mobile that moves likewise."""
+    contingent = session(case, seed, None)
+    yoked = session(case, seed + PARTNER, contingent.rewards_m_s)
+    values, traces = dict[str, float](), dict[str, tuple[float, ...]]()
+    for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
+        values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
+        for side in SIDES:
+            traces[f"{name}_{side}"] = tuple(kicks_by_minute(infant.legs[side], case.minutes))
+        traces |= {f"{name}_{limb}": tuple(infant.weights[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
+    return Result(values=values, traces=traces)
+
+
+def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Session:
+    """Return what an infant does under a mobile that it sees during acquisition only.
+
+    Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases.
+
+    Args:
+        case: The session.
+        seed: Of the infant, its movement and what it tries.
+        others_m_s: How fast the mobile that it sees moves in each window; None is its own, tied to its left leg.
+    """
+    windows_per_min = round(60.0 / WINDOW_S)
+    seen_from, seen_to = (
+        minutes * windows_per_min for minutes in (case.baseline_min, case.baseline_min + case.acquisition_min)
+    )
+    with closing(open_infant(Setup(AGE_MONTHS, tied="left"))) as env:
+        mover, learner = Mover(env, seed), GainLearner(np.random.default_rng([seed, 1]))
+        env.set_arousal(AROUSAL)
+        tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
+        frames, rewards_m_s, weights = [], [], []
+        shown = repeat(None) if others_m_s is None else iter(others_m_s)
+        for window, other_m_s in enumerate(islice(shown, case.minutes * windows_per_min)):
+            mover.set_gains(learner.gains(), rates=True)
+            qpos, reward_m_s = _window(env, mover)
+            frames.append(qpos)
+            rewards_m_s.append(reward_m_s)
+            seen_m_s = reward_m_s if other_m_s is None else other_m_s
+            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0)
+            weights.append(learner.weights.copy())
+        legs = leg_motions(env.model, np.concatenate(frames), mover.rate_hz)
+    return Session(legs, rewards_m_s, np.array(weights))
+
+
+def kicks_by_minute(leg: LegMotion, minutes: int) -> list[float]:
+    """Return the number of kicks of a leg in each minute."""
+    peaks_min = [kick.peak / leg.rate_hz / 60.0 for kick in kicks_of(leg)]
+    return np.histogram(peaks_min, np.arange(minutes + 1))[0].astype(float).tolist()
+
+
+def _window(env: InfantEnv, mover: Mover) -> tuple[FloatArray, float]:
+    """Return the configurations of one window, and how fast the mobile moves on average."""
+    frames, speeds_m_s = [], []
+    for data in mover.steps(WINDOW_S):
+        frames.append(data.qpos.copy())
+        speeds_m_s.append(mobile_speed_m_s(env))
+    return np.array(frames), float(np.mean(speeds_m_s))
+
+
+def _measures(case: Case, infant: Session) -> dict[str, float]:
+    """Return rates in the last minutes of each phase, and ratios to those of the baseline."""
+    last = min(COMPARED_MIN, case.baseline_min, case.acquisition_min, case.extinction_min)
+    ends = np.cumsum([case.baseline_min, case.acquisition_min, case.extinction_min]).tolist()
+    values = {}
+    for side in SIDES:
+        counts = kicks_by_minute(infant.legs[side], case.minutes)
+        rates = [float(np.mean(counts[end - last : end])) for end in ends]
+        values |= {f"{side}_{phase}": rate for phase, rate in zip(PHASES_MIN, rates, strict=True)}
+        before = max(rates[0], 1.0 / last)  # One kick at least: a ratio needs some.
+        values |= {f"{side}_ratio": rates[1] / before, f"{side}_after": rates[2] / before}
+    for phase, end in zip(PHASES_MIN, ends, strict=True):
+        tied = infant.legs["left"]
+        part = slice(round((end - last) * 60 * tied.rate_hz), round(end * 60 * tied.rate_hz))
+        angles = [tied.angles_deg[joint][part] for joint in ("hip", "knee")]
+        values[f"hip_knee_{phase}"] = float(np.corrcoef(*angles)[0, 1])
+    return values
+
+
+def _of(results: Sequence[Result], name: str) -> list[float]:
+    return [result.values[name] for result in results]
+
+
+def _table(results: Sequence[Result]) -> str:
+    rows = []
+    for condition in CONDITIONS:
+        for side, label in LEGS.items():
+            rates = [interval(_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_MIN]
+            ratios = _of(results, f"{condition}_{side}_ratio")
+            enough = sum(ratio >= ENOUGH for ratio in ratios)
+            ratio = f"{interval(ratios).text()}, median {np.median(ratios):.2f}"
+            rows.append((condition, label, *rates, ratio, f"{enough} of {len(ratios)}"))
+    return table_rows(rows)
+
+
+def _answer(results: Sequence[Result]) -> str:
+    """Return whether kicks rise by half, by condition."""
+    contingent, yoked = ([ratio >= ENOUGH for ratio in _of(results, f"{name}_left_ratio")] for name in CONDITIONS)
+    asked = 8 / 12
+    learnt = "do" if np.mean(contingent) >= asked else "do **not**"
+    overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
+    return (
+        f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of three "
+        f"seeds ({sum(contingent)} of {len(contingent)}); of those who see another's, {sum(yoked)} of "
+        f"{len(yoked)} do. Over all seeds together, the rate of the tied leg rises by a factor of "
+        f"{overall['contingent']:.2f} and {overall['yoked']:.2f}."
+    )
+
+
+def _ratio_of_means(results: Sequence[Result], condition: str) -> float:
+    after, before = (np.mean(_of(results, f"{condition}_left_{phase}")) for phase in ("acquisition", "baseline"))
+    return float(after / max(before, 1e-9))
+
+
+def _predictions(results: Sequence[Result]) -> str:
+    """Return each prediction, with how many seeds it holds in."""
+    tied, other = (_of(results, f"contingent_{side}_ratio") for side in SIDES)
+    yoked = _of(results, "yoked_left_ratio")
+    late, after = (_of(results, f"contingent_left_{phase}") for phase in ("acquisition", "extinction"))
+    coupled, looser = (_of(results, f"contingent_hip_knee_{phase}") for phase in ("baseline", "acquisition"))
+    asked = {
+        "more than the yoked partner": [a - b for a, b in zip(tied, yoked, strict=True)],
+        "the tied leg more than the other": [a - b for a, b in zip(tied, other, strict=True)],
+        "fewer kicks again in extinction": [a - b for a, b in zip(late, after, strict=True)],
+        "hip and knee of the tied leg looser": [a - b for a, b in zip(coupled, looser, strict=True)],
+    }
+    return table_rows(
+        (
+            name,
+            interval(values).text(),
+            f"{sum(value > 0 for value in values)} of {len(values)}",
+            f"{sign_test(values):.2g}",
+        )
+        for name, values in asked.items()
+    )
+
+
+def _minutes(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
+    for seed, result in zip(seeds, results, strict=True):
+        for condition in CONDITIONS:
+            for side, label in LEGS.items():
+                for minute, kicks in enumerate(result.traces[f"{condition}_{side}"], start=1):
+                    yield condition, label, seed, minute, kicks
+
+
+def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
+    minutes = np.arange(case.minutes) + 0.5
+    seen = (case.baseline_min, case.baseline_min + case.acquisition_min)
+    for condition in CONDITIONS:
+        curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}
+        top = 1.1 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 5.0
+        bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *_bands(minutes, curves))
+        lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
+        yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
+    windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
+    lines = tuple(
+        Line(
+            windows, np.exp(np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0)), limb.replace("_", " ")
+        )
+        for limb in LIMBS
+    )
+    yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
+
+
+def _bands(minutes: FloatArray, curves: Mapping[str, FloatArray]) -> Iterator[Band]:
+    for label, curve in curves.items():
+        means = [interval(column.tolist()) for column in curve.T]
+        yield Band(minutes, [mean.low for mean in means], [mean.high for mean in means], label)

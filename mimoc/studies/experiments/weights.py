@@ -1,0 +1,237 @@
+"""Weights on legs: a hundred grams on one leg that kicks, and the gain of four weeks, or water, on legs that step."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from mimoc.quantities import Quantity
+from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
+from mimoc.studies.experiments.legs.driving import LIMBS, Mover
+from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, SIDES, Setup, leg_kg, open_infant
+from mimoc.studies.experiments.legs.intervals import interval
+from mimoc.studies.experiments.legs.kicks import kicks_of, leg_motions
+from mimoc.studies.experiments.legs.steps import StepCase, stepping
+from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.notebook import Notebook, table_rows
+
+WEEKS: Sequence[float] = (6, 12, 18, 26)
+QUICK_WEEKS: Sequence[float] = (6,)
+WEIGHT_KG = 0.1
+GAINS: Sequence[float] = (1.0, 1.25, 1.5)
+"""Factors on the drive of both legs that are tried with the weight on, at the ages at which both legs changed."""
+CHANGED_WEEKS = 12
+STEP_WEEKS: Sequence[float] = (4, 8)
+QUICK_STEP_WEEKS: Sequence[float] = (4,)
+GAIN_WEEKS = 4
+SEEDS, QUICK_SEEDS = range(20), range(2)
+SECONDS, QUICK_SECONDS = 40.0, 15.0
+STEP_SECONDS = 30.0
+SETTLING_S = 2.0
+LEAST = 0.1
+"""Least change of the range of the hip that mass alone is asked for at six weeks."""
+STEP_LEAST = 0.2
+"""Least change of steps that is asked for each way."""
+PUBLISHED: Mapping[float, tuple[str, str]] = {
+    6: ("less", "more"),
+    12: ("more", "more"),
+    18: ("same", "same"),
+    26: ("same", "same"),
+}
+"""What Vaal, van Soest & Hopkins 2000 report of the leg with the weight and the other, by weeks."""
+RATE = Quantity("rate_per_min", "Kicks", "1/min")
+MEASURES = (
+    RATE,
+    Quantity("hip_deg", "Range of the hip", "deg"),
+    Quantity("speed_trunk_s", "Mean speed of the ankle", "trunk/s"),
+)
+STEP_MEASURES = (Quantity("rate_per_min", "Steps", "1/min"), Quantity("lift_cm", "Lift of the foot", "cm"))
+WEEK = Quantity("weeks", "Age", "weeks")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Infants that kick for a while, perhaps with a weight at the left ankle."""
+
+    weeks: float
+    seconds: float
+    weight_kg: float = 0.0
+    gain: float = 1.0
+    """Factor on the drive of both legs."""
+
+
+Kicks = Mapping[Case, Values]
+Steps = Mapping[StepCase, Values]
+
+
+def run(notebook: Notebook) -> Path:
+    """Let infants kick and step with weights, and return the path of the report.
+
+    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
+    """
+    quick = notebook.quick
+    weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if quick else (WEEKS, STEP_WEEKS)
+    seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
+    step_seconds = QUICK_SECONDS if quick else STEP_SECONDS
+    cases = [case for week in weeks for case in _cases(week, seconds)]
+    step_cases = [case for week in step_weeks for case in step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()]
+    trials = [Trial(kicking, case, seed) for case in cases for seed in seeds]
+    trials += [Trial(stepping, case, seed) for case in step_cases for seed in seeds]
+    values = [result.values for result in run_trials(notebook, trials)]
+    groups = [values[start : start + len(seeds)] for start in range(0, len(values), len(seeds))]
+    kicks: Kicks = dict(zip(cases, groups[: len(cases)], strict=True))
+    steps: Steps = dict(zip(step_cases, groups[len(cases) :], strict=True))
+    _write_tables(notebook, kicks, steps, seeds)
+    notebook.write_plots("weights.png", list(_plots(kicks)))
+    page = notebook.write_page(
+        None,
+        "scipy",
+        seeds=len(seeds),
+        seconds=seconds,
+        weight=1000 * WEIGHT_KG,
+        weeks=", ".join(f"{week:g}" for week in weeks),
+        table=_table(kicks, weeks, seconds),
+        gains=_gains(kicks, weeks, seconds),
+        answer=_answer(kicks, weeks, seconds),
+        step_seconds=step_seconds,
+        steps=_step_table(steps, step_weeks, step_seconds),
+        gain_weeks=GAIN_WEEKS,
+    )
+    forget_trials(notebook)
+    return page
+
+
+def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
+    """Return how an infant of an age steps: plain, with what a leg gains in four weeks at each ankle, and in water."""
+    gain_kg = leg_kg(age_months + GAIN_WEEKS * MONTHS_PER_WEEK) - leg_kg(age_months)
+    plain = StepCase(age_months, seconds)
+    return {
+        "plain": plain,
+        "weights": replace(plain, weight_kg=round(gain_kg, 3)),
+        "water": replace(plain, water=True),
+    }
+
+
+def kicking(case: Case, seed: int) -> Result:
+    """Let an infant lie on its back and move by itself for a while, and measure how much each leg moves."""
+    setup = Setup(case.weeks * MONTHS_PER_WEEK, left_kg=case.weight_kg)
+    with closing(open_infant(setup)) as env:
+        mover = Mover(env, seed)
+        mover.set_gains(np.array([1.0 if limb.endswith("arm") else case.gain for limb in LIMBS]))
+        mover.move(SETTLING_S)
+        legs = leg_motions(env.model, mover.move(case.seconds), mover.rate_hz)
+    values = {}
+    for side in SIDES:
+        low, high = np.percentile(legs[side].angles_deg["hip"], [5.0, 95.0])
+        values |= {
+            f"{side}_rate_per_min": 60.0 * len(kicks_of(legs[side])) / case.seconds,
+            f"{side}_hip_deg": float(high - low),
+            f"{side}_speed_trunk_s": float(legs[side].speed_trunk_s.mean()),
+        }
+    return Result(values=values)
+
+
+def _cases(week: float, seconds: float) -> Iterator[Case]:
+    plain = Case(week, seconds)
+    yield plain
+    yield from (replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))
+
+
+def _gains_at(week: float) -> Sequence[float]:
+    """Return the factors that are tried at an age."""
+    return GAINS if week <= CHANGED_WEEKS else GAINS[:1]
+
+
+def _changes(kicks: Kicks, week: float, seconds: float, gain: float, side: str, measure: str) -> list[float]:
+    plain = Case(week, seconds)
+    return relative_changes(kicks[plain], kicks[replace(plain, weight_kg=WEIGHT_KG, gain=gain)], f"{side}_{measure}")
+
+
+def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
+    """Return a row for each age and measure: what the weight alone changes."""
+    rows = []
+    for week in weeks:
+        for measure in MEASURES:
+            changes = [_changes(kicks, week, seconds, 1.0, side, measure.name) for side in SIDES]
+            plain = interval([values[f"left_{measure.name}"] for values in kicks[Case(week, seconds)]])
+            rows.append((f"{week:g}", measure.heading, plain.text(), *map(change_text, changes), *PUBLISHED[week]))
+    return table_rows(rows)
+
+
+def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
+    """Return what drive the published effects would ask for, by age."""
+    rows = []
+    for week in weeks:
+        for gain in _gains_at(week):
+            ours = [direction(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
+            changes = [change_text(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
+            agrees = "yes" if tuple(ours) == PUBLISHED[week] else "no"
+            rows.append((f"{week:g}", f"{gain:g}", *changes, ", ".join(ours), agrees))
+    return table_rows(rows)
+
+
+def _answer(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
+    """Return whether mass alone lowers the range of the hip by a tenth, at the first of the ages."""
+    change = interval(_changes(kicks, weeks[0], seconds, 1.0, "left", "hip_deg"))
+    holds = "does" if change.mean <= -LEAST else "does **not**"
+    return (
+        f"At {weeks[0]:g} weeks, the weight alone changes the range of the hip of its leg by "
+        f"{change.text(percent=True)}: it {holds} lower it by the {LEAST:.0%} that were asked for."
+    )
+
+
+def _step_table(steps: Steps, weeks: Sequence[float], seconds: float) -> str:
+    rows = []
+    for week in weeks:
+        cases = step_cases_of(week * MONTHS_PER_WEEK, seconds)
+        for measure in STEP_MEASURES:
+            plain = steps[cases["plain"]]
+            changes = {name: relative_changes(plain, steps[cases[name]], measure.name) for name in ("weights", "water")}
+            falls, rises = (direction(changes[name], STEP_LEAST) for name in ("weights", "water"))
+            verdict = f"{'yes' if falls == 'less' else 'no'}, {'yes' if rises == 'more' else 'no'}"
+            mean = interval([values[measure.name] for values in plain]).text(1)
+            weight_g = f"{1000 * cases['weights'].weight_kg:.0f} g"
+            rows.append((f"{week:g}", measure.heading, mean, weight_g, *map(change_text, changes.values()), verdict))
+    return table_rows(rows)
+
+
+def _write_tables(notebook: Notebook, kicks: Kicks, steps: Steps, seeds: Sequence[int]) -> None:
+    notebook.write_table(
+        "weights.csv",
+        "weeks,weight_kg,drive,seed,measure,value",
+        (
+            (case.weeks, case.weight_kg, case.gain, seed, name, value)
+            for case, group in kicks.items()
+            for seed, values in zip(seeds, group, strict=True)
+            for name, value in values.items()
+        ),
+    )
+    notebook.write_table(
+        "steps.csv",
+        "age_months,weight_kg,water,seed,measure,value",
+        (
+            (case.age_months, case.weight_kg, float(case.water), seed, name, value)
+            for case, group in steps.items()
+            for seed, values in zip(seeds, group, strict=True)
+            for name, value in values.items()
+        ),
+    )
+
+
+def _plots(kicks: Kicks) -> Iterator[Plot]:
+    weeks = sorted({case.weeks for case in kicks})
+    seconds = next(iter(kicks)).seconds
+    for measure in MEASURES:
+        lines, bands, dots = [], [], []
+        for side, label in zip(SIDES, ("leg with the weight", "other leg"), strict=True):
+            changes = [_changes(kicks, week, seconds, 1.0, side, measure.name) for week in weeks]
+            means = [interval([100 * change for change in part]) for part in changes if part]
+            known = [week for week, part in zip(weeks, changes, strict=True) if part]
+            lines.append(Line(known, [mean.mean for mean in means], label))
+            bands.append(Band(known, [mean.low for mean in means], [mean.high for mean in means], label))
+            dots.append(Dots(known, [mean.mean for mean in means], label))
+        change = Quantity("change", f"{measure.label}: change by the weight", "%")
+        yield Plot(WEEK, change, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)
