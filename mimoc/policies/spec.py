@@ -68,9 +68,14 @@ def _part(text: str) -> PolicyPart:
         raise PolicyError(f"'{text}': the policy '{name}' takes nothing after a colon; write {name}")
     if colon and not argument:
         raise PolicyError(f"'{text}': nothing stands after the colon; write {usage(kind)}")
-    if not colon and kind.argument and not kind.argument.startswith("["):
+    if not colon and needs_argument(kind):
         raise PolicyError(f"'{text}': the policy '{name}' needs more than its name; write {usage(kind)}")
     return PolicyPart(kind, argument if colon else None, text)
+
+
+def needs_argument(kind: PolicyKind) -> bool:
+    """Return whether a policy cannot be chosen by its name alone."""
+    return bool(kind.argument) and not kind.argument.startswith("[")
 
 
 def usage(kind: PolicyKind) -> str:

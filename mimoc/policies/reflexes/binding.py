@@ -12,7 +12,7 @@ from mimoc.policies.reflexes.reflex import Reflex
 from mimoc.policies.reflexes.sensing import BALANCE, Senses
 from mimoc.policies.reflexes.table import REFLEXES
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import Observation
+from mimoc.senses.sense import FloatArray, Observation
 
 NOTICED = 0.05
 """Drive from which on a reflex counts as acting."""
@@ -27,12 +27,13 @@ class Reflexes:
     is the command at rest, and c that of the whole movement; a reflex whose sense an infant lacks does nothing.
     """
 
-    def __init__(self, batch: Batch, late_months: float = 0.0, reflexes: Mapping[str, Reflex] = REFLEXES):
+    def __init__(self, batch: Batch, late_months: float | FloatArray = 0.0, reflexes: Mapping[str, Reflex] = REFLEXES):
         """Bind reflexes to infants.
 
         Args:
             batch: The infants.
-            late_months: By how much they are later than in most children, or earlier if it is negative.
+            late_months: By how much they are later than in most children, or earlier if it is negative: of all, or of
+                each, shape (k,).
             reflexes: Those that they can have.
         """
         self._batch, self._late_months, self._reflexes = batch, late_months, reflexes
