@@ -68,6 +68,11 @@ class Observed:
         """Whether places are in [m]."""
         return self.places.shape[-1] == 3
 
+    @property
+    def tells_size(self) -> bool:
+        """Whether there is more than what one camera sees."""
+        return self.in_space or self.depth_m is not None
+
     def channels(self, part: slice, pose: Pose, jacobian: FloatArray, height_m: float) -> Iterator[Channel]:
         """Yield differences and derivatives at some frames.
 

@@ -136,7 +136,7 @@ def retarget(
     problem = problem_of(setting, setting.recording, noise)
     state = replace(state, x=interpolated(state.x, setting.every, recording.frames))
     if not run.interrupted:
-        problem = replace(problem, pull=pull_of(problem, state, setting.every))
+        problem = _pulled(problem, state, setting.every)
     pull = problem.pull
     state = run.solve(problem, state, STEPS_ALL, setting.free)
     if not run.interrupted:
@@ -204,9 +204,17 @@ def _first_fit(setting: Setting, run: _Run) -> tuple[State, Noise]:
         if not run.interrupted:
             noise = _rescaled(noise, uncertainty_of(problem, state))
             problem = problem_of(setting, thin, noise)
-            problem = replace(problem, pull=pull_of(problem, state))
+            problem = _pulled(problem, state)
             state = run.solve(problem, state, STEPS_AGAIN, setting.free)
     return state, noise
+
+
+def _pulled(problem: Problem, state: State, every: int = 1) -> Problem:
+    """Return the problem with what makes sizes the likeliest over all motions, where depth is not seen.
+
+    With depth, data say so much of each frame that this makes no difference.
+    """
+    return problem if problem.observed.tells_size else replace(problem, pull=pull_of(problem, state, every))
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:

@@ -69,7 +69,9 @@ def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
     to be where it is seen, and the more probable the motion. Integrated over all motions (Laplace's approximation), the
     posterior of what is shared has the cost min_x c(x, s) + log det A(s), and
 
-        1/2 d log det A / ds = 1/2 sum_t tr(A^-1[t, t] d(J_t' W J_t) / ds).
+        1/2 d log det A / ds = 1/2 sum_t tr(A^-1[t, t] d(J_t' W J_t) / ds),
+
+    with the motion as it is. What changes all sizes alike is overall size.
 
     Args:
         problem: What is fitted.
@@ -82,10 +84,12 @@ def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
     frames = slice(0, len(state.x), every)
     base, weights = _squares(problem, state, frames, None)
     result = np.zeros(len(system.h))
-    for index in range(len(result)):
+    for index in (0, *range(2, len(result))):
         shared = np.where(np.arange(len(result)) == index, DIFFERENCE, 0.0)
-        other, _ = _squares(problem, state.moved(np.zeros_like(state.x), shared), frames, weights)
+        moved = state.moved(np.zeros_like(state.x), shared)
+        other, _ = _squares(problem, moved, frames, weights)
         result[index] = every * np.einsum("fnm,fmn->", covariances, other - base) / (2 * DIFFERENCE)
+    result[1] = result[2:].sum()
     return result
 
 
