@@ -13,7 +13,7 @@ from mimoc.retarget.uncertainty import Uncertainty
 
 UNSEEN = 0.8
 """Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""
-CENTRE_M = 0.0005
+CENTRE_M = 0.0003
 """How far a joint's centre is from where the model of the fitted child has it, as a standard deviation: between its two
 joints, a length is no better known (D: from fits to known motions)."""
 TOUCHED_RAD = np.radians(0.1)

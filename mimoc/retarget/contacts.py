@@ -16,7 +16,7 @@ SINK_M = 0.004
 LIE_M = {"lb": 0.006, "ub2": 0.006, "head": 0.012}
 """How far hip, chest and head of one who lies are from where they are at rest, as a standard deviation; and how long
 that stays alike:"""
-LIE_S = 8.0
+LIE_S = 4.0
 SOFT = 0.85
 """Distance at which two parts touch, over the sum of their radii: skin gives way."""
 _LIMBS = ("upper_arm", "lower_arm", "hand", "fingers", "mfknuckle", "lower_leg", "foot", "toes")
