@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.banded import NormalEquations
+from mimoc.retarget.banded import BoolArray, NormalEquations
 from mimoc.retarget.contacts import Contacts
 from mimoc.retarget.observations import OUTLIER, Channel, Observed
 from mimoc.retarget.prior import times_chain
@@ -69,7 +69,7 @@ class Problem:
     held: FloatArray
     """Factors of a sum of these that is held near 0 while nothing tells of size, over its SD, shape (1 + s,)."""
     pull: FloatArray
-    """Half the gradient of log det A by what is shared, `uncertainty.pull_of`, shape (1 + s,); zero before it is known."""
+    """Half the gradient of log det A by these, `uncertainty.pull_of`, shape (1 + s,); zero before it is known."""
 
     def equations(self, state: State, outlier: float) -> tuple[NormalEquations, float]:
         """Return the normal equations at a state, and its cost (twice the negative logarithm of the posterior)."""
@@ -140,7 +140,7 @@ def solve(
     state: State,
     iterations: int,
     *,
-    free: FloatArray,
+    free: BoolArray,
     first_outlier: float = OUTLIER,
     last_outlier: float = OUTLIER,
     tick: Callable[[], None] = lambda: None,

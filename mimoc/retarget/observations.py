@@ -54,7 +54,7 @@ class Observed:
     @classmethod
     def of(cls, recording: PointRecording, noise: float, depth_noise_m: float) -> Self:
         """Take the points of a recording; those without finite coordinates have no weight."""
-        seen = np.isfinite(recording.positions).all(-1)
+        seen = np.asarray(np.isfinite(recording.positions).all(-1))
         weight = np.where(seen, np.clip(np.nan_to_num(recording.confidence), 0.0, 1.0), 0.0)
         depth_m = depth_weight = None
         if recording.unit == "px" and recording.depth_m is not None:

@@ -8,6 +8,7 @@ import numpy as np
 from mimoc.motion.body_points import BodyPoint, body_points
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.retarget import prior
+from mimoc.retarget.banded import BoolArray
 from mimoc.retarget.contacts import contacts_of, spheres_of
 from mimoc.retarget.fitting import Problem, State
 from mimoc.retarget.hinges import combined_limits, hinges_of
@@ -85,12 +86,12 @@ class Setting:
         return int(max(1, min(self.recording.rate_hz // THIN_HZ, self.recording.frames // FEWEST_THIN)))
 
     @property
-    def free(self) -> FloatArray:
+    def free(self) -> BoolArray:
         """Which of the height and the sizes may change: overall size only if something tells of it."""
         return np.array([True, self.size_is_known, *(True for _ in self.sizes)])
 
     @property
-    def only_height(self) -> FloatArray:
+    def only_height(self) -> BoolArray:
         """The height, with sizes as they are."""
         return np.arange(2 + len(self.sizes)) == 0
 
