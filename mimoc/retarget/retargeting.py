@@ -68,10 +68,10 @@ def retarget(
         SpecError: If there is no such child.
 
     Example:
-        >>> import mimoc, numpy as np
+        >>> import mimoc
         >>> from mimoc.motion.body_points import film
         >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = np.repeat(env.model.key("supine").qpos[None], 12, axis=0)
+        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
         >>> result = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
         >>> result.qpos.shape[0], result.account.error_share < 0.01
         (12, True)
