@@ -16,7 +16,7 @@ SINK_M = 0.004
 LIE_M = {"lb": 0.006, "ub2": 0.006, "head": 0.012}
 """How far hip, chest and head of one who lies are from where they are at rest, as a standard deviation; and how long
 that stays alike:"""
-LIE_S = 2.0
+LIE_S = 4.0
 SOFT = 0.85
 """Distance at which two parts touch, over the sum of their radii: skin gives way."""
 _LIMBS = ("upper_arm", "lower_arm", "hand", "fingers", "mfknuckle", "lower_leg", "foot", "toes")
@@ -91,11 +91,13 @@ class Contacts:
             return
         direction = apart[:, frames] / np.maximum(distance[frames], 1e-6)
         weights = np.stack([np.ones(len(frames)), share[frames] - 1, -share[frames]])
-        by_unknown, by_size = 0.0, 0.0
+        by_unknown = np.zeros((len(frames), skeleton.unknowns))
+        by_size = np.zeros((len(frames), pose.points_m.shape[3] - 1))
         for index, weight in zip(indices, weights, strict=True):
             jacobian = skeleton.jacobian(pose, np.array([index]), frames)[:, :, 0]
-            by_unknown = by_unknown + np.einsum("cf,cfn->fn", direction * weight, jacobian)
-            by_size = by_size + np.einsum("cf,cfs->fs", direction * weight, pose.points_m[:, frames, index, 1:])
+            by_unknown += np.einsum("cf,cfn->fn", direction * weight, jacobian)
+            by_size += np.einsum("cf,cfs->fs", direction * weight, pose.points_m[:, frames, index, 1:])
+        frames = frames.astype(np.intp)
         yield frames, (distance[frames] - pair.distance_m) / SINK_M, by_unknown / SINK_M, by_size / SINK_M
 
 

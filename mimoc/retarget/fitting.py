@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.banded import NormalEquations
+from mimoc.retarget.banded import BoolArray, NormalEquations
 from mimoc.retarget.contacts import Contacts
 from mimoc.retarget.observations import OUTLIER, Channel, Observed
 from mimoc.retarget.prior import times_chain
@@ -66,8 +66,10 @@ class Problem:
     """What is usual of the height and the logarithms of sizes, shape (1 + s,)."""
     shared_sd: FloatArray
     """Its standard deviation, shape (1 + s,)."""
+    held: FloatArray
+    """Factors of a sum of these that is held near 0 while nothing tells of size, over its SD, shape (1 + s,)."""
     pull: FloatArray
-    """Half the gradient of log det A by what is shared, `uncertainty.pull_of`, shape (1 + s,); zero before it is known."""
+    """Half the gradient of log det A by these, `uncertainty.pull_of`, shape (1 + s,); zero before it is known."""
 
     def equations(self, state: State, outlier: float) -> tuple[NormalEquations, float]:
         """Return the normal equations at a state, and its cost (twice the negative logarithm of the posterior)."""
@@ -117,9 +119,11 @@ class Problem:
         system.add_chain(self.chain)
         system.g += pull
         shared = np.array([state.height_m, *state.logs]) - self.shared_mean
-        system.corner += np.diag(self.shared_sd**-2)
-        system.h += shared / self.shared_sd**2 + self.pull
-        return float((away * pull).sum() + ((shared / self.shared_sd) ** 2).sum() + 2 * self.pull @ shared)
+        held = float(self.held @ shared)
+        system.corner += np.diag(self.shared_sd**-2) + np.outer(self.held, self.held)
+        system.h += shared / self.shared_sd**2 + self.pull + held * self.held
+        cost = ((shared / self.shared_sd) ** 2).sum() + held**2 + 2 * self.pull @ shared
+        return float((away * pull).sum() + cost)
 
     def within_limits(self, x: FloatArray) -> FloatArray:
         """Return unknowns within all limits: those beyond are at the end, sums of angles shrink in proportion."""
@@ -136,7 +140,7 @@ def solve(
     state: State,
     iterations: int,
     *,
-    free: FloatArray,
+    free: BoolArray,
     first_outlier: float = OUTLIER,
     last_outlier: float = OUTLIER,
     tick: Callable[[], None] = lambda: None,

@@ -32,10 +32,10 @@ def likely_postures(
 ) -> FloatArray:
     """Return unknowns whose limbs are in likely postures, shape (t, n).
 
-    A limb that is seen bent may point to the camera or away from it, and least squares do not get from one to the other.
-    So postures are drawn from what is usual, and of those that look right in each frame the sequence is taken whose sum
-    of squares is least (Viterbi): of distances from what is seen, of depth below the floor, and of movement from frame
-    to frame.
+    A limb that is seen bent may point to the camera or away from it, and least squares do not get from one to the
+    other. So postures are drawn from what is usual, and of those that look right in each frame the sequence is taken
+    whose sum of squares is least (Viterbi): of distances from what is seen, of depth below the floor, and of movement
+    from frame to frame.
 
     Args:
         skeleton: The infant.

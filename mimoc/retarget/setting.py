@@ -8,6 +8,7 @@ import numpy as np
 from mimoc.motion.body_points import BodyPoint, body_points
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.retarget import prior
+from mimoc.retarget.banded import BoolArray
 from mimoc.retarget.contacts import contacts_of, spheres_of
 from mimoc.retarget.fitting import Problem, State
 from mimoc.retarget.hinges import combined_limits, hinges_of
@@ -36,6 +37,8 @@ LEAST_OF_TRUNK = 0.001
 """Noise that is assumed at least, since no model is exact."""
 HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
 """How far the height is from where the fit starts, and from one that was measured."""
+HELD = 0.003
+"""Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
 STRAIGHT = "the camera is taken to look straight down on a level floor"
@@ -83,12 +86,12 @@ class Setting:
         return int(max(1, min(self.recording.rate_hz // THIN_HZ, self.recording.frames // FEWEST_THIN)))
 
     @property
-    def free(self) -> FloatArray:
+    def free(self) -> BoolArray:
         """Which of the height and the sizes may change: overall size only if something tells of it."""
         return np.array([True, self.size_is_known, *(True for _ in self.sizes)])
 
     @property
-    def only_height(self) -> FloatArray:
+    def only_height(self) -> BoolArray:
         """The height, with sizes as they are."""
         return np.arange(2 + len(self.sizes)) == 0
 
@@ -155,6 +158,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
         shared_sd=np.array([height_sd, *sizes_sd]),
+        held=_held(setting),
         pull=np.zeros(2 + len(setting.sizes)),
     )
 
@@ -217,6 +221,12 @@ def usual_noise(recording: PointRecording) -> Noise:
     """Return the noise that a fit begins with."""
     least = LEAST_OF_TRUNK * recording.trunk
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
+
+
+def _held(setting: Setting) -> FloatArray:
+    """Return what keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known."""
+    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
+    return weights / weights.sum() / HELD if not setting.size_is_known else 0 * weights
 
 
 def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:

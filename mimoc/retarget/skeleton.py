@@ -188,7 +188,8 @@ class Skeleton:
                     groups[column in seen].append((point, joint, column, float(self.hinges.factor[joint])))
                     seen.add(column)
         tables = [np.array(group) for group in groups if group]
-        return [(*(table[:, i].astype(np.intp) for i in range(3)), table[:, 3]) for table in tables]
+        indices = [table[:, :3].astype(np.intp).T for table in tables]
+        return [(index[0], index[1], index[2], table[:, 3]) for index, table in zip(indices, tables, strict=True)]
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:

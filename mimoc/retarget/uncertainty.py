@@ -10,7 +10,7 @@ from mimoc.retarget.banded import Factored
 from mimoc.retarget.fitting import CHUNK, Problem, State
 from mimoc.retarget.observations import OUTLIER
 from mimoc.retarget.sizes import at_sizes
-from mimoc.retarget.skeleton import ROOT
+from mimoc.retarget.skeleton import ROOT, Shape
 
 DIFFERENCE = 1e-3
 """Change of the height in [m], or of the logarithm of a size, by which derivatives of squares are computed."""
@@ -40,7 +40,7 @@ def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
     """
     system, _ = problem.equations(state, OUTLIER)
     factored = system.factored()
-    covariance = np.linalg.inv(factored.schur())
+    covariance = np.asarray(np.linalg.inv(factored.schur()), np.float64)
     shape = at_sizes(problem.shape, state.logs)
     t, n = state.x.shape
     k = problem.observed.places.shape[1]
@@ -69,7 +69,9 @@ def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
     to be where it is seen, and the more probable the motion. Integrated over all motions (Laplace's approximation), the
     posterior of what is shared has the cost min_x c(x, s) + log det A(s), and
 
-        1/2 d log det A / ds = 1/2 sum_t tr(A^-1[t, t] d(J_t' W J_t) / ds).
+        1/2 d log det A / ds = 1/2 sum_t tr(A^-1[t, t] d(J_t' W J_t) / ds),
+
+    with the motion as it is. What changes all sizes alike is overall size.
 
     Args:
         problem: What is fitted.
@@ -82,14 +84,18 @@ def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
     frames = slice(0, len(state.x), every)
     base, weights = _squares(problem, state, frames, None)
     result = np.zeros(len(system.h))
-    for index in range(len(result)):
+    for index in (0, *range(2, len(result))):
         shared = np.where(np.arange(len(result)) == index, DIFFERENCE, 0.0)
-        other, _ = _squares(problem, state.moved(np.zeros_like(state.x), shared), frames, weights)
+        moved = state.moved(np.zeros_like(state.x), shared)
+        other, _ = _squares(problem, moved, frames, weights)
         result[index] = every * np.einsum("fnm,fmn->", covariances, other - base) / (2 * DIFFERENCE)
+    result[1] = result[2:].sum()
     return result
 
 
-def _squares(problem: Problem, state: State, frames: slice, weights: list[FloatArray] | None):
+def _squares(
+    problem: Problem, state: State, frames: slice, weights: list[FloatArray] | None
+) -> tuple[FloatArray, list[FloatArray]]:
     """Return J' W J of frames, shape (f, n, n), and the weights W of channels; these can be given."""
     observed = problem.observed
     pose = problem.skeleton.pose(state.x[frames], at_sizes(problem.shape, state.logs))
@@ -103,7 +109,15 @@ def _squares(problem: Problem, state: State, frames: slice, weights: list[FloatA
     return total, used
 
 
-def _of_part(problem, state, shape, part, blocks, factored: Factored, covariance):
+def _of_part(
+    problem: Problem,
+    state: State,
+    shape: Shape,
+    part: slice,
+    blocks: FloatArray,
+    factored: Factored,
+    covariance: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return standard deviations of angles and heights, and sums for the noise, of some frames."""
     observed = problem.observed
     pose = problem.skeleton.pose(state.x[part], shape)
