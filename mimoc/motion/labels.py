@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimoc.base.errors import UnknownNameError, counted, suggestion
+from mimoc.base.errors import UnknownNameError, suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import MIDDLE, ON_SIDES, POINTS, SIDES
@@ -142,10 +142,3 @@ def _marker_names() -> Iterator[tuple[str, str]]:
 
 _MARKER_NAMES = dict(_marker_names())
 _NAMES = _MARKER_NAMES | dict(_spellings())
-
-
-def check_labels(labels: Sequence[str]) -> None:
-    """Raise an UnusableFileError if a label is there twice."""
-    twice = sorted({one_line(label) for label in labels if labels.count(label) > 1})
-    if twice:
-        raise UnusableFileError(f"has {counted(len(twice), 'point')} twice: {first_of(twice, _MOST_SHOWN)}")

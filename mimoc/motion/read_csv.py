@@ -40,7 +40,8 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         return _wide(path.stem, ["frame", *of_points], rows[3:])
     if {"x", "y"} <= {*lower}:
         return _long(path.stem, lower, rows[1:])
-    if not any(label_and_column(cell)[1] for cell in header) and all("," in cell for cell in rows[1][1:]):
+    is_of_points = any(label_and_column(cell)[1] for cell in header)
+    if len(header) > 1 and not is_of_points and all("," in cell for cell in rows[1][1:]):
         return _pairs(path.stem, header, rows[1:])
     return _wide(path.stem, header, rows[1:])
 
