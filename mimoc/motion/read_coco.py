@@ -82,8 +82,8 @@ def _from_file(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...
 
 def _by_frame(data: Any, where: str) -> list[tuple[int, Sequence[Mapping[str, Any]]]]:
     """Return the entries of persons, in the order of the numbers of their frames."""
-    if isinstance(data, dict) and "instance_info" in data:
-        frames = objects(data, where, "instance_info")
+    frames = objects(data, where, "instance_info") if _has(data, "instance_info") else data
+    if isinstance(frames, list) and frames and all(_has(frame, "instances") for frame in frames):
         numbered = [(_frame_number(frame, where), objects(frame, where, "instances")) for frame in frames]
         return sorted(numbered, key=lambda frame: frame[0])
     entries = _items(data, where)
@@ -94,6 +94,10 @@ def _by_frame(data: Any, where: str) -> list[tuple[int, Sequence[Mapping[str, An
     order = sorted(range(len(entries)), key=numbers.__getitem__)
     groups = groupby(order, key=numbers.__getitem__)
     return [(number, [entries[index] for index in indices]) for number, indices in groups]
+
+
+def _has(data: Any, key: str) -> bool:
+    return isinstance(data, dict) and key in data
 
 
 def _items(data: Any, where: str) -> Sequence[dict[str, Any]]:

@@ -114,7 +114,7 @@ def change_arrays(generator: np.random.Generator, path: Path) -> None:
     elif kind == 1:
         arrays[name] = array.astype(pick(generator, ("f4", "i8", "?", "u1")))
     elif kind == 2 and array.size:
-        arrays[name] = array.copy()
+        arrays[name] = array.astype(np.float64)
         arrays[name].flat[int(generator.integers(array.size))] = pick(generator, (np.nan, np.inf, -1e308, 1e9, 0))
     elif kind == 3:
         arrays[name] = pick(generator, (array[:0], array[:1], array[..., :1], array[0], array.T, array[:, :0]))
