@@ -47,17 +47,19 @@ APART: dict[tuple[str, str], tuple[float, float]] = {
     ("left_hip", "right_hip"): (0.0, 0.7),
     ("neck", "head"): (0.1, 0.8),
     ("neck", "nose"): (0.05, 0.7),
+    ("neck", "left_shoulder"): (0.05, 0.6),
+    ("neck", "right_shoulder"): (0.05, 0.6),
     **{
         (f"{side}_{first}" if first != "nose" else first, f"{side}_{second}"): bounds
         for side in SIDES
         for first, second, bounds in (
-            ("shoulder", "elbow", (0.1, 0.65)),
-            ("elbow", "wrist", (0.08, 0.55)),
-            ("elbow", "hand", (0.12, 0.8)),
+            ("shoulder", "elbow", (0.1, 0.75)),
+            ("elbow", "wrist", (0.08, 0.75)),
+            ("elbow", "hand", (0.12, 1.0)),
             ("wrist", "hand", (0.0, 0.35)),
             ("hip", "knee", (0.12, 0.85)),
-            ("knee", "ankle", (0.12, 0.85)),
-            ("knee", "foot", (0.15, 1.0)),
+            ("knee", "ankle", (0.12, 1.0)),
+            ("knee", "foot", (0.15, 1.2)),
             ("ankle", "foot", (0.0, 0.45)),
             ("ankle", "big_toe", (0.0, 0.5)),
             ("ankle", "heel", (0.0, 0.3)),
@@ -66,9 +68,9 @@ APART: dict[tuple[str, str], tuple[float, float]] = {
         )
     },
 }
-"""How far points are apart, in trunks, in the 95th percentile over time: bodies of mimoc at 0 to 24 months and twelve
-infants seen from above (MINI-RGBD) lie between 1.5 times the first and .65 of the second number, so that trunks may be
-foreshortened by a third, and limbs by most of their length."""
+"""How far points are apart, in trunks, in the 95th percentile over time. Bodies of mimoc at 0 to 24 months, and twelve
+infants seen from above (MINI-RGBD), lie in the middle of these ranges, up to two thirds of the second number: a trunk may be
+foreshortened, a hand near the camera looks large, and of a limb that points to it little is seen."""
 
 
 def check_numbers(recording: PointRecording) -> PointRecording:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
 from mimoc.motion.checks import check_numbers, check_points, check_timing
 from mimoc.motion.labels import name_points
@@ -61,7 +61,10 @@ def read_points(
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
     except UnusableFileError as error:
-        raise RecordingError(f"{place}: {error}") from None
+        raise RecordingError(one_line(f"{place}: {error}")) from None
+    except OSError as error:
+        reason = f"cannot be read ({error.strerror}); check the path and its permissions"
+        raise RecordingError(one_line(f"{place}: {reason}")) from None
 
 
 def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording:

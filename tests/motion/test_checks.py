@@ -29,6 +29,11 @@ def test_there_is_no_such_file(tmp_path):
     assert problem(tmp_path / "none", format="csv") == "there is no such file or folder; check the path"
 
 
+def test_a_path_that_no_file_has():
+    assert problem("x" * 5000) == "cannot be read (File name too long); check the path and its permissions"
+    assert problem("a\nb").endswith("a?b: there is no such file or folder; check the path")
+
+
 def test_an_empty_folder(tmp_path):
     assert problem(tmp_path) == "the folder is empty; give the one with the files of the pose estimator"
 
@@ -136,7 +141,7 @@ def test_a_wrong_order_of_points(kicking, tmp_path):
     assert reason.endswith("its points may be in another order: say what its labels are: names={'label': 'left_hip'}")
 
 
-@pytest.mark.parametrize("pair", [("left_hip", "left_knee"), ("right_shoulder", "right_elbow")])
+@pytest.mark.parametrize("pair", [("left_hip", "left_knee"), ("right_elbow", "right_hand")])
 def test_points_on_a_limb_that_have_each_others_names_are_a_note(pair, kicking, tmp_path):
     other = dict(zip(pair, pair[::-1], strict=True))
     wrong = replace(kicking, names=tuple(other.get(name, name) for name in kicking.names))
