@@ -69,8 +69,8 @@ APART: dict[tuple[str, str], tuple[float, float]] = {
     },
 }
 """How far points are apart, in trunks, in the 95th percentile over time. Bodies of mimoc at 0 to 24 months, and twelve
-infants seen from above (MINI-RGBD), lie in the middle of these ranges, up to two thirds of the second number: a trunk may be
-foreshortened, a hand near the camera looks large, and of a limb that points to it little is seen."""
+infants seen from above (MINI-RGBD), lie in the middle of these ranges, up to three quarters of the second number: a
+trunk may be foreshortened, a hand near the camera looks large, and of a limb that points to it little is seen."""
 
 
 def check_numbers(recording: PointRecording) -> PointRecording:

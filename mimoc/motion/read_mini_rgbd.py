@@ -7,7 +7,7 @@ millimetres; 3D joints are in the frame of the camera (x to the right, y downwar
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
@@ -80,9 +80,9 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     files = read_frame_files(folder, ".txt")
     numbers = _numbers(files)[:, [JOINTS.index(joint) for joint in POINTS.values()]]
     name = folder.parent.name if folder.name == joints.folder else folder.name
-    notes = (*files.notes, f"{RATE_HZ:g} frames/s are taken for granted")
+    notes = (*files.notes, *([] if options.rate_hz else [f"{RATE_HZ:g} frames/s are taken for granted"]))
     made = _in_space if joints.in_space else _in_pixels
-    return made(name, numbers, notes)
+    return replace(made(name, numbers, notes), rate_hz=options.rate_hz or RATE_HZ)
 
 
 def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRecording:

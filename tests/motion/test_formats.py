@@ -131,6 +131,10 @@ def test_public_keypoints_of_mini_rgbd(kicking, tmp_path):
     read = mimoc.read_points(filmed.write_pairs(kicking, tmp_path / "101.csv"))
     assert are_close(kicking, read)
     assert (read.rate_hz, read.camera) == (30, MINI_RGBD_CAMERA)
+    assert read.notes == ("30 frames/s are taken for granted", "the camera is taken for that of MINI-RGBD")
+    camera = mimoc.Camera((500, 500), (320, 240), (640, 480))
+    read = mimoc.read_points(tmp_path / "101.csv", rate_hz=25, camera=camera)
+    assert (read.rate_hz, read.camera, read.notes) == (25, camera, ())
 
 
 def long_table(recording, folder: Path) -> Path:
