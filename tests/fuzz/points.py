@@ -112,7 +112,8 @@ def change_arrays(generator: np.random.Generator, path: Path) -> None:
         text = json.dumps(changed_data(generator, about)).encode(errors="replace")
         arrays["about"] = np.frombuffer(text, np.uint8)
     elif kind == 1:
-        arrays[name] = array.astype(pick(generator, ("f4", "i8", "?", "u1")))
+        with np.errstate(invalid="ignore", over="ignore"):
+            arrays[name] = array.astype(pick(generator, ("f4", "i8", "?", "u1")))
     elif kind == 2 and array.size:
         arrays[name] = array.astype(np.float64)
         arrays[name].flat[int(generator.integers(array.size))] = pick(generator, (np.nan, np.inf, -1e308, 1e9, 0))
