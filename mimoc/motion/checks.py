@@ -1,17 +1,25 @@
 """What is wrong with a recording of points: an error where it cannot be used, a note where it can."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.regular_files import UnusableFileError, first_of
+from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.frame_files import MOST_FRAMES
 from mimoc.motion.options import View
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import SIDES
-from mimoc.motion.sides import mirrored, repair_exchanges, share_from_behind, share_of_knees_backwards, swapped
+from mimoc.motion.sides import (
+    mirrored,
+    repair_exchanges,
+    share_from_behind,
+    share_of_knees_backwards,
+    share_opposed,
+    swapped,
+)
 
 RATES_HZ = 1.0, 1000.0
 """Of cameras and motion capture."""
@@ -30,22 +38,28 @@ _SOMETIMES = 0.1
 _SHOWN_GAP = 0.01
 """Share of frames in which a point is missing that is worth a note."""
 _PERCENTILE = 95
+_FARTHER_MOVES_MORE = ("shoulder", "elbow"), ("elbow", "wrist"), ("elbow", "hand"), ("hip", "knee")
+"""Of twelve infants (MINI-RGBD), the second moved at least 1.19 times as far as the first."""
+_LESS = 0.75
+_STRIDE_S = 0.1
 APART: dict[tuple[str, str], tuple[float, float]] = {
     ("left_shoulder", "right_shoulder"): (0.0, 1.2),
     ("left_hip", "right_hip"): (0.0, 0.7),
     ("neck", "head"): (0.1, 0.8),
     ("neck", "nose"): (0.05, 0.7),
+    ("neck", "left_shoulder"): (0.05, 0.6),
+    ("neck", "right_shoulder"): (0.05, 0.6),
     **{
         (f"{side}_{first}" if first != "nose" else first, f"{side}_{second}"): bounds
         for side in SIDES
         for first, second, bounds in (
-            ("shoulder", "elbow", (0.1, 0.65)),
-            ("elbow", "wrist", (0.08, 0.55)),
-            ("elbow", "hand", (0.12, 0.8)),
+            ("shoulder", "elbow", (0.1, 0.75)),
+            ("elbow", "wrist", (0.08, 0.75)),
+            ("elbow", "hand", (0.12, 1.0)),
             ("wrist", "hand", (0.0, 0.35)),
             ("hip", "knee", (0.12, 0.85)),
-            ("knee", "ankle", (0.12, 0.85)),
-            ("knee", "foot", (0.15, 1.0)),
+            ("knee", "ankle", (0.12, 1.0)),
+            ("knee", "foot", (0.15, 1.2)),
             ("ankle", "foot", (0.0, 0.45)),
             ("ankle", "big_toe", (0.0, 0.5)),
             ("ankle", "heel", (0.0, 0.3)),
@@ -54,9 +68,28 @@ APART: dict[tuple[str, str], tuple[float, float]] = {
         )
     },
 }
-"""How far points are apart, in trunks, in the 95th percentile over time: bodies of mimoc at 0 to 24 months and twelve
-infants seen from above (MINI-RGBD) lie between 1.5 times the first and .65 of the second number, so that trunks may be
-foreshortened by a third, and limbs by most of their length."""
+"""How far points are apart, in trunks, in the 95th percentile over time. Bodies of mimoc at 0 to 24 months, and twelve
+infants seen from above (MINI-RGBD), lie in the middle of these ranges, up to three quarters of the second number: a
+trunk may be foreshortened, a hand near the camera looks large, and of a limb that points to it little is seen."""
+
+
+def check_numbers(recording: PointRecording) -> PointRecording:
+    """Return a recording in which points are seen or NaN, with confidence from 0 to 1.
+
+    Raises:
+        UnusableFileError: If labels are there twice, or places in no picture and no room.
+    """
+    twice = sorted(label for label, times in Counter(recording.names).items() if times > 1)
+    if twice:
+        raise UnusableFileError(f"has {one_line(first_of(twice, 5))} twice; keep one infant, and each point once")
+    if not recording.frames or not recording.names:
+        raise UnusableFileError("has no points; check what was exported")
+    largest = np.max(np.abs(recording.positions), initial=0.0, where=~np.isnan(recording.positions))
+    if largest > _FAR:
+        raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
+    seen = ~_missing(recording)
+    confidence = np.where(seen, np.nan_to_num(recording.confidence, nan=0.0).clip(0, 1), 0.0)
+    return replace(recording, positions=np.where(seen[..., None], recording.positions, np.nan), confidence=confidence)
 
 
 def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
@@ -88,7 +121,8 @@ def check_points(recording: PointRecording, view: View) -> PointRecording:
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    return _without_unseen(replace(whole, notes=(*whole.notes, *_check_sides(whole, view), *_gaps(whole))))
+    notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
+    return _without_unseen(replace(whole, notes=notes))
 
 
 def _check_trunk(recording: PointRecording) -> None:
@@ -104,11 +138,8 @@ def _check_trunk(recording: PointRecording) -> None:
 
 
 def _check_unit(recording: PointRecording) -> None:
-    largest = np.nanmax(np.abs(recording.positions))
     trunk = recording.trunk
-    if largest > _FAR:
-        raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
-    if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
+    if recording.unit == "px" and trunk < _LEAST_TRUNK_PX:
         raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export pixels, not shares of the picture")
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
@@ -131,6 +162,8 @@ def _check_proportions(recording: PointRecording) -> None:
 
 def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
     """Return what is to be said of left and right, or raise an UnusableFileError if they are wrong throughout."""
+    if share_opposed(recording) > _MOSTLY:
+        raise UnusableFileError("has its left hip on the side of its right shoulder; check what is left and right")
     if recording.unit == "m" or recording.depth_m is not None:
         if share_of_knees_backwards(recording) > _MOSTLY:
             raise UnusableFileError(
@@ -147,6 +180,21 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
             "counts upwards view='mirrored', if left and right are exchanged view='swapped'"
         )
     return (f"the infant is seen from behind, or left and right are exchanged, in {share:.0%} of frames",)
+
+
+def _restless(recording: PointRecording) -> tuple[str, ...]:
+    """Return which points move more than others that they hang on, where it is the other way round."""
+    every = max(1, round(recording.rate_hz * _STRIDE_S))
+    strides = np.linalg.norm(recording.positions[every:] - recording.positions[:-every], axis=-1)
+    pairs = [(f"{side}_{near}", f"{side}_{far}") for side in SIDES for near, far in _FARTHER_MOVES_MORE]
+    wrong = []
+    for names in pairs:
+        if {*names} <= {*recording.names}:
+            near, far = (strides[:, recording.names.index(name)] for name in names)
+            both = np.isfinite(near) & np.isfinite(far)
+            if both.any() and far[both].sum() < _LESS * near[both].sum():
+                wrong.append(" than ".join(names))
+    return (f"these move more: {first_of(wrong, 3)}; they may be called each other's name",) if wrong else ()
 
 
 def _without_unseen(recording: PointRecording) -> PointRecording:

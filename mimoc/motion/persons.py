@@ -1,5 +1,7 @@
 """Which of the persons that a pose estimator sees is the infant, and where its points are."""
 
+import math
+from array import array
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -19,8 +21,23 @@ class Person(NamedTuple):
 
     identity: str
     """What says that it is the same person in other frames; empty if nothing does."""
-    numbers: Sequence[float]
+    numbers: "array[float]"
     """x, y and confidence of each point, one point after the other."""
+
+
+def person(identity: str, numbers: Sequence[float | None], where: str) -> Person:
+    """Return somebody by the numbers of a file, of which nothing but numbers is kept; None is NaN.
+
+    Raises:
+        UnusableFileError: If they are no numbers: *where* they stand, and that.
+    """
+    try:
+        try:
+            return Person(identity, array("d", numbers))  # type: ignore[arg-type]
+        except TypeError:
+            return Person(identity, array("d", [math.nan if number is None else number for number in numbers]))
+    except (TypeError, OverflowError):
+        raise UnusableFileError(f"{one_line(where)}: points are not numbers; export it again") from None
 
 
 class Frame(NamedTuple):
@@ -154,14 +171,8 @@ def _followed(points: FloatArray, spans: Sequence[tuple[int, int]], start: int) 
 
 
 def _rows(persons: Sequence[tuple[str, Person]], width: int) -> FloatArray:
-    """Return the numbers of persons, shape (n, width), or raise an UnusableFileError that says which are none."""
-    try:
-        rows = np.array([person.numbers for _, person in persons], dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        rows = np.empty(0)
-    if rows.shape == (len(persons), width):
-        return rows
-    if len(persons) > 1:
-        for person in persons:
-            _rows([person], width)
-    raise UnusableFileError(f"{one_line(persons[0][0])}: points are not {width} numbers; export it again")
+    """Return the numbers of persons, shape (n, width), or raise an UnusableFileError that says who has others."""
+    wrong = next((where for where, person in persons if len(person.numbers) != width), None)
+    if wrong is not None:
+        raise UnusableFileError(f"{one_line(wrong)}: points are not {width} numbers; export it again")
+    return np.frombuffer(b"".join([person.numbers for _, person in persons])).reshape(-1, width)

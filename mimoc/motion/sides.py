@@ -91,6 +91,16 @@ def share_from_behind(recording: PointRecording) -> float:
     return float((area[clear] > 0).mean()) if clear.any() else np.nan
 
 
+def share_opposed(recording: PointRecording) -> float:
+    """Return in what share of frames the left hip is on the side of the right shoulder; NaN if it is never known."""
+    if not {f"{side}_shoulder" for side in SIDES} <= {*recording.names}:
+        return np.nan
+    hips, shoulders = (recording.path(f"left_{part}") - recording.path(f"right_{part}") for part in ("hip", "shoulder"))
+    along = (hips * shoulders).sum(axis=1)
+    along = along[np.isfinite(along)]
+    return float((along < 0).mean()) if along.size else np.nan
+
+
 def share_of_knees_backwards(recording: PointRecording) -> float:
     """Return in what share of the frames in which knees are clearly bent they bend the wrong way; NaN if none are.
 

@@ -29,6 +29,11 @@ def test_there_is_no_such_file(tmp_path):
     assert problem(tmp_path / "none", format="csv") == "there is no such file or folder; check the path"
 
 
+def test_a_path_that_no_file_has():
+    assert problem("x" * 5000) == "cannot be read (File name too long); check the path and its permissions"
+    assert problem("a\nb").endswith("a?b: there is no such file or folder; check the path")
+
+
 def test_an_empty_folder(tmp_path):
     assert problem(tmp_path) == "the folder is empty; give the one with the files of the pose estimator"
 
@@ -66,6 +71,8 @@ def test_points_of_another_number_are_named(body_25, tmp_path):
     folder = filmed.write_openpose(body_25, tmp_path / "film")
     name = f"film_{7:012d}_keypoints.json"
     (folder / name).write_text('{"people": [{"pose_keypoints_2d": [1, 2, "three"]}]}')
+    assert problem(folder, rate_hz=30) == f"{name}: points are not numbers; export it again"
+    (folder / name).write_text('{"people": [{"pose_keypoints_2d": [1, 2, 1]}]}')
     assert problem(folder, rate_hz=30) == f"{name}: points are not 75 numbers; export it again"
 
 
@@ -134,6 +141,14 @@ def test_a_wrong_order_of_points(kicking, tmp_path):
     assert reason.endswith("its points may be in another order: say what its labels are: names={'label': 'left_hip'}")
 
 
+@pytest.mark.parametrize("pair", [("left_hip", "left_knee"), ("right_elbow", "right_hand")])
+def test_points_on_a_limb_that_have_each_others_names_are_a_note(pair, kicking, tmp_path):
+    other = dict(zip(pair, pair[::-1], strict=True))
+    wrong = replace(kicking, names=tuple(other.get(name, name) for name in kicking.names))
+    read = mimoc.read_points(written(wrong, tmp_path))
+    assert read.notes == (f"these move more: {pair[0]} than {pair[1]}; they may be called each other's name",)
+
+
 def exchanged(recording, start: int, stop: int, limbs=("hip", "knee", "foot")):
     """Return a recording with left and right exchanged in some frames."""
     names = list(recording.names)
@@ -183,6 +198,11 @@ def test_a_mirrored_picture_is_put_right(axis, kicking, tmp_path):
     read = mimoc.read_points(path, view="mirrored").select(kicking.names)
     ways, others = (np.diff(one.positions, axis=0) for one in (read, kicking))
     assert np.allclose(ways, others if axis == 0 else -others)
+
+
+def test_legs_that_are_exchanged_throughout(kicking, tmp_path):
+    path = written(exchanged(kicking, 0, 60), tmp_path)
+    assert problem(path) == "has its left hip on the side of its right shoulder; check what is left and right"
 
 
 def test_sides_that_are_exchanged_throughout_are_put_right(kicking, tmp_path):

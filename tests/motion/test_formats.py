@@ -83,11 +83,15 @@ def mmpose(entries):
     return {"instance_info": [{"frame_id": 1 + entry["image_id"], "instances": [instance(entry)]} for entry in entries]}
 
 
+def mmpose_of_a_video(entries):
+    return mmpose(entries)["instance_info"]
+
+
 def alphapose(entries):
     return [{**entry, "image_id": f"{entry['image_id']}.jpg", "idx": 4} for entry in entries[::-1]]
 
 
-@pytest.mark.parametrize("dialect", [annotations, mmpose, alphapose])
+@pytest.mark.parametrize("dialect", [annotations, mmpose, mmpose_of_a_video, alphapose])
 def test_coco_keypoints_as_others_write_them(dialect, body_25, tmp_path):
     (tmp_path / "film.json").write_text(json.dumps(dialect(filmed.coco_entries(body_25))))
     read = mimoc.read_points(tmp_path / "film.json", rate_hz=30)
@@ -127,6 +131,10 @@ def test_public_keypoints_of_mini_rgbd(kicking, tmp_path):
     read = mimoc.read_points(filmed.write_pairs(kicking, tmp_path / "101.csv"))
     assert are_close(kicking, read)
     assert (read.rate_hz, read.camera) == (30, MINI_RGBD_CAMERA)
+    assert read.notes == ("30 frames/s are taken for granted", "the camera is taken for that of MINI-RGBD")
+    camera = mimoc.Camera((500, 500), (320, 240), (640, 480))
+    read = mimoc.read_points(tmp_path / "101.csv", rate_hz=25, camera=camera)
+    assert (read.rate_hz, read.camera, read.notes) == (25, camera, ())
 
 
 def long_table(recording, folder: Path) -> Path:

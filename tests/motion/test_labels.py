@@ -1,8 +1,12 @@
 """Labels that others give to points mean mimoc's points."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from support import filmed
 
+import mimoc
 from mimoc.motion.labels import known_name
 from mimoc.motion.points import POINTS
 from mimoc.motion.read_openpose import BODY_25
@@ -25,3 +29,20 @@ def test_every_label_of_body_25_is_a_point():
 @pytest.mark.parametrize("label", ["", "left", "l", "marker", "12", "spine", "left_left_hip", "hipp"])
 def test_other_words_mean_no_point(label):
     assert known_name(label) == ""
+
+
+def test_markers_around_a_point_have_it_in_their_middle_unless_it_is_named(tmp_path):
+    kicking = filmed.filmed(20)
+    shift = np.zeros((20, 14, 2))
+    shift[:, kicking.names.index("left_hand")] = 10
+    around = [replace(kicking, positions=kicking.positions + sign * shift) for sign in (-1, 1)]
+    hands = [one.path("left_hand") for one in around]
+    others = kicking.select([name for name in kicking.names if name not in ("left_hand", "head")])
+    labels = (*others.names, "LWRA", "LWRB", "head", "LFHD")
+    head = kicking.path("head")
+    positions = np.concatenate([others.positions, np.stack([*hands, head, head + 50], axis=1)], axis=1)
+    table = replace(kicking, names=labels, positions=positions, confidence=np.ones((20, len(labels))))
+    read = mimoc.read_points(mimoc.write_points(table, tmp_path / "a.csv"))
+    assert np.allclose(read.path("left_wrist"), kicking.path("left_hand"))
+    assert np.array_equal(read.path("head"), head)
+    assert read.notes == ("left_wrist is taken to be at LWRA, LWRB", "left out: LFHD")
