@@ -95,7 +95,7 @@ def retarget(
 
 def _result(recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run) -> Retargeted:
     """Return what was fitted, within all limits, and its account."""
-    sure = uncertainty_of(problem, state)
+    sure = uncertainty_of(replace(problem, shared_sd=setting.shared_sd()), state)
     state = replace(state, x=problem.within_limits(state.x))
     qpos, child = problem.skeleton.qpos(state.x), setting.child
     seen = problem.observed.project(points_of(problem, state), state.height_m)

@@ -37,6 +37,9 @@ LEAST_OF_TRUNK = 0.001
 """Noise that is assumed at least, since no model is exact."""
 HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
 """How far the height is from where the fit starts, and from one that was measured."""
+AS_SURE = 4.0
+"""How much surer sizes are taken to be while one camera is fitted: it tells of a limb's length only by how it is
+foreshortened, and what is wrong in usual postures, or in where a joint is seen, is wrong in every frame alike."""
 HELD = 0.003
 """Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
@@ -79,6 +82,15 @@ class Setting:
     def size_is_known(self) -> bool:
         """Whether something gives absolute size."""
         return self.recording.unit == "m" or self.recording.depth_m is not None or self.height_m is not None
+
+    def shared_sd(self, as_sure: float = 1.0) -> FloatArray:
+        """Return the standard deviation of the height and of the logarithms of sizes, shape (1 + s,).
+
+        Args:
+            as_sure: How many times as sure as usual sizes are taken to be.
+        """
+        height_m = HEIGHT_SD_M if self.height_m is None else KNOWN_SD_M
+        return np.array([height_m, OVERALL_SD, *(size.sd / as_sure for size in self.sizes)])
 
     @property
     def every(self) -> int:
@@ -138,16 +150,15 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     spheres = spheres_of(model)
     points = _points(model, recording.names)
     resting = _resting(model, setting.rest, [sphere.point for sphere in spheres])
+    observed = Observed.of(recording, noise.places, noise.depth_m)
     skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
     usual = np.concatenate([np.median(start.root, axis=0), prior.posture(model, hinges, setting.rest)])
-    sizes_sd = [OVERALL_SD, *(size.sd for size in setting.sizes)]
-    height_sd = HEIGHT_SD_M if setting.height_m is None else KNOWN_SD_M
     return Problem(
         skeleton=skeleton,
         shape=setting.shape,
-        observed=Observed.of(recording, noise.places, noise.depth_m),
+        observed=observed,
         contacts=contacts_of(spheres, len(recording.names), resting[:, 2] if start.lies else None),
         rate_hz=recording.rate_hz,
         chain=prior.chain(prior.usual_of(hinges), recording.frames, recording.rate_hz),
@@ -157,7 +168,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sums=sums,
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
-        shared_sd=np.array([height_sd, *sizes_sd]),
+        shared_sd=setting.shared_sd(1.0 if observed.tells_size else AS_SURE),
         held=_held(setting),
         pull=np.zeros(2 + len(setting.sizes)),
     )
