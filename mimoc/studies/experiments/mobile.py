@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.movement.measures import correlation
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
@@ -187,8 +188,8 @@ def _measures(case: Case, infant: Session) -> dict[str, float]:
     for phase, end in zip(PHASES_MIN, ends, strict=True):
         tied = infant.legs["left"]
         part = slice(round((end - last) * 60 * tied.rate_hz), round(end * 60 * tied.rate_hz))
-        angles = [tied.angles_deg[joint][part] for joint in ("hip", "knee")]
-        values[f"hip_knee_{phase}"] = float(np.corrcoef(*angles)[0, 1])
+        hip, knee = (tied.angles_deg[joint][part] for joint in ("hip", "knee"))
+        values[f"hip_knee_{phase}"] = correlation(hip, knee)
     return values
 
 
@@ -214,11 +215,11 @@ def _answer(results: Sequence[Result]) -> str:
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
     overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
+    counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
     return (
         f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of three "
-        f"seeds ({sum(contingent)} of {len(contingent)}); of those who see another's, {sum(yoked)} of "
-        f"{len(yoked)} do. Over all seeds together, the rate of the tied leg rises by a factor of "
-        f"{overall['contingent']:.2f} and {overall['yoked']:.2f}."
+        f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds together, the rate of the "
+        f"tied leg rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}."
     )
 
 
@@ -259,7 +260,7 @@ def _minutes(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[
 
 
 def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
-    minutes = np.arange(case.minutes) + 0.5
+    minutes = np.arange(case.minutes, dtype=np.float64) + 0.5
     seen = (case.baseline_min, case.baseline_min + case.acquisition_min)
     for condition in CONDITIONS:
         curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}

@@ -42,7 +42,8 @@ class Mover:
         self._policy: Policy = maker(env) if maker else self._move_itself
         self._generator, self._forces = np.random.default_rng(seed), forces
         self._limbs = limb_of_actuators(env)
-        self._rest = np.clip(0.0, env.action_space.low, env.action_space.high)
+        self._low, self._high = env.actuation.low, env.actuation.high
+        self._rest = np.clip(0.0, self._low, self._high)
         self._gains = np.ones(len(LIMBS))
 
     def set_gains(self, gains: FloatArray, *, rates: bool = False) -> None:
@@ -81,8 +82,7 @@ class Mover:
 
     def _scaled(self, action: np.ndarray) -> np.ndarray:
         gains = np.append(self._gains, 1.0)[self._limbs]
-        space = self.env.action_space
-        return np.clip(self._rest + gains * (action - self._rest), space.low, space.high).astype(np.float32)
+        return np.clip(self._rest + gains * (action - self._rest), self._low, self._high).astype(np.float32)
 
 
 def limb_of_actuators(env: InfantEnv) -> np.ndarray:
