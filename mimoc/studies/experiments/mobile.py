@@ -24,7 +24,7 @@ from mimoc.studies.experiments.legs.infants import (
 )
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions
-from mimoc.studies.experiments.legs.learner import EXPLORATION, FORGETTING_S, RATE, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.learner import FORGETTING_S, LARGEST, RATE, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -102,7 +102,7 @@ def run(notebook: Notebook) -> Path:
         **{f"{name}_min": minutes for name, minutes in phases_min.items()},
         compared=min(COMPARED_MIN, *phases_min.values()),
         window=WINDOW_S,
-        exploration=EXPLORATION,
+        largest=np.exp(LARGEST),
         rate=RATE,
         forgetting=FORGETTING_S,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
@@ -142,18 +142,18 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
         minutes * windows_per_min for minutes in (case.baseline_min, case.baseline_min + case.acquisition_min)
     )
     with closing(open_infant(Setup(AGE_MONTHS, tied="left"))) as env:
-        mover, learner = Mover(env, seed), GainLearner(np.random.default_rng([seed, 1]))
+        mover, learner = Mover(env, seed), GainLearner()
         env.set_arousal(AROUSAL)
         tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
         frames, rewards_m_s, weights = [], [], []
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, case.minutes * windows_per_min)):
-            mover.set_gains(learner.gains(), rates=True)
+            mover.set_gains(learner.gains, rates=True)
             qpos, reward_m_s = _window(env, mover)
             frames.append(qpos)
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
-            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0)
+            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_activity())
             weights.append(learner.weights.copy())
         legs = leg_motions(env.model, np.concatenate(frames), mover.rate_hz)
     return Session(legs, rewards_m_s, np.array(weights))

@@ -123,7 +123,16 @@ def test_a_leg_whose_bursts_begin_more_often_is_driven_more():
         moving.movement.rate_gains = np.where(np.array(POLICY_LIMBS) == "left_leg", gain, 1.0)[None]
         actions = np.array([moving([generator], {})[0] for _ in range(3000)])
         hips = [limb_of_actuators(env) == LIMBS.index(f"{side}_hip") for side in ("left", "right")]
-        drives.append([actions[:, hip].mean() for hip in hips])
+        drives.append([np.abs(np.diff(actions[:, hip], axis=0)).mean() for hip in hips])
     (left, right), (more, same) = drives
     assert more > 1.1 * left
     assert same == pytest.approx(right)
+
+
+def test_activity_is_that_of_the_policy_without_gains():
+    env = open_infant(Setup(3.0))
+    mover = Mover(env, 0, lambda env: lambda generator, observation: np.full(env.action_space.shape, 0.2, np.float32))
+    mover.set_gains(np.full(len(LIMBS), 3.0))
+    mover.move(0.1)
+    assert mover.take_activity() == pytest.approx(np.full(len(LIMBS), 0.2))
+    assert mover.take_activity() == pytest.approx(np.zeros(len(LIMBS)))
