@@ -29,7 +29,7 @@ BY_AGE = (
     *("hand_speed_median_trunk_s", "foot_speed_median_trunk_s", "foot_speed_p95_trunk_s", "foot_moving_share"),
     *("hand_spread_trunk", "foot_spread_trunk", "foot_unit_s", "kicks_per_min", "kick_amplitude_trunk"),
     *("hip_excursion_deg", "knee_excursion_deg", "hip_knee_r", "hips_together_r", "kicks_together_share"),
-    *("foot_peak_acceleration_m_s2", "foot_path_dimension", "dimensions", "hand_to_face_share", "feet_apart_trunk"),
+    *("kick_foot_acceleration_m_s2", "foot_path_dimension", "dimensions", "hand_to_face_share", "feet_apart_trunk"),
 )
 
 
@@ -58,15 +58,15 @@ def main() -> None:
 
 
 def print_beside_real(films: Sequence[Filmed], folder: Path | None) -> None:
-    """Print the 21 measures, means over seeds, beside those of real infants."""
-    sample, single = real_infants(), measure_all(films).infants
-    means = {name: float(np.mean([measures[name] for measures in single])) for name in sample.means}
-    print(f"{'measure':28} {'real infants':>16} {'simulated':>16} {'z':>6}")
+    """Print what is known of real infants, and means over seeds beside it, first of the 21 measures."""
+    sample, measured = real_infants(), measure_all(films)
+    means = measured.means
+    print(f"{'measure':32} {'real infants':>16} {'simulated':>16} {'z':>6}")
     for name, score in standard_scores(means, sample).items():
-        deviation = np.std([measures[name] for measures in single], ddof=1)
+        deviation = np.std([measures[name] for measures in measured.infants if name in measures], ddof=1)
         real = f"{sample.means[name]:.3g} ± {sample.deviations[name]:.2g}"
-        print(f"{name:28} {real:>16} {f'{means[name]:.3g} ± {deviation:.2g}':>16} {score:6.2f}")
-    distances = sorted(distance(measures, sample) for measures in single)
+        print(f"{name:32} {real:>16} {f'{means[name]:.3g} ± {deviation:.2g}':>16} {score:6.2f}")
+    distances = sorted(distance(measures, sample) for measures in measured.infants)
     print(f"distance of the means over seeds: {distance(means, sample):.2f}")
     print(f"distances of the seeds: median {np.median(distances):.2f}, {distances[0]:.2f} to {distances[-1]:.2f}")
     windows = windows_of([film.seen for film in films])

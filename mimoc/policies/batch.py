@@ -17,7 +17,7 @@ from mimoc.senses.sense import FloatArray
 class Batch:
     """k infants with the same commands and senses, one for each row of observations and actions.
 
-    What is bound to an age has to look again where infants grow: `infants[i].model` is another one then.
+    What is bound to an age has to look again where infants grow: `infants[i].bundle` is another one then.
     """
 
     infants: tuple[InfantEnv, ...]

@@ -75,3 +75,32 @@ def test_a_function_from_an_environment_acts_for_many(built):
 def test_only_vector_environments_have_policies_of_many(env):
     with pytest.raises(PolicyError, match=r"expected a vector environment of mimoc\.make_vec, got InfantEnv"):
         mimoc.policy_vec("random", env)
+
+
+@pytest.mark.slow
+def test_rows_equal_single_infants_that_grow():
+    """All reflexes and the law of movement follow: Moro's is gone at nine months, where protective ones have come."""
+    keys = {"mimoc": 1, "name": "infant", "actuation": {"model": "muscle"}, "senses": SENSES}
+    specs = [mimoc.InfantSpec.model_validate({**keys, "age_months": age}) for age in (1, 3)]
+    older, name, steps = (9.0, 2.5), "general_movements+reflexes", 4
+    envs, expected = mimoc.make_vec(specs), []
+    policy, generators = mimoc.policy_vec(name, envs), [np.random.default_rng(seed) for seed in range(2)]
+    observations, _ = envs.reset(seed=0)
+    rows = []
+    for step in range(2 * steps):
+        if step == steps:
+            observations = envs.grow(older)
+        rows.append(policy(generators, observations))
+        observations, *_ = envs.step(rows[-1])
+    envs.close()
+    for row, spec in enumerate(specs):
+        env = mimoc.make(spec).unwrapped
+        generator, alone = np.random.default_rng(row), policy_of(env, name)
+        observation, _ = env.reset(seed=row)
+        for step in range(2 * steps):
+            if step == steps:
+                observation = env.grow(older[row])
+            expected.append(alone(generator, observation))
+            observation, *_ = env.step(expected[-1])
+        env.close()
+    assert np.array(rows).swapaxes(0, 1).tobytes() == np.array(expected).tobytes()

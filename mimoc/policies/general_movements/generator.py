@@ -83,7 +83,7 @@ class GeneralMovements:
         self.uniforms, self.normals, self.starts = self._uniforms.width, self._normals.width, self._starts.width
         self._joints, self._limb, self._hinge = joints, put(joints.limbs), put(joints.hinges)
         self._other_side = put(OTHER_SIDE)
-        rows = ("flexion", "distal", "postures", "goals", "signs", "is_muscle", "low", "high")
+        rows = ("flexion", "distal", "weights", "postures", "goals", "signs", "is_muscle", "low", "high")
         self._of = {name: put(getattr(joints, name)[None]) for name in rows}
         limbs_of = {"arms": ARMS, "legs": LEGS, "trunk": TRUNK, "left": IS_LEFT}
         self._limbs_of = {name: put(array[None]) for name, array in limbs_of.items()}
@@ -147,7 +147,7 @@ class GeneralMovements:
         side = self._styles.side * state["style_side"] * (2.0 * of["left"] - of["arms"] - of["legs"])
         self._rate_hz = scaled["rate"] * xp.exp(side)
         self._duration_s, self._swell, self._tone = scaled["duration"], scaled["swell"], scaled["tone"]
-        self._weight = 1.0 - self._of["distal"] + law["distal"] * self._of["distal"]
+        self._weight = self._of["weights"] * (1.0 - self._of["distal"] + law["distal"] * self._of["distal"])
         in_limbs = of["arms"] + of["legs"] + of["trunk"] * law["trunk"]
         self._scale = xp.take(in_limbs, self._limb, axis=1) * self._weight
         self._slow = scaled["slow"] * self._scale

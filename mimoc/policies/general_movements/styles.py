@@ -7,16 +7,16 @@ from dataclasses import dataclass, fields
 class Styles:
     """Standard deviations over infants; those without another unit are of the logarithm of a number of `Law`."""
 
-    rate: float = 0.35
-    strength: float = 0.2
+    rate: float = 0.25
+    strength: float = 0.12
     duration: float = 0.17
-    swell: float = 0.33
+    swell: float = 0.25
     slow: float = 0.2
     tone: float = 0.2
     arms: float = 0.2
     side: float = 0.08
     """Of the rate of the left limbs over that of the right ones, halved."""
-    posture: float = 0.14
+    posture: float = 0.12
     """Of the lasting share of each joint; not of a logarithm."""
     limbs: float = 0.1
     """Of the lasting flexion of each limb, a share; not of a logarithm."""

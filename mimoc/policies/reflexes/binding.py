@@ -12,7 +12,7 @@ from mimoc.policies.reflexes.reflex import Reflex
 from mimoc.policies.reflexes.sensing import BALANCE, Senses
 from mimoc.policies.reflexes.table import REFLEXES
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import Observation
+from mimoc.senses.sense import FloatArray, Observation
 
 NOTICED = 0.05
 """Drive from which on a reflex counts as acting."""
@@ -27,12 +27,13 @@ class Reflexes:
     is the command at rest, and c that of the whole movement; a reflex whose sense an infant lacks does nothing.
     """
 
-    def __init__(self, batch: Batch, late_months: float = 0.0, reflexes: Mapping[str, Reflex] = REFLEXES):
+    def __init__(self, batch: Batch, late_months: float | FloatArray = 0.0, reflexes: Mapping[str, Reflex] = REFLEXES):
         """Bind reflexes to infants.
 
         Args:
             batch: The infants.
-            late_months: By how much they are later than in most children, or earlier if it is negative.
+            late_months: By how much they are later than in most children, or earlier if it is negative: of all, or of
+                each, shape (k,).
             reflexes: Those that they can have.
         """
         self._batch, self._late_months, self._reflexes = batch, late_months, reflexes
@@ -46,8 +47,10 @@ class Reflexes:
         """Reflexes that do nothing for want of a sense, with the sense."""
         self._steps, self._acting = 0, {name: 0.0 * batch.put(np.zeros(self._count)) for name in reflexes}
         self._senses: Senses | None = None
+        self.gains = dict[str, Any]()
+        """Gains at the ages of the last step, shape (k,), of the reflexes that any of them has."""
         self._had = set[str]()
-        self._models: tuple[Any, ...] = ()
+        self._bundles: tuple[Any, ...] = ()
         self._state: dict[str, Mapping[str, Any]] = self._first()
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Mapping[str, Any]) -> Any:
@@ -55,27 +58,31 @@ class Reflexes:
         self._bind(observations)
         chance = self._batch.draw([generator.random() for generator in generators])
         sensed, balance = self._senses(observations, self._state[""], chance)  # pyright: ignore[reportOptionalCall]
-        state, total = dict[str, Mapping[str, Any]]({"": balance}), self._rest
-        for name, reflex in self._reflexes.items():
-            if name in self.idle:
-                continue
-            drives, state[name] = reflex.run(sensed, self._state[name])
-            gain, most = self._gains[name], sensed.zero
+        state, total = {**self._state, "": balance}, dict[str, Any]()
+        for name, gain in self.gains.items():
+            drives, state[name] = self._reflexes[name].run(sensed, self._state[name])
+            most = sensed.zero
             for movement, drive in drives.items():
-                total = total + (gain * drive)[:, None] * self._rows[movement]
-                most = sensed.xp.maximum(most, gain * drive)
-            self._acting[name] = self._acting[name] + (most > NOTICED) * 1.0
+                total[movement] = total.get(movement, sensed.zero) + gain * drive
+                most = sensed.xp.maximum(most, drive)
+            self._acting[name] = self._acting[name] + (gain * most > NOTICED) * 1.0
         self._state, self._steps = state, self._steps + 1
-        return self._batch.actions(sensed.xp.minimum(sensed.xp.maximum(total, self._low), self._high))
+        command = self._rest
+        for movement, drive in total.items():
+            command = command + drive[:, None] * self._rows[movement]
+        return self._batch.actions(sensed.xp.minimum(sensed.xp.maximum(command, self._low), self._high))
 
     def reset(self, rows: Any = True) -> None:
         """Let the infants of some rows forget what they sensed, a boolean array of shape (k,); by default all."""
-        xp, rows = self._batch.xp, self._batch.put(np.broadcast_to(_on_cpu(rows), self._count))
-        first = self._first()
-        self._state = {
-            name: {key: xp.where(rows, first[name][key], value) for key, value in values.items()}
-            for name, values in self._state.items()
-        }
+        rows = self._batch.put(np.broadcast_to(_on_cpu(rows), self._count))
+        self._forget(dict.fromkeys(self._state, rows))
+
+    def _forget(self, rows: Mapping[str, Any]) -> None:
+        """Let some reflexes forget what infants in some rows sensed, boolean arrays of shape (k,)."""
+        first, xp = self._first(), self._batch.xp
+        for name, chosen in rows.items():
+            values = self._state[name].items()
+            self._state[name] = {key: xp.where(chosen, first[name][key], value) for key, value in values}
 
     def metrics(self) -> dict[str, float]:
         """Return the share of control steps in which each reflex of their ages acted, and which ones lack a sense."""
@@ -99,18 +106,20 @@ class Reflexes:
     def _bind(self, observations: Mapping[str, Any]) -> None:
         """Look again at what depends on the bodies and their ages, if any has changed."""
         batch = self._batch
-        models = tuple(infant.model for infant in batch.infants) if not batch.is_on_device else ()
-        if self._senses is not None and all(a is b for a, b in zip(models, self._models, strict=True)):
+        bundles = tuple(infant.bundle for infant in batch.infants)
+        if self._senses is not None and all(a is b for a, b in zip(bundles, self._bundles, strict=True)):
             return
-        self._models = models
+        self._bundles = bundles
         self._senses = Senses(batch, observations["touch"].shape[-1] if "touch" in observations else 0)
         self._rows = {name: batch.put(row[None]) for name, row in command_rows(batch).items()}
         low, high = batch.limits()
         self._low, self._high, self._rest = map(batch.put, (low, high, np.clip(0.0, low, high)))
         ages = np.array([infant.age_months for infant in batch.infants]) - self._late_months
-        gains = {name: reflex.ages.gain(ages) for name, reflex in self._reflexes.items()}
-        self._had |= {name for name, gain in gains.items() if gain.any()}
-        self._gains = {name: batch.put(gain) for name, gain in gains.items()}
+        gains = {name: self._reflexes[name].ages.gain(ages) for name in self._reflexes if name not in self.idle}
+        never = batch.put(np.zeros(self._count))
+        self._forget({name: self.gains.get(name, never) == 0 for name in gains})
+        self.gains = {name: batch.put(gain) for name, gain in gains.items() if gain.any()}
+        self._had |= self.gains.keys()
 
 
 class ReflexPolicy:

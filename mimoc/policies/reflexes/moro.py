@@ -8,8 +8,9 @@ DROP_RAD = 0.26
 """Drop of the head that sets it off, 15 degrees; the examiner lets it drop by 20 to 30 degrees."""
 DROP_S = 0.5
 """Time constant in which a drop is forgotten: slower turns do nothing."""
-FALL, FALL_S = 0.4, 0.05
-"""Specific force below which a body falls, as a share of gravity, and the time constant in which that is noticed."""
+DROPS, FALLS, FALL_S = 0.9, 0.4, 0.05
+"""Specific force, as a share of gravity, below which a head that turns back drops instead of being moved, and below
+which all of the body falls; and the time constant in which that is noticed. Ours."""
 SPREAD_S, EMBRACE_S = 0.4, 1.5
 """Length of the two phases; the literature has .3-.5 s and 1-2 s."""
 AGAIN_S = 3.0
@@ -29,15 +30,16 @@ def moro(sensed: Sensed, state: State) -> tuple[Drives, State]:
         | arms spread   | arms come back and bend | nothing      | can be set off again
     """
     xp, dt_s = sensed.xp, sensed.step_s
-    drop = sensed.keep(DROP_S) * state["drop"] - dt_s * sensed.head_rate_rad_s[1]
     x, y, z = sensed.head_force_m_s2
-    falls = xp.where(x * x + y * y + z * z < (FALL * GRAVITY_M_S2) ** 2, 1.0 + sensed.zero, sensed.zero)
-    keep = sensed.keep(FALL_S)
+    force, one, keep = (x * x + y * y + z * z) / GRAVITY_M_S2**2, 1.0 + sensed.zero, sensed.keep(FALL_S)
+    turn_back = xp.where(force < DROPS**2, -dt_s * sensed.head_rate_rad_s[1], sensed.zero)
+    drop = sensed.keep(DROP_S) * state["drop"] + turn_back
+    falls = xp.where(force < FALLS**2, one, sensed.zero)
     fall = keep * state["fall"] + (1.0 - keep) * falls
     is_set_off = ((drop > DROP_RAD) | (fall > 0.8)) & (state["since"] > AGAIN_S)
     since = xp.where(is_set_off, sensed.zero, state["since"] + dt_s)
-    spreads = xp.where(since < SPREAD_S, 1.0 + sensed.zero, sensed.zero)
-    comes_back = xp.where((since >= SPREAD_S) & (since < SPREAD_S + EMBRACE_S), 1.0 + sensed.zero, sensed.zero)
+    spreads = xp.where(since < SPREAD_S, one, sensed.zero)
+    comes_back = xp.where((since >= SPREAD_S) & (since < SPREAD_S + EMBRACE_S), one, sensed.zero)
     drives = {}
     for side in SIDES:
         for movement in ("shoulder abduction", "elbow extension", "finger extension"):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from mimoc.policies.reflexes.ages import AgeWindow
 from mimoc.policies.reflexes.sensing import Sensed
@@ -11,8 +11,6 @@ State = Mapping[str, Any]
 """What a reflex remembers of k infants: arrays of shape (k,), by name."""
 Drives = Mapping[str, Any]
 """How much of each movement (`mimoc.policies.reflexes.movements`) it commands, from 0 to 1, shape (k,)."""
-Certainty = Literal["secondary", "memory"]
-"""Whether ages and response were read in a secondary source, or are from memory and still to be checked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +27,8 @@ class Reflex:
     """When infants have it."""
     senses: tuple[str, ...]
     """The senses that it needs; without one of them, it does nothing."""
-    certainty: Certainty
-    """How far the figures can be relied on."""
+    source: str
+    """Where ages and response are from, and so how far they can be relied on; "memory" is still to be checked."""
     run: Callable[[Sensed, State], tuple[Drives, State]]
     """Returns the drives of a control step and what is remembered, for what is sensed. It does not branch on values: it
     runs on k infants at once, with NumPy or torch."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ class Sensed:
     chance: Any
     """A number from 0 to 1 for each control step."""
 
-    @property
+    @cached_property
     def zero(self) -> Any:
         """Zeros, of the right shape and kind."""
         return 0.0 * self.chance

@@ -1,7 +1,7 @@
 """All reflexes.
 
-Ages and responses are those of the literature as far as two of its readers agree; `certainty` says whether they were
-read in a secondary source or are from memory. No source gives thresholds, gains, or the size of responses: these are
+Ages and responses are those that textbooks give; `source` says which were read in a secondary source, and which are
+from memory and still to be checked. No source gives thresholds, gains by age, or how strong responses are: these are
 ours, and stand beside what they are of.
 """
 
@@ -18,7 +18,7 @@ _ALL = (
         "fingers close, and tighten when they are pulled",
         AgeWindow(loss_months=(3, 6)),
         ("touch",),
-        "secondary",
+        "secondary sources: 3-4, and 4-6 months",
         grasping.palmar_grasp,
         grasping.PALMAR,
     ),
@@ -28,7 +28,7 @@ _ALL = (
         "toes curl",
         AgeWindow(loss_months=(6, 12)),
         ("touch",),
-        "secondary",
+        "secondary sources",
         grasping.plantar_grasp,
         grasping.PLANTAR,
     ),
@@ -38,7 +38,7 @@ _ALL = (
         "arms spread, elbows and fingers straighten (.3-.5 s), then arms come back and bend (1-2 s)",
         AgeWindow(loss_months=(4, 6)),
         ("vestibular",),
-        "secondary",
+        "secondary sources; times from memory",
         moro.moro,
         moro.START,
     ),
@@ -48,7 +48,7 @@ _ALL = (
         "arm and leg of the face's side straighten, the others bend, 40 % of the time",
         AgeWindow(onset_months=(-1, 1), loss_months=(4, 7)),
         ("proprioception", "vestibular"),
-        "secondary",
+        "secondary sources; share of time, and that it is strongest at 1-3 months, from memory",
         neck.tonic_neck,
         neck.TONIC_NECK,
     ),
@@ -58,7 +58,7 @@ _ALL = (
         "the head turns there, by 20-40 degrees",
         AgeWindow(loss_months=(3, 4)),
         ("touch",),
-        "secondary",
+        "secondary sources",
         neck.rooting,
         neck.ROOTING_START,
     ),
@@ -68,7 +68,7 @@ _ALL = (
         "legs lift in turn, 5-20 steps a minute",
         AgeWindow(loss_months=(2, 4)),
         ("touch", "vestibular"),
-        "secondary",
+        "secondary sources; steps a minute from memory",
         legs.stepping,
         legs.STEPPING,
     ),
@@ -78,7 +78,7 @@ _ALL = (
         "hip and knee bend, and the foot is put down on top",
         AgeWindow(loss_months=(2, 4)),
         ("touch", "vestibular"),
-        "secondary",
+        "secondary sources; ages vary",
         legs.placing,
         legs.PLACING,
     ),
@@ -88,7 +88,7 @@ _ALL = (
         "arms stretch forwards, fingers open",
         AgeWindow(onset_months=(6, 9)),
         ("vestibular",),
-        "memory",
+        "memory; secondary sources say 4-6 months",
         protective.forwards,
         protective.ONE,
     ),

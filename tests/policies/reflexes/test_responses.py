@@ -205,3 +205,11 @@ def test_the_other_hand_does_not_close():
         if action > 0
     }
     assert commanded == {"act:right_fingers_negative"}
+
+
+@pytest.mark.slow
+def test_an_infant_that_moves_by_itself_does_not_startle_itself():
+    examiner = examiner_of(3, "muscle")
+    examiner.start()
+    examiner.watch("general_movements+reflexes", 15.0)
+    assert examiner.policy.metrics()["moro_share"] == 0
