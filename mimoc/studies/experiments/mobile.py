@@ -24,7 +24,7 @@ from mimoc.studies.experiments.legs.infants import (
 )
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions
-from mimoc.studies.experiments.legs.learner import FORGETTING_S, LARGEST, RATE, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, RATE, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -79,8 +79,8 @@ class Session:
     legs: Mapping[str, LegMotion]
     rewards_m_s: Sequence[float]
     """Mean speed of the mobile that it was tied to in each window, seen or not."""
-    weights: FloatArray
-    """Logarithm of the gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    gains: FloatArray
+    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
 
 
 def run(notebook: Notebook) -> Path:
@@ -112,6 +112,7 @@ def run(notebook: Notebook) -> Path:
         window=WINDOW_S,
         largest=np.exp(LARGEST),
         rate=RATE,
+        effort=EFFORT,
         forgetting=FORGETTING_S,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),
@@ -131,7 +132,7 @@ def pair(case: Case, seed: int) -> Result:
         values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
         for side in SIDES:
             traces[f"{name}_{side}"] = tuple(kick_rates(infant.legs[side], case.ends_s[-1]))
-        traces |= {f"{name}_{limb}": tuple(infant.weights[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
+        traces |= {f"{name}_{limb}": tuple(infant.gains[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
     return Result(values=values, traces=traces)
 
 
@@ -150,7 +151,7 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
         mover, learner = Mover(env, seed), GainLearner()
         env.set_arousal(AROUSAL)
         tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
-        frames, rewards_m_s, weights = [], [], []
+        frames, rewards_m_s, gains = [], [], []
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, windows)):
             mover.set_gains(learner.gains, rates=True)
@@ -159,9 +160,9 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
             learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_activity())
-            weights.append(learner.weights.copy())
+            gains.append(learner.gains)
         legs = leg_motions(env.model, np.concatenate(frames), mover.rate_hz)
-    return Session(legs, rewards_m_s, np.array(weights))
+    return Session(legs, rewards_m_s, np.array(gains))
 
 
 def kick_rates(leg: LegMotion, seconds: float) -> list[float]:
@@ -274,12 +275,8 @@ def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
         lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
         yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
     windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
-    lines = tuple(
-        Line(
-            windows, np.exp(np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0)), limb.replace("_", " ")
-        )
-        for limb in LIMBS
-    )
+    means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0) for limb in LIMBS}
+    lines = tuple(Line(windows, gains, limb.replace("_", " ")) for limb, gains in means.items())
     yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
 
 

@@ -1,4 +1,4 @@
-"""A learner that does more of whatever it did when the world moved: reward-modulated learning of gains."""
+"""A learner that does more of what makes the world move: gains of limbs by how their activity predicts reward."""
 
 import numpy as np
 
@@ -7,8 +7,12 @@ from mimoc.studies.experiments.legs.driving import LIMBS
 
 WINDOW_S = 2.0
 """Time over which reward and activity are averaged; a guess."""
-RATE = 0.03
-"""Step of the logarithm of a gain where both reward and activity are a standard deviation above their means; fitted."""
+RATE = 0.04
+"""Share of the error that is learnt of in a window, for an activity of one standard deviation; fitted."""
+EFFORT = 3.0
+"""Logarithm of the gain of a limb that predicts reward fully; fitted."""
+MOST = 3.0
+"""Standard deviations beyond which nothing counts more."""
 FORGETTING_S = 200.0
 """Time constant in which gains go back to 1; fitted."""
 EXPECTING_S = 60.0
@@ -38,28 +42,29 @@ class Expected:
 
 
 class GainLearner:
-    """Learns a gain exp(w) for the drive of each limb, by how its activity and reward go together.
+    """Learns how much each limb moves the world, and drives those that do with a gain (Rescorla & Wagner 1972).
 
-    After each window, with the activity a of each limb (the mean size of its commands, before gains) and the reward R,
+    After each window, with z the standardised activity of each limb (the mean size of its commands, before gains) and R
+    the standardised reward, the strengths b by which activity predicts reward change by
 
-        w <- (1 - window / forgetting) w + rate (R - E[R]) / S[R] (a - E[a]) / S[a],
+        b <- (1 - window / forgetting) b + rate (R - b · z) z,
 
-    E and S being running means and standard deviations, of at most 3 S each. Where reward does not depend on what the
-    infant does, both factors are independent, so that w changes by chance alone. The infant's own movement varies
-    enough: no noise is added to explore.
+    and the gain of a limb is exp(effort b). Limbs compete: one that only moves together with another that moves the
+    world predicts nothing more. Where reward does not depend on what the infant does, b changes by chance alone. The infant's
+    own movement varies enough: no noise is added to explore.
     """
 
     def __init__(self, rate: float = RATE):
         """Begin without any experience."""
         self._rate = rate
-        self.weights = np.zeros(len(LIMBS))
-        """The logarithm of the gain of each limb, shape (6,)."""
+        self.strengths = np.zeros(len(LIMBS))
+        """How much the activity of each limb predicts reward, in standard deviations, shape (6,)."""
         self._reward, self._activity = Expected(1), Expected(len(LIMBS))
 
     @property
     def gains(self) -> FloatArray:
         """The gain of each limb, shape (6,)."""
-        return np.exp(self.weights)
+        return np.exp(np.clip(EFFORT * self.strengths, -LARGEST, LARGEST))
 
     def feel(self, reward: float, activity: FloatArray) -> None:
         """Learn from a window that has just ended.
@@ -68,9 +73,9 @@ class GainLearner:
             reward: How fast what it sees has moved, [m/s]; next to 0 is nothing, of which nothing is learnt.
             activity: Mean size of the commands to each limb, before gains, shape (6,).
         """
-        self.weights = (1.0 - WINDOW_S / FORGETTING_S) * self.weights
-        active = np.clip(self._activity.standardised(activity), -3.0, 3.0)
+        self.strengths = (1.0 - WINDOW_S / FORGETTING_S) * self.strengths
+        active = np.clip(self._activity.standardised(activity), -MOST, MOST)
         if reward < SMALLEST_REWARD:
             return
-        surprise = np.clip(self._reward.standardised(np.array([reward])), -3.0, 3.0)
-        self.weights = np.clip(self.weights + self._rate * surprise * active, -LARGEST, LARGEST)
+        surprise = np.clip(self._reward.standardised(np.array([reward])), -MOST, MOST)
+        self.strengths = self.strengths + self._rate * (surprise - self.strengths @ active) * active
