@@ -8,6 +8,7 @@ import typer
 import mimoc
 from mimoc.cli.arguments import STDIN, load_spec
 from mimoc.cli.terminal import printable, resumable
+from mimoc.studies.names import EXPERIMENTS
 
 
 def report(
@@ -39,9 +40,7 @@ def report(
 def experiment(
     name: Annotated[
         str,
-        typer.Argument(
-            metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms, development, growing."
-        ),
+        typer.Argument(metavar="NAME", help=f"One of: {', '.join(EXPERIMENTS)}."),
     ],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
     quick: Annotated[
@@ -54,11 +53,11 @@ def experiment(
             metavar="LAW",
             help="Body of the infants: published (MIMo v2's; the report then has the paper's figures beside ours) or "
             "maturing (mimoc's own). Default: published for strength, delays and inverse, maturing for growth, acuity "
-            "and rooms; development and growing have their own.",
+            "and rooms; all others have their own.",
         ),
     ] = None,
 ) -> None:
-    """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""
+    """Reproduce an experiment: tables (CSV), figures (PNG), and a report that compares them with published ones."""
     from mimoc.cli import console
     from mimoc.studies import experiments
 

@@ -9,13 +9,7 @@ from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
-
-NAMES = (
-    *("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing"),
-    *("kicking", "weights", "mobile", "stepping"),
-)
-EXPERIMENTS: Mapping[str, str] = {name: f"mimoc.studies.experiments.{name}" for name in NAMES}
-"""Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
+from mimoc.studies.names import EXPERIMENTS
 
 DEVELOPMENTS: Mapping[str, Development] = {
     "growth": "maturing",

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, open_infant
 from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test
@@ -110,7 +111,8 @@ def run(notebook: Notebook) -> Path:
         part = results[number * len(seeds) : (number + 1) * len(seeds)]
         by_age[age], loops[age] = [result.values for result in part], part[0]
     notebook.write_table("kicks.csv", "age_months,seed,measure,value", _rows(by_age, seeds))
-    notebook.write_plots("kicks.png", list(_age_plots(by_age)))
+    sheet = Sheet(tuple(_age_plots(by_age)), columns=4, panel_px=(600, 450))
+    notebook.write_picture("kicks.png", encode(sheet))
     notebook.write_plots("loops.png", list(_loops({age: loops[age] for age in months})))
     page = notebook.write_page(
         None,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.movement.measures import correlation
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
@@ -23,15 +24,17 @@ from mimoc.studies.experiments.legs.infants import (
 )
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions
-from mimoc.studies.experiments.legs.learner import EXPLORATION, FORGETTING_S, RATE, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, RATE, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 AGE_MONTHS = 3.0
-PHASES_MIN: Mapping[str, int] = {"baseline": 2, "acquisition": 5, "extinction": 3}
-QUICK_PHASES_MIN: Mapping[str, int] = {"baseline": 1, "acquisition": 1, "extinction": 1}
-COMPARED_MIN = 2
-"""The last minutes of a phase, by which it is judged."""
+PHASES_S: Mapping[str, float] = {"baseline": 120.0, "acquisition": 300.0, "extinction": 180.0}
+QUICK_PHASES_S: Mapping[str, float] = {"baseline": 30.0, "acquisition": 60.0, "extinction": 30.0}
+COMPARED_S = 120.0
+"""The end of a phase, by which it is judged."""
+BIN_S = 30.0
+"""Width of the bins of curves."""
 SEEDS, QUICK_SEEDS = range(20), range(2)
 TYING_S = 10.0
 """Time that the infant moves before the ribbon is tied: straight half of that time."""
@@ -53,14 +56,20 @@ GAIN = Quantity("gain", "Learnt gain of the drive")
 class Case:
     """A pair of infants under a mobile: one moves it by a ribbon, the other sees what the first one did."""
 
-    baseline_min: int
-    acquisition_min: int
-    extinction_min: int
+    baseline_s: float
+    acquisition_s: float
+    extinction_s: float
 
     @property
-    def minutes(self) -> int:
-        """Length of a session."""
-        return self.baseline_min + self.acquisition_min + self.extinction_min
+    def ends_s(self) -> tuple[float, float, float]:
+        """When each phase ends."""
+        seen_s = self.baseline_s + self.acquisition_s
+        return self.baseline_s, seen_s, seen_s + self.extinction_s
+
+    @property
+    def compared_s(self) -> float:
+        """How much of the end of each phase is compared."""
+        return min(COMPARED_S, self.baseline_s, self.acquisition_s, self.extinction_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +79,8 @@ class Session:
     legs: Mapping[str, LegMotion]
     rewards_m_s: Sequence[float]
     """Mean speed of the mobile that it was tied to in each window, seen or not."""
-    weights: FloatArray
-    """Logarithm of the gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    gains: FloatArray
+    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
 
 
 def run(notebook: Notebook) -> Path:
@@ -79,10 +88,10 @@ def run(notebook: Notebook) -> Path:
 
     An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
     """
-    phases_min, seeds = (QUICK_PHASES_MIN, QUICK_SEEDS) if notebook.quick else (PHASES_MIN, SEEDS)
-    case = Case(*phases_min.values())
+    phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
+    case = Case(*phases_s.values())
     results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
-    notebook.write_table("minutes.csv", "condition,leg,seed,minute,kicks", _minutes(results, seeds))
+    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", _bins(results, seeds))
     notebook.write_table(
         "mobile.csv",
         "seed,measure,value",
@@ -98,11 +107,12 @@ def run(notebook: Notebook) -> Path:
         "scipy",
         age=AGE_MONTHS,
         seeds=len(seeds),
-        **{f"{name}_min": minutes for name, minutes in phases_min.items()},
-        compared=min(COMPARED_MIN, *phases_min.values()),
+        **{f"{name}_min": seconds / 60.0 for name, seconds in phases_s.items()},
+        compared=case.compared_s / 60.0,
         window=WINDOW_S,
-        exploration=EXPLORATION,
+        largest=np.exp(LARGEST),
         rate=RATE,
+        effort=EFFORT,
         forgetting=FORGETTING_S,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),
@@ -121,8 +131,8 @@ def pair(case: Case, seed: int) -> Result:
     for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
         values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
         for side in SIDES:
-            traces[f"{name}_{side}"] = tuple(kicks_by_minute(infant.legs[side], case.minutes))
-        traces |= {f"{name}_{limb}": tuple(infant.weights[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
+            traces[f"{name}_{side}"] = tuple(kick_rates(infant.legs[side], case.ends_s[-1]))
+        traces |= {f"{name}_{limb}": tuple(infant.gains[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
     return Result(values=values, traces=traces)
 
 
@@ -136,32 +146,30 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
         seed: Of the infant, its movement and what it tries.
         others_m_s: How fast the mobile that it sees moves in each window; None is its own, tied to its left leg.
     """
-    windows_per_min = round(60.0 / WINDOW_S)
-    seen_from, seen_to = (
-        minutes * windows_per_min for minutes in (case.baseline_min, case.baseline_min + case.acquisition_min)
-    )
+    seen_from, seen_to, windows = (round(end_s / WINDOW_S) for end_s in case.ends_s)
     with closing(open_infant(Setup(AGE_MONTHS, tied="left"))) as env:
-        mover, learner = Mover(env, seed), GainLearner(np.random.default_rng([seed, 1]))
+        mover, learner = Mover(env, seed), GainLearner()
         env.set_arousal(AROUSAL)
         tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
-        frames, rewards_m_s, weights = [], [], []
+        frames, rewards_m_s, gains = [], [], []
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
-        for window, other_m_s in enumerate(islice(shown, case.minutes * windows_per_min)):
-            mover.set_gains(learner.gains(), rates=True)
+        for window, other_m_s in enumerate(islice(shown, windows)):
+            mover.set_gains(learner.gains, rates=True)
             qpos, reward_m_s = _window(env, mover)
             frames.append(qpos)
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
-            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0)
-            weights.append(learner.weights.copy())
+            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_activity())
+            gains.append(learner.gains)
         legs = leg_motions(env.model, np.concatenate(frames), mover.rate_hz)
-    return Session(legs, rewards_m_s, np.array(weights))
+    return Session(legs, rewards_m_s, np.array(gains))
 
 
-def kicks_by_minute(leg: LegMotion, minutes: int) -> list[float]:
-    """Return the number of kicks of a leg in each minute."""
-    peaks_min = [kick.peak / leg.rate_hz / 60.0 for kick in kicks_of(leg)]
-    return np.histogram(peaks_min, np.arange(minutes + 1))[0].astype(float).tolist()
+def kick_rates(leg: LegMotion, seconds: float) -> list[float]:
+    """Return the kicks a minute of a leg in each bin of some time."""
+    peaks_s = [kick.peak / leg.rate_hz for kick in kicks_of(leg)]
+    counts, _ = np.histogram(peaks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
+    return (60.0 * counts / BIN_S).tolist()
 
 
 def _window(env: InfantEnv, mover: Mover) -> tuple[FloatArray, float]:
@@ -174,21 +182,19 @@ def _window(env: InfantEnv, mover: Mover) -> tuple[FloatArray, float]:
 
 
 def _measures(case: Case, infant: Session) -> dict[str, float]:
-    """Return rates in the last minutes of each phase, and ratios to those of the baseline."""
-    last = min(COMPARED_MIN, case.baseline_min, case.acquisition_min, case.extinction_min)
-    ends = np.cumsum([case.baseline_min, case.acquisition_min, case.extinction_min]).tolist()
-    values = {}
+    """Return rates at the end of each phase, ratios to that of the baseline, and the coupling of the tied leg."""
+    last_s, values = case.compared_s, dict[str, float]()
     for side in SIDES:
-        counts = kicks_by_minute(infant.legs[side], case.minutes)
-        rates = [float(np.mean(counts[end - last : end])) for end in ends]
-        values |= {f"{side}_{phase}": rate for phase, rate in zip(PHASES_MIN, rates, strict=True)}
-        before = max(rates[0], 1.0 / last)  # One kick at least: a ratio needs some.
-        values |= {f"{side}_ratio": rates[1] / before, f"{side}_after": rates[2] / before}
-    for phase, end in zip(PHASES_MIN, ends, strict=True):
-        tied = infant.legs["left"]
-        part = slice(round((end - last) * 60 * tied.rate_hz), round(end * 60 * tied.rate_hz))
-        angles = [tied.angles_deg[joint][part] for joint in ("hip", "knee")]
-        values[f"hip_knee_{phase}"] = float(np.corrcoef(*angles)[0, 1])
+        peaks_s = np.array([kick.peak / infant.legs[side].rate_hz for kick in kicks_of(infant.legs[side])])
+        counts = [int(((peaks_s >= end_s - last_s) & (peaks_s < end_s)).sum()) for end_s in case.ends_s]
+        values |= {f"{side}_{phase}": 60.0 * count / last_s for phase, count in zip(PHASES_S, counts, strict=True)}
+        before = max(counts[0], 1)  # One kick at least: a ratio needs some.
+        values |= {f"{side}_ratio": counts[1] / before, f"{side}_after": counts[2] / before}
+    tied = infant.legs["left"]
+    for phase, end_s in zip(PHASES_S, case.ends_s, strict=True):
+        part = slice(round((end_s - last_s) * tied.rate_hz), round(end_s * tied.rate_hz))
+        hip, knee = (tied.angles_deg[joint][part] for joint in ("hip", "knee"))
+        values[f"hip_knee_{phase}"] = correlation(hip, knee)
     return values
 
 
@@ -200,7 +206,7 @@ def _table(results: Sequence[Result]) -> str:
     rows = []
     for condition in CONDITIONS:
         for side, label in LEGS.items():
-            rates = [interval(_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_MIN]
+            rates = [interval(_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_S]
             ratios = _of(results, f"{condition}_{side}_ratio")
             enough = sum(ratio >= ENOUGH for ratio in ratios)
             ratio = f"{interval(ratios).text()}, median {np.median(ratios):.2f}"
@@ -214,11 +220,11 @@ def _answer(results: Sequence[Result]) -> str:
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
     overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
+    counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
     return (
         f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of three "
-        f"seeds ({sum(contingent)} of {len(contingent)}); of those who see another's, {sum(yoked)} of "
-        f"{len(yoked)} do. Over all seeds together, the rate of the tied leg rises by a factor of "
-        f"{overall['contingent']:.2f} and {overall['yoked']:.2f}."
+        f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds together, the rate of the "
+        f"tied leg rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}."
     )
 
 
@@ -250,17 +256,18 @@ def _predictions(results: Sequence[Result]) -> str:
     )
 
 
-def _minutes(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
+def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
     for seed, result in zip(seeds, results, strict=True):
         for condition in CONDITIONS:
             for side, label in LEGS.items():
-                for minute, kicks in enumerate(result.traces[f"{condition}_{side}"], start=1):
-                    yield condition, label, seed, minute, kicks
+                for slot, rate in enumerate(result.traces[f"{condition}_{side}"]):
+                    yield condition, label, seed, slot * BIN_S, rate
 
 
 def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
-    minutes = np.arange(case.minutes) + 0.5
-    seen = (case.baseline_min, case.baseline_min + case.acquisition_min)
+    bins = len(results[0].traces["contingent_left"])
+    minutes = (np.arange(bins, dtype=np.float64) + 0.5) * BIN_S / 60.0
+    seen = [end_s / 60.0 for end_s in case.ends_s[:2]]
     for condition in CONDITIONS:
         curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}
         top = 1.1 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 5.0
@@ -268,12 +275,8 @@ def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
         lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
         yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
     windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
-    lines = tuple(
-        Line(
-            windows, np.exp(np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0)), limb.replace("_", " ")
-        )
-        for limb in LIMBS
-    )
+    means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0) for limb in LIMBS}
+    lines = tuple(Line(windows, gains, limb.replace("_", " ")) for limb, gains in means.items())
     yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
 
 

@@ -146,5 +146,6 @@ def _load_plot(steps: Steps, loaded: Sequence[StepCase]) -> Plot:
     means = [interval(_of(steps[case], RATE)) for case in loaded]
     loads_kg = [case.weight_kg for case in loaded]
     band = Band(loads_kg, [mean.low for mean in means], [mean.high for mean in means], "", "band")
-    line, dots = (part(loads_kg, [mean.mean for mean in means], "", "median") for part in (Line, Dots))
+    rates = [mean.mean for mean in means]
+    line, dots = Line(loads_kg, rates, "", "median"), Dots(loads_kg, rates, "", "median")
     return Plot(LOAD, RATE, (line,), (band,), (dots,), title=f"Steps by load at {LOADED_MONTHS:g} month")

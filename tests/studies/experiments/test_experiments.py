@@ -56,6 +56,15 @@ SMALL = {
         "QUICK_BALLS": 2,
         "QUICK_CHECK_BALLS": 1,
     },
+    "kicking": {"QUICK_SECONDS": 4.0},
+    "weights": {"QUICK_SECONDS": 4.0},
+    "mobile": {
+        "QUICK_SEEDS": range(1),
+        "QUICK_PHASES_S": {"baseline": 4.0, "acquisition": 8.0, "extinction": 4.0},
+        "TYING_S": 1.0,
+        "BIN_S": 4.0,
+    },
+    "stepping": {"QUICK_SECONDS": 3.0},
 }
 """What makes an experiment small, by name."""
 

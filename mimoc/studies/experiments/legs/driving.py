@@ -42,8 +42,10 @@ class Mover:
         self._policy: Policy = maker(env) if maker else self._move_itself
         self._generator, self._forces = np.random.default_rng(seed), forces
         self._limbs = limb_of_actuators(env)
-        self._rest = np.clip(0.0, env.action_space.low, env.action_space.high)
+        self._low, self._high = env.actuation.low, env.actuation.high
+        self._rest = np.clip(0.0, self._low, self._high)
         self._gains = np.ones(len(LIMBS))
+        self._activity, self._since = np.zeros(len(LIMBS)), 0
 
     def set_gains(self, gains: FloatArray, *, rates: bool = False) -> None:
         """Change the gain of the strength of each part of `LIMBS`, shape (6,), and perhaps of its rate as well."""
@@ -61,8 +63,15 @@ class Mover:
             if self._forces:
                 self._forces(self.env.data)
             action = self._policy(self._generator, self._observation)
+            self._count_activity(action)
             self._observation = self.env.step(self._scaled(action))[0]
             yield self.env.data
+
+    def take_activity(self) -> FloatArray:
+        """Return the mean |c - r| of each part of `LIMBS` since this was last asked for, shape (6,)."""
+        activity = self._activity / max(self._since, 1)
+        self._activity, self._since = np.zeros(len(LIMBS)), 0
+        return activity
 
     @property
     def rate_hz(self) -> float:
@@ -79,10 +88,14 @@ class Mover:
         parts = [LIMBS.index(f"{side}_{name}") for name in PARTS.get(part, ())]
         return float(np.exp(np.log(self._gains[parts]).mean())) if parts else 1.0
 
+    def _count_activity(self, action: np.ndarray) -> None:
+        sizes = np.bincount(self._limbs + 1, np.abs(action - self._rest), len(LIMBS) + 1)
+        numbers = np.bincount(self._limbs + 1, minlength=len(LIMBS) + 1)
+        self._activity, self._since = self._activity + (sizes / np.maximum(numbers, 1))[1:], self._since + 1
+
     def _scaled(self, action: np.ndarray) -> np.ndarray:
         gains = np.append(self._gains, 1.0)[self._limbs]
-        space = self.env.action_space
-        return np.clip(self._rest + gains * (action - self._rest), space.low, space.high).astype(np.float32)
+        return np.clip(self._rest + gains * (action - self._rest), self._low, self._high).astype(np.float32)
 
 
 def limb_of_actuators(env: InfantEnv) -> np.ndarray:

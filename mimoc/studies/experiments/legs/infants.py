@@ -1,5 +1,6 @@
 """Infants on their backs or held upright, with weights at the ankles, or with a ribbon from an ankle to a mobile."""
 
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Literal
 
@@ -82,7 +83,7 @@ def legs_of(model: mujoco.MjModel) -> list[int]:
 
 def leg_kg(age_months: float) -> float:
     """Return the mass of one leg of the average child."""
-    with open_infant(Setup(age_months)) as env:
+    with closing(open_infant(Setup(age_months))) as env:
         return float(env.model.body_mass[legs_of(env.model)].sum() / len(SIDES))
 
 

@@ -93,7 +93,7 @@ def kicks_of(leg: LegMotion) -> list[Kick]:
     """Return the kicks of a leg: maxima of its length of a prominence of at least `KICK_TRUNK`."""
     peaks, shape = find_peaks(leg.length_trunk, prominence=KICK_TRUNK)
     bases = zip(peaks, shape["left_bases"], shape["right_bases"], shape["prominences"], strict=True)
-    return [_kick(leg, *map(int, base[:3]), float(base[3])) for base in bases]
+    return [_kick(leg, int(peak), int(left), int(right), float(size)) for peak, left, right, size in bases]
 
 
 def phase_of(speed: FloatArray) -> slice:

@@ -1,4 +1,4 @@
-"""A learner that makes more of whatever moved the limbs when the world moved: reward-modulated exploration of gains."""
+"""A learner that does more of what makes the world move: gains of limbs by how their activity predicts reward."""
 
 import numpy as np
 
@@ -6,56 +6,76 @@ from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS
 
 WINDOW_S = 2.0
-"""Time for which gains are tried, and over which reward is averaged."""
-EXPLORATION = 0.35
-"""Standard deviation of the logarithm of a gain while it is tried."""
-RATE = 0.05
-"""Step of the logarithm of a gain for a reward one standard deviation above what was expected; fitted."""
-FORGETTING_S = 300.0
+"""Time over which reward and activity are averaged; a guess."""
+RATE = 0.04
+"""Share of the error that is learnt of in a window, for an activity of one standard deviation; fitted."""
+EFFORT = 3.0
+"""Logarithm of the gain of a limb that predicts reward fully; fitted."""
+MOST = 3.0
+"""Standard deviations beyond which nothing counts more."""
+FORGETTING_S = 200.0
 """Time constant in which gains go back to 1; fitted."""
 EXPECTING_S = 60.0
-"""Time constant of the mean and of the variance of reward that are expected; a guess."""
+"""Time constant of the means and variances that are expected; a guess."""
 LARGEST = float(np.log(4.0))
-"""Of the logarithm of a gain."""
+"""Of the logarithm of a gain; a guess."""
 SMALLEST_REWARD = 1e-4
-"""Reward below which nothing is seen, [m/s]."""
+"""Reward below which nothing is seen to move, [m/s]."""
+
+
+class Expected:
+    """Running mean and variance of some numbers: the plain ones at first, later those of the last minute."""
+
+    def __init__(self, size: int):
+        """Begin without any experience of *size* numbers."""
+        self._mean, self._variance, self._count = np.zeros(size), np.zeros(size), 0
+
+    def standardised(self, values: FloatArray) -> FloatArray:
+        """Return how many standard deviations values are above what was expected, shape (n,), and expect them more."""
+        self._count += 1
+        share = max(WINDOW_S / EXPECTING_S, 1.0 / self._count)
+        surprise = values - self._mean
+        deviation = np.sqrt(self._variance)
+        self._mean = self._mean + share * surprise
+        self._variance = (1.0 - share) * (self._variance + share * surprise**2)
+        return np.divide(surprise, deviation, out=np.zeros(len(values)), where=deviation > 0.0)
 
 
 class GainLearner:
-    """Learns a gain for the drive of each limb from reward, as REINFORCE does (Williams 1992, Mach Learn 8: 229).
+    """Learns how much each limb moves the world, and drives those that do with a gain (Rescorla & Wagner 1972).
 
-    In each window, the logarithms of the gains are w + s ξ, with ξ standard normal and s = EXPLORATION. Then a reward
-    R changes
+    After each window, with z the standardised activity of each limb (the mean size of its commands, before gains) and R
+    the standardised reward, the strengths b by which activity predicts reward change by
 
-        w <- (1 - window / forgetting) w + η (R - E) / S ξ,
+        b <- (1 - window / forgetting) b + rate (R - b · z) z,
 
-    E and S being running mean and standard deviation of reward. Where reward does not depend on what the infant does,
-    R and ξ are independent, so that w changes by chance alone.
+    and the gain of a limb is exp(effort b). Limbs compete: one that only moves together with another that moves the
+    world predicts nothing more. Where reward does not depend on what the infant does, b changes by chance alone. The infant's
+    own movement varies enough: no noise is added to explore.
     """
 
-    def __init__(self, generator: np.random.Generator, rate: float = RATE):
+    def __init__(self, rate: float = RATE):
         """Begin without any experience."""
-        self._generator, self._rate = generator, rate
-        self.weights = np.zeros(len(LIMBS))
-        """The logarithm of the gain of each limb that is learnt, shape (6,)."""
-        self._tried = np.zeros(len(LIMBS))
-        self._mean, self._variance, self._windows = 0.0, 0.0, 0
+        self._rate = rate
+        self.strengths = np.zeros(len(LIMBS))
+        """How much the activity of each limb predicts reward, in standard deviations, shape (6,)."""
+        self._reward, self._activity = Expected(1), Expected(len(LIMBS))
 
+    @property
     def gains(self) -> FloatArray:
-        """Draw the gains of the next window, shape (6,)."""
-        self._tried = self._generator.standard_normal(len(LIMBS))
-        return np.exp(np.clip(self.weights + EXPLORATION * self._tried, -LARGEST, LARGEST))
+        """The gain of each limb, shape (6,)."""
+        return np.exp(np.clip(EFFORT * self.strengths, -LARGEST, LARGEST))
 
-    def feel(self, reward: float) -> None:
-        """Learn from the reward of the window that has just ended; a reward of 0 is none."""
-        self.weights = (1.0 - WINDOW_S / FORGETTING_S) * self.weights
+    def feel(self, reward: float, activity: FloatArray) -> None:
+        """Learn from a window that has just ended.
+
+        Args:
+            reward: How fast what it sees has moved, [m/s]; next to 0 is nothing, of which nothing is learnt.
+            activity: Mean size of the commands to each limb, before gains, shape (6,).
+        """
+        self.strengths = (1.0 - WINDOW_S / FORGETTING_S) * self.strengths
+        active = np.clip(self._activity.standardised(activity), -MOST, MOST)
         if reward < SMALLEST_REWARD:
-            return  # Nothing is seen to move, and nothing is learnt of it.
-        self._windows += 1
-        share = max(WINDOW_S / EXPECTING_S, 1.0 / self._windows)
-        surprise = reward - self._mean
-        self._mean += share * surprise
-        self._variance = (1.0 - share) * (self._variance + share * surprise**2)
-        if self._windows > 1 and self._variance > 0.0:
-            step = self._rate * surprise / np.sqrt(self._variance)
-            self.weights = np.clip(self.weights + step * self._tried, -LARGEST, LARGEST)
+            return
+        surprise = np.clip(self._reward.standardised(np.array([reward])), -MOST, MOST)
+        self.strengths = self.strengths + self._rate * (surprise - self.strengths @ active) * active
