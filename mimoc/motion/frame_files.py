@@ -9,7 +9,14 @@ from functools import reduce
 from itertools import pairwise
 from pathlib import Path
 
-from mimoc.bundle.regular_files import UnusableFileError, one_line, open_regular_file, read_regular_file, regular_files
+from mimoc.bundle.regular_files import (
+    UnusableFileError,
+    is_regular_file,
+    one_line,
+    open_regular_file,
+    read_regular_file,
+    regular_files,
+)
 
 MOST_FRAMES = 2**18
 """Of a recording: 2.4 hours at 30 frames a second."""
@@ -108,6 +115,8 @@ def first_bytes(path: Path) -> bytes:
 
 def read_whole_file(path: Path) -> bytes:
     """Return the content of a file with all frames, or raise an UnusableFileError."""
+    if is_regular_file(path) and path.stat().st_size > MOST_FILE_BYTES:
+        raise UnusableFileError(f"is larger than {MOST_FILE_BYTES >> 20} MB, the most that mimoc reads; cut it")
     content = read_regular_file(path, MOST_FILE_BYTES)
     if content is None:
         raise UnusableFileError("cannot be read; check the path and its permissions")

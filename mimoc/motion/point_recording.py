@@ -9,6 +9,8 @@ import numpy.typing as npt
 from scipy.signal import butter, sosfiltfilt
 
 FloatArray = npt.NDArray[np.float64]
+_PADDING = 9
+"""Frames that are mirrored at both ends before filtering: three times the taps of the filter, as SciPy has it."""
 CUTOFF_HZ = 6.0
 """Faster than this, infants hardly move: the low-pass filter of all measures of movement (Butterworth, order 2,
 forwards and backwards)."""
@@ -123,11 +125,18 @@ class PointRecording:
         return replace(self, positions=_filled(self.positions), depth_m=depth_m)
 
     def smoothed(self, cutoff_hz: float = CUTOFF_HZ) -> Self:
-        """Return it, gaps filled, without what is faster than infants move, nor the steps of whole pixels."""
-        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
+        """Return it, gaps filled, without what is faster than infants move, nor the steps of whole pixels.
+
+        What has fewer than two frames in each cycle of the cutoff is only filled.
+        """
         whole = self.filled()
-        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0)
-        return replace(whole, positions=sosfiltfilt(sections, whole.positions, axis=0), depth_m=depth_m)
+        if self.rate_hz <= 2 * cutoff_hz or self.frames < 2:
+            return whole
+        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
+        padding = min(_PADDING, self.frames - 1)
+        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0, padlen=padding)
+        positions = sosfiltfilt(sections, whole.positions, axis=0, padlen=padding)
+        return replace(whole, positions=positions, depth_m=depth_m)
 
 
 def _filled(values: FloatArray) -> FloatArray:

@@ -38,6 +38,8 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     if [row[0] for row in rows[:3]] == _DEEPLABCUT:
         of_points = [f"{point}_{column}" for point, column in zip(rows[1][1:], rows[2][1:], strict=True)]
         return _wide(path.stem, ["frame", *of_points], rows[3:])
+    if rows[1][0] == "individuals":
+        raise UnusableFileError("has several individuals; export the infant alone")
     if {"x", "y"} <= {*lower}:
         return _long(path.stem, lower, rows[1:])
     is_of_points = any(label_and_column(cell)[1] for cell in header)

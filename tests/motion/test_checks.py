@@ -306,6 +306,7 @@ def test_two_recordings_in_one_folder(body_25, tmp_path):
     ("text", "reason"),
     [
         ("", "has no rows below its first line, which names the columns; check what was exported"),
+        ("scorer,n\nindividuals,a", "has several individuals; export the infant alone"),
         ("a,b\n1,2", "has no points in columns such as neck_x and neck_y (a; b); name its columns so"),
         ("neck_x,neck_y\n1", "row 2 has 1 cell, not 2 as the first; export it again"),
         ("neck_x,neck_x,neck_y\n1,2,3", "has the column neck_x twice; keep one infant, and each column once"),
@@ -352,6 +353,20 @@ def test_links_are_not_followed(kicking, body_25, tmp_path):
     (tmp_path / "elsewhere.json").write_bytes(content)
     one.symlink_to(tmp_path / "elsewhere.json")
     assert problem(folder, rate_hz=30) == f"{one.name} is a link, which mimoc never writes"
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.json", "a.npz", "a.c3d"])
+def test_a_file_that_is_too_large(name, tmp_path):
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(2**27 + 1)
+    assert problem(tmp_path / name) == "is larger than 128 MB, the most that mimoc reads; cut it"
+
+
+@pytest.mark.parametrize(("frames", "rate_hz"), [(1, 30), (2, 30), (9, 30), (10, 30), (60, 12), (60, 1)])
+def test_what_is_short_or_slow_can_be_smoothed(frames, rate_hz, kicking):
+    smooth = replace(kicking.window(0, frames), rate_hz=rate_hz).smoothed()
+    assert smooth.positions.shape == (frames, 14, 2)
+    assert np.isfinite(smooth.positions).all()
 
 
 def test_pickles_are_not_read(tmp_path):
