@@ -132,6 +132,9 @@ def setting_of(recording: PointRecording, child: Child, height_m: float | None) 
     on_body = body_points(model, recording.names)
     names = [name for k, name in enumerate(recording.names) if on_body[k] and seen[:, k].any()]
     recording = recording.select(names)
+    depth_m = recording.select(TRUNK).depth_m
+    if depth_m is not None and not np.isfinite(depth_m).any(axis=0).all():
+        recording = replace(recording, depth_m=None)
     points = [point for point in body_points(model, names) if point]
     hinges = hinges_of(model, points)
     rest = model.key("supine").qpos.copy()
@@ -149,7 +152,8 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     model, hinges, start = setting.child.model, setting.hinges, setting.start
     spheres = spheres_of(model)
     points = _points(model, recording.names)
-    resting = _resting(model, setting.rest, [sphere.point for sphere in spheres])
+    pose = setting.rest if start.turned[2, 0] > 0 else model.key("prone").qpos
+    resting = _resting(model, pose, [sphere.point for sphere in spheres])
     observed = Observed.of(recording, noise.places, noise.depth_m)
     skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
     low, high = prior.limits(model, hinges)
