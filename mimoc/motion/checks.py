@@ -108,7 +108,9 @@ def _check_unit(recording: PointRecording) -> None:
     if largest > _FAR:
         raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
     if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
-        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture")
+        raise UnusableFileError(
+            f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture"
+        )
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
@@ -158,7 +160,9 @@ def _without_unseen(recording: PointRecording) -> PointRecording:
 def _gaps(recording: PointRecording) -> tuple[str, ...]:
     """Return how much is not seen, and for how long at most."""
     missing = ~np.isfinite(recording.positions).all(axis=-1)
-    shares = {name: share for name, share in zip(recording.names, missing.mean(axis=0), strict=True) if share > _SHOWN_GAP}
+    shares = {
+        name: share for name, share in zip(recording.names, missing.mean(axis=0), strict=True) if share > _SHOWN_GAP
+    }
     if not shares:
         return ()
     never = [name for name, share in shares.items() if share == 1]

@@ -56,9 +56,7 @@ def place_points(frames: Sequence[Frame], infant: int | str | None, points: int)
     return np.where(seen[..., None], numbers[..., :2], np.nan), np.where(seen, confidence.clip(0, 1), 0.0), note
 
 
-def _choose(
-    frames: Sequence[Frame], infant: str | None, width: int
-) -> tuple[Sequence[tuple[Frame, Person]], str]:
+def _choose(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
     """Return the frames in which the infant is, with it, and what had to be assumed."""
     if any(person.identity for frame in frames for person in frame.persons):
         return _by_identity(frames, infant, width)
@@ -69,9 +67,7 @@ def _choose(
     return _by_nearness(frames, infant, width)
 
 
-def _by_identity(
-    frames: Sequence[Frame], infant: str | None, width: int
-) -> tuple[Sequence[tuple[Frame, Person]], str]:
+def _by_identity(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
     sizes: dict[str, float] = {}
     for frame in frames:
         for person in frame.persons:
@@ -87,9 +83,7 @@ def _by_identity(
     return chosen, f"the infant is taken to be person '{one_line(largest)}', the largest" if is_guess else ""
 
 
-def _by_nearness(
-    frames: Sequence[Frame], infant: str | None, width: int
-) -> tuple[Sequence[tuple[Frame, Person]], str]:
+def _by_nearness(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
     """Follow the infant from frame to frame: it is whoever is nearest to where it was."""
     first = next(frame for frame in frames if len(frame.persons) > 1)
     sizes = [_size(row) for row in _rows([(first.where, person) for person in first.persons], width)]
@@ -102,7 +96,10 @@ def _by_nearness(
     chosen += _followed(frames[start + 1 :], chosen[0], width)
     chosen[:0] = reversed(_followed(frames[:start][::-1], chosen[0], width))
     who = "the largest" if infant is None else f"number {number}"
-    return chosen, f"the infant is taken to be {who} of {len(sizes)} in {first.where}, and whoever is nearest after that"
+    return (
+        chosen,
+        f"the infant is taken to be {who} of {len(sizes)} in {first.where}, and whoever is nearest after that",
+    )
 
 
 def _followed(frames: Iterable[Frame], start: tuple[Frame, Person], width: int) -> list[tuple[Frame, Person]]:

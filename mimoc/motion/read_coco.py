@@ -21,11 +21,15 @@ COCO_17 = (
     *(f"{side}_{part}" for part in ("hip", "knee", "ankle") for side in ("left", "right")),
 )
 """Order of the points (COCO's documentation of its keypoints)."""
-_FEET = *(f"left_{part}" for part in ("big_toe", "small_toe", "heel")), *(
-    f"right_{part}" for part in ("big_toe", "small_toe", "heel")
+_FEET = (
+    *(f"left_{part}" for part in ("big_toe", "small_toe", "heel")),
+    *(f"right_{part}" for part in ("big_toe", "small_toe", "heel")),
 )
-_HALPE = "crown", "neck", "mid_hip", *(
-    f"{side}_{part}" for part in ("big_toe", "small_toe", "heel") for side in ("left", "right")
+_HALPE = (
+    "crown",
+    "neck",
+    "mid_hip",
+    *(f"{side}_{part}" for part in ("big_toe", "small_toe", "heel") for side in ("left", "right")),
 )
 LAYOUTS = {
     17: COCO_17,
@@ -112,7 +116,9 @@ def _frame_number(entry: Mapping[str, Any], where: str) -> int:
     for key in _FRAMES:
         if key in entry:
             return _number(entry[key])
-    raise UnusableFileError(f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame")
+    raise UnusableFileError(
+        f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame"
+    )
 
 
 def _number(name: Any) -> int:

@@ -59,7 +59,9 @@ def read_points(
         if not place.exists():
             raise UnusableFileError("there is no such file or folder; check the path")
         options = ReadOptions(rate_hz, camera, infant, names or {}, view)
-        recording: PointRecording = function_of(kind.read, "read")(place.resolve() if place.is_dir() else place, options)
+        recording: PointRecording = function_of(kind.read, "read")(
+            place.resolve() if place.is_dir() else place, options
+        )
         check_labels(recording.names)
         timed = check_timing(name_points(recording, names), rate_hz)
         return check_points(replace(timed, camera=_camera(timed, camera)), view)

@@ -90,7 +90,10 @@ def write_coco(recording: PointRecording, path: Path) -> Path:
 
 def write_pairs(recording: PointRecording, path: Path) -> Path:
     """Write the form of public keypoints of MINI-RGBD: semicolons, and cells of x and y."""
-    rows = [[f"{frame:05d}.png", *(f"{x!r},{y!r}" for x, y in row)] for frame, row in enumerate(recording.positions.tolist())]
+    rows = [
+        [f"{frame:05d}.png", *(f"{x!r},{y!r}" for x, y in row)]
+        for frame, row in enumerate(recording.positions.tolist())
+    ]
     path.write_text("\n".join(";".join(row) for row in [["image", *recording.names], *rows]))
     return path
 
