@@ -13,6 +13,9 @@ from mimoc.retarget.uncertainty import Uncertainty
 
 UNSEEN = 0.8
 """Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""
+CENTRE_M = 0.0003
+"""How far a joint's centre is from where the model of the fitted child has it, as a standard deviation: between its two
+joints, a length is no better known (D: from fits to known motions)."""
 TOUCHED_RAD = np.radians(0.1)
 """Distance from an end of its range at which a hinge touches it."""
 
@@ -77,14 +80,14 @@ def _depth_error(problem: Problem, state: State) -> float | None:
 
 
 def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
-    """Return the lengths of the child; the logarithm of each is the sum of that of overall size and its own."""
+    """Return the lengths of the child; the logarithm of each is that of overall size and its own together."""
     lengths, covariance = lengths_of(setting.child.model), sure.shared_covariance[1:, 1:]
     result = {}
     for index, size in enumerate(setting.sizes, start=1):
         row = np.zeros(len(covariance))
         row[0] = row[index] = 1.0
-        half = QUANTILE * np.sqrt(row @ covariance @ row)
         value = lengths[size.name]
+        half = QUANTILE * np.sqrt(row @ covariance @ row + 2 * (CENTRE_M / value) ** 2)
         result[size.name] = Interval(value, float(value * np.exp(-half)), float(value * np.exp(half)))
     return result
 

@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from numpy.lib.stride_tricks import as_strided
 from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from mimoc.motion.point_recording import FloatArray
 
+BoolArray = npt.NDArray[np.bool_]
 _PBTRF, _PBTRS = get_lapack_funcs(("pbtrf", "pbtrs"), (np.zeros(1),))
 
 
@@ -92,7 +94,7 @@ class Factored:
     corner: FloatArray
     h: FloatArray
 
-    def step(self, free: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def step(self, free: BoolArray) -> tuple[FloatArray, FloatArray]:
         """Return the steps of frames, shape (t, n), and of what they share, shape (s,).
 
         Args:

@@ -13,9 +13,10 @@ from mimoc.retarget.skeleton import IntArray, Pose, Skeleton
 
 SINK_M = 0.004
 """Depth by which a part may sink into the floor or another part, as a standard deviation."""
-LIE_M = 0.008
-"""How far the back of one who lies is from the floor, as a standard deviation; and for how long that stays alike:"""
-LIE_S = 2.0
+LIE_M = {"lb": 0.006, "ub2": 0.006, "head": 0.012}
+"""How far hip, chest and head of one who lies are from where they are at rest, as a standard deviation; and how long
+that stays alike:"""
+LIE_S = 4.0
 SOFT = 0.85
 """Distance at which two parts touch, over the sum of their radii: skin gives way."""
 _LIMBS = ("upper_arm", "lower_arm", "hand", "fingers", "mfknuckle", "lower_leg", "foot", "toes")
@@ -48,8 +49,9 @@ class Contacts:
     first: int
     """Index of the first sphere among the points."""
     radii_m: FloatArray
-    lying: tuple[int, ...]
-    """Spheres that lie on the floor; empty for one who does not lie."""
+    lying: tuple[tuple[int, float, float], ...]
+    """Spheres that lie on the floor, how high their centres are then, and its standard deviation in [m]; empty for one
+    who does not lie."""
     above: tuple[int, ...]
     """Spheres that are above the floor."""
     pairs: tuple[Pair, ...]
@@ -59,16 +61,16 @@ class Contacts:
     ) -> Iterator[tuple[IntArray, FloatArray, FloatArray, FloatArray]]:
         """Yield, of what touches: frames (f,), residuals (f,), and derivatives by unknowns (f, n) and sizes (f, s).
 
-        A sphere of radius r at height z that lies on the floor gives (z - r) / sd in every frame; one that is above
-        it min(0, z - r) / sd; one at p that may not come nearer than d to the capsule around a b
+        A sphere at height z that lies at the height l gives (z - l) / sd in every frame; one of radius r that is above
+        the floor min(0, z - r) / sd; one at p that may not come nearer than d to the capsule around a b
         min(0, |p - c| - d) / sd, c the point of the line from a to b that is nearest.
         """
-        sd = LIE_M * np.sqrt(max(1.0, LIE_S * rate_hz))
-        for index in (*self.lying, *self.above):
+        alike = np.sqrt(max(1.0, LIE_S * rate_hz))
+        above = [(index, float(self.radii_m[index]), SINK_M) for index in self.above]
+        for index, level_m, scale in (*((i, level, sd * alike) for i, level, sd in self.lying), *above):
             point = self.first + index
-            gap = pose.points_m[2, :, point, 0] - self.radii_m[index]
-            scale = sd if index in self.lying else SINK_M
-            frames = np.arange(len(gap)) if index in self.lying else np.flatnonzero(gap < 0)
+            gap = pose.points_m[2, :, point, 0] - level_m
+            frames = np.arange(len(gap)) if index not in self.above else np.flatnonzero(gap < 0)
             if len(frames):
                 jacobian = skeleton.jacobian(pose, np.array([point]), frames)[2, :, 0]
                 yield frames, gap[frames] / scale, jacobian / scale, pose.points_m[2, frames, point, 1:] / scale
@@ -89,11 +91,13 @@ class Contacts:
             return
         direction = apart[:, frames] / np.maximum(distance[frames], 1e-6)
         weights = np.stack([np.ones(len(frames)), share[frames] - 1, -share[frames]])
-        by_unknown, by_size = 0.0, 0.0
+        by_unknown = np.zeros((len(frames), skeleton.unknowns))
+        by_size = np.zeros((len(frames), pose.points_m.shape[3] - 1))
         for index, weight in zip(indices, weights, strict=True):
             jacobian = skeleton.jacobian(pose, np.array([index]), frames)[:, :, 0]
-            by_unknown = by_unknown + np.einsum("cf,cfn->fn", direction * weight, jacobian)
-            by_size = by_size + np.einsum("cf,cfs->fs", direction * weight, pose.points_m[:, frames, index, 1:])
+            by_unknown += np.einsum("cf,cfn->fn", direction * weight, jacobian)
+            by_size += np.einsum("cf,cfs->fs", direction * weight, pose.points_m[:, frames, index, 1:])
+        frames = frames.astype(np.intp)
         yield frames, (distance[frames] - pair.distance_m) / SINK_M, by_unknown / SINK_M, by_size / SINK_M
 
 
@@ -117,19 +121,21 @@ def spheres_of(model: mujoco.MjModel) -> list[Sphere]:
     return spheres
 
 
-def contacts_of(spheres: list[Sphere], first: int, lies: bool) -> Contacts:
+def contacts_of(spheres: list[Sphere], first: int, resting_m: FloatArray | None) -> Contacts:
     """Return what may touch what: hands keep out of trunk and head, and legs out of each other.
 
     Args:
         spheres: The spheres.
         first: How many points come before them.
-        lies: Whether the infant lies, so that hip, chest and head are on the floor.
+        resting_m: Heights of the spheres of the infant at rest on the floor; None for one who does not lie.
     """
     names = [sphere.name for sphere in spheres]
     place = {name: index for index, name in enumerate(names)}
-    trunk = [index for index, name in enumerate(names) if name in ("lb", "ub2")]
-    lying = (*trunk, place["head"]) if lies else ()
-    above = tuple(index for index in range(len(spheres)) if index not in lying and names[index] != "ub3")
+    lying = ()
+    if resting_m is not None:
+        lying = tuple((i, float(resting_m[i]), LIE_M[name]) for i, name in enumerate(names) if name in LIE_M)
+    used = {index for index, *_ in lying}
+    above = tuple(index for index in range(len(spheres)) if index not in used and names[index] != "ub3")
     capsules = [(names.index(name), names.index(name) + 1) for name in ("lb", "ub2", "ub3")]
     capsules.append((place["head"], place["head"]))
     pairs = []

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.banded import NormalEquations
+from mimoc.retarget.banded import BoolArray, NormalEquations
 from mimoc.retarget.contacts import Contacts
 from mimoc.retarget.observations import OUTLIER, Channel, Observed
 from mimoc.retarget.prior import times_chain
@@ -19,6 +19,8 @@ CHUNK = 500
 """Frames whose derivatives are in memory at once."""
 SETTLED = 5e-4
 """Relative change of the cost below which a fit ends."""
+SLOW, SHRINK = 0.15, 0.5
+"""Gain, relative to the cost, below which outliers come nearer, and by which factor."""
 LONGEST = 0.6
 """Largest change of an unknown of a frame in one step, in [rad] or [m]."""
 
@@ -64,6 +66,10 @@ class Problem:
     """What is usual of the height and the logarithms of sizes, shape (1 + s,)."""
     shared_sd: FloatArray
     """Its standard deviation, shape (1 + s,)."""
+    held: FloatArray
+    """Factors of a sum of these that is held near 0 while nothing tells of size, over its SD, shape (1 + s,)."""
+    pull: FloatArray
+    """Half the gradient of log det A by these, `uncertainty.pull_of`, shape (1 + s,); zero before it is known."""
 
     def equations(self, state: State, outlier: float) -> tuple[NormalEquations, float]:
         """Return the normal equations at a state, and its cost (twice the negative logarithm of the posterior)."""
@@ -113,9 +119,11 @@ class Problem:
         system.add_chain(self.chain)
         system.g += pull
         shared = np.array([state.height_m, *state.logs]) - self.shared_mean
-        system.corner += np.diag(self.shared_sd**-2)
-        system.h += shared / self.shared_sd**2
-        return float((away * pull).sum() + ((shared / self.shared_sd) ** 2).sum())
+        held = float(self.held @ shared)
+        system.corner += np.diag(self.shared_sd**-2) + np.outer(self.held, self.held)
+        system.h += shared / self.shared_sd**2 + self.pull + held * self.held
+        cost = ((shared / self.shared_sd) ** 2).sum() + held**2 + 2 * self.pull @ shared
+        return float((away * pull).sum() + cost)
 
     def within_limits(self, x: FloatArray) -> FloatArray:
         """Return unknowns within all limits: those beyond are at the end, sums of angles shrink in proportion."""
@@ -132,8 +140,9 @@ def solve(
     state: State,
     iterations: int,
     *,
-    free: FloatArray,
+    free: BoolArray,
     first_outlier: float = OUTLIER,
+    last_outlier: float = OUTLIER,
     tick: Callable[[], None] = lambda: None,
     keep: Callable[[State], None] = lambda state: None,
 ) -> State:
@@ -144,12 +153,13 @@ def solve(
         state: Where it begins.
         iterations: Number of steps at most.
         free: Which of height and sizes may change, shape (1 + s,), boolean.
-        first_outlier: Distance of an outlier in the first step; it shrinks by a fifth at each (graduated non-convexity,
-            Blake and Zisserman 1987), until it is `OUTLIER`.
+        first_outlier: Distance of an outlier in the first step; it shrinks when steps gain little (graduated
+            non-convexity, Blake and Zisserman 1987), to *last_outlier*.
+        last_outlier: Its distance in the end.
         tick: Called after each step.
         keep: Called with each state that is better than those before.
     """
-    damping, outlier = 1e-4, max(first_outlier, OUTLIER)
+    damping, outlier = 1e-4, first_outlier
     best, least, last = state, np.inf, np.inf
     for _ in range(iterations):
         system, cost = problem.equations(state, outlier)
@@ -157,14 +167,15 @@ def solve(
             damping, state = min(damping * 20, 10.0), best
             system, _ = problem.equations(state, outlier)
         else:
-            settled = outlier == last and cost > least * (1 - SETTLED)
-            best, least, damping = state, cost, max(damping / 4, 1e-6)
+            gain = least - cost if outlier == last else np.inf
+            best, least, damping, last = state, cost, max(damping / 4, 1e-6), outlier
             keep(state)
-            if settled:
+            if gain < SLOW * abs(cost) and outlier > last_outlier:
+                outlier = max(last_outlier, SHRINK * outlier)
+            elif gain < SETTLED * abs(cost):
                 break
         step, shared = system.factored(damping).step(free)
-        state, last = state.moved(step, shared), outlier
-        outlier = max(OUTLIER, 0.8 * outlier)
+        state = state.moved(step, shared)
         tick()
     return state if outlier != last or problem.equations(state, outlier)[1] < least else best
 

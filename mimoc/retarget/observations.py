@@ -54,7 +54,7 @@ class Observed:
     @classmethod
     def of(cls, recording: PointRecording, noise: float, depth_noise_m: float) -> Self:
         """Take the points of a recording; those without finite coordinates have no weight."""
-        seen = np.isfinite(recording.positions).all(-1)
+        seen = np.asarray(np.isfinite(recording.positions).all(-1))
         weight = np.where(seen, np.clip(np.nan_to_num(recording.confidence), 0.0, 1.0), 0.0)
         depth_m = depth_weight = None
         if recording.unit == "px" and recording.depth_m is not None:
@@ -67,6 +67,11 @@ class Observed:
     def in_space(self) -> bool:
         """Whether places are in [m]."""
         return self.places.shape[-1] == 3
+
+    @property
+    def tells_size(self) -> bool:
+        """Whether there is more than what one camera sees."""
+        return self.in_space or self.depth_m is not None
 
     def channels(self, part: slice, pose: Pose, jacobian: FloatArray, height_m: float) -> Iterator[Channel]:
         """Yield differences and derivatives at some frames.

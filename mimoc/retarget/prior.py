@@ -69,7 +69,7 @@ _POSTURE_DEG |= {"hip1": -65, "hip2": -22, "hip3": 20, "knee": -75}
 """Usual angles of an infant who lies awake on its back (D: middle of what fits to the 12 recordings of MINI-RGBD give,
 and of the flexed posture of the first months); other hinges rest as in mimoc's supine pose."""
 _USUAL = {
-    **{f"hip_{name}": Usual(np.radians(9)) for name in ("lean", "rot", "bend")},
+    **{f"hip_{name}": Usual(np.radians(5)) for name in ("lean", "rot", "bend")},
     "head": Usual(np.radians(25)),
     "hand": Usual(np.radians(20)),
     "foot": Usual(np.radians(17)),

@@ -1,19 +1,19 @@
 """The child in a recording of points, and the motion of its joints."""
 
 import re
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from mimoc.base.errors import RecordingError
-from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.motion.point_recording import PointRecording
 from mimoc.retarget.accounting import account_of
-from mimoc.retarget.fitting import Problem, State, solve
+from mimoc.retarget.fitting import Problem, State
 from mimoc.retarget.observations import OUTLIER
 from mimoc.retarget.result import Retargeted
+from mimoc.retarget.running import Run
 from mimoc.retarget.setting import (
     Noise,
     Setting,
@@ -28,60 +28,18 @@ from mimoc.retarget.setting import (
 )
 from mimoc.retarget.sizes import compile_child, starting_spec
 from mimoc.retarget.start import TRUNK
-from mimoc.retarget.uncertainty import Uncertainty, uncertainty_of
+from mimoc.retarget.uncertainty import Uncertainty, pull_of, uncertainty_of
 from mimoc.schema.infant import InfantSpec
 
-STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 32, 8, 10, 6
-"""Most steps: of the first fit; of it with the noise known; of all frames, with sizes; of all frames of that child."""
-TOTAL = STEPS_THIN + STEPS_AGAIN + STEPS_ALL + STEPS_LAST
+ROUNDS = 3
+STEPS_POSTURE, STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 12, 30, 8, 10, 6
+"""Most steps: of the first fit, with the sizes of the child that it starts from; with sizes; in each round with the
+noise known; of all frames, with sizes; of all frames of that child."""
+TOTAL = STEPS_POSTURE + STEPS_THIN + ROUNDS * STEPS_AGAIN + STEPS_ALL + STEPS_LAST
 FIRST_OUTLIER = 20 * OUTLIER
 FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 """Points that a recording must have, and share of them that must be seen."""
 FEWEST_FRAMES = 3
-_T = TypeVar("_T")
-INTERRUPTED = "stopped before the end, by Ctrl-C: the motion is the best so far"
-
-
-@dataclass
-class _Run:
-    """One fit: what it reports to, what it has, and how long it was compiling."""
-
-    progress: Callable[[int, int], None] | None
-    done: int = 0
-    compiling_s: float = 0.0
-    notes: list[str] = field(default_factory=list)
-    interrupted: bool = False
-
-    def tick(self) -> None:
-        self.done += 1
-        if self.progress:
-            self.progress(min(self.done, TOTAL), TOTAL)
-
-    def reached(self, done: int) -> None:
-        if done > self.done:
-            self.done = done - 1
-            self.tick()
-
-    def compiled(self, make: Callable[[], _T]) -> _T:
-        begin = time.process_time()
-        result = make()
-        self.compiling_s += time.process_time() - begin
-        return result
-
-    def solve(self, problem: Problem, state: State, steps: int, free: FloatArray, outlier: float = OUTLIER) -> State:
-        """Return the best state after some steps, or when it was interrupted."""
-        if self.interrupted:
-            return state
-        states = [state]
-        end = self.done + steps
-        try:
-            return solve(problem, state, steps, free=free, first_outlier=outlier, tick=self.tick, keep=states.append)
-        except KeyboardInterrupt:
-            self.interrupted = True
-            self.notes.append(INTERRUPTED)
-            return states[-1]
-        finally:
-            self.reached(end)
 
 
 def retarget(
@@ -92,57 +50,52 @@ def retarget(
     camera_height_m: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Retargeted:
-    """Return the child of a recording and its motion: a fit of the body's sizes and of all frames at once.
+    """Return the child of a recording and its motion, as `mimoc.retarget` says.
 
-    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is that of the
-    average child of the age, unless the camera's height is known; what else remains open is said in the account.
-    Ctrl-C ends the fit with the best motion so far.
-
-    Args:
-        recording: Points on the infant; neck and both hips must be among them.
-        age_months: Age of the infant, from 0 to 24.
-        spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
-        camera_height_m: Height of the camera above the floor, if it is known.
-        progress: Called with the number of steps done, and of all.
+    In this order: compile the child that the fit starts from; fit some frames, from likely postures on; fit all frames,
+    with sizes; compile the child that has them; fit its motion.
 
     Raises:
         RecordingError: If the recording has too few points or frames.
         SpecError: If there is no such child.
 
     Example:
-        >>> import mimoc, numpy as np
+        >>> import mimoc
         >>> from mimoc.motion.body_points import film
         >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = np.repeat(env.model.key("supine").qpos[None], 12, axis=0)
-        >>> result = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
-        >>> result.qpos.shape[0], result.account.error_share < 0.01
-        (12, True)
+        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
+        >>> mimoc.retarget(film(env.model, still, 30.0), age_months=9).qpos.shape[0]
+        12
     """
-    begin, run = time.process_time(), _Run(progress)
+    run = Run(progress, TOTAL)
     check(recording)
     child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
     setting = run.compiled(lambda: setting_of(recording, child, camera_height_m))
     state, noise = _first_fit(setting, run)
-    problem = problem_of(setting, setting.recording, noise)
+    whole = problem_of(setting, setting.recording, noise)
     state = replace(state, x=interpolated(state.x, setting.every, recording.frames))
-    state = run.solve(problem, state, STEPS_ALL, setting.free)
-    if not run.interrupted:
-        noise = _rescaled(noise, uncertainty_of(problem, state))
+    whole = run.improved(whole, lambda: _pulled(whole, state, setting.every))
+    state = run.solve(whole, state, STEPS_ALL, setting.free)
+    noise = run.improved(noise, lambda: _rescaled(noise, uncertainty_of(whole, state)))
     child = run.compiled(lambda: child_of(setting, state.logs))
     setting = of_child(setting, child, state.logs)
-    problem = problem_of(setting, setting.recording, noise)
+    problem = replace(problem_of(setting, setting.recording, noise), pull=whole.pull)
     state = run.solve(problem, replace(state, logs=0 * state.logs), STEPS_LAST, setting.only_height)
-    sure = uncertainty_of(problem, state)
+    return run.finished(lambda: _result(recording, setting, problem, state, run))
+
+
+def _result(recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run) -> Retargeted:
+    """Return what was fitted, within all limits, and its account."""
+    sure = uncertainty_of(replace(problem, shared_sd=setting.shared_sd()), state)
     state = replace(state, x=problem.within_limits(state.x))
-    seconds = time.process_time() - begin - run.compiling_s
+    qpos, child = problem.skeleton.qpos(state.x), setting.child
+    seen = problem.observed.project(points_of(problem, state), state.height_m)
+    fitted = np.full((recording.frames, len(recording.names), seen.shape[-1]), np.nan)
+    fitted[:, [recording.names.index(name) for name in setting.recording.names]] = seen
     notes = (*recording.notes, *setting.notes, *run.notes)
-    fitted = problem.observed.project(points_of(problem, state), state.height_m)
-    account = account_of(setting, problem, state, sure, fitted, seconds, notes)
-    whole = np.full((recording.frames, len(recording.names), fitted.shape[-1]), np.nan)
-    whole[:, [recording.names.index(name) for name in setting.recording.names]] = fitted
+    account = account_of(setting, problem, state, sure, seen, run.seconds, notes)
     height_m = None if recording.unit == "m" else state.height_m
-    qpos = problem.skeleton.qpos(state.x)
-    return Retargeted(recording, child.spec, child.bundle, recording.rate_hz, qpos, height_m, whole, account)
+    return Retargeted(recording, child.spec, child.bundle, recording.rate_hz, qpos, height_m, fitted, account)
 
 
 def check(recording: PointRecording) -> None:
@@ -178,19 +131,29 @@ def _name(recording: PointRecording) -> str:
     return name if name[0].isalpha() else f"child_{name}"
 
 
-def _first_fit(setting: Setting, run: _Run) -> tuple[State, Noise]:
-    """Return the fit to some frames, from the usual posture on, and the noise."""
+def _first_fit(setting: Setting, run: Run) -> tuple[State, Noise]:
+    """Return the fit to some frames, from likely postures on, and the noise."""
     thin = setting.recording.window(0, setting.recording.frames, setting.every)
     noise = usual_noise(setting.recording)
     problem = problem_of(setting, thin, noise)
     state = first_state(setting, problem)
-    state = run.solve(problem, state, STEPS_THIN, setting.free, FIRST_OUTLIER)
-    for _ in range(2):
-        if not run.interrupted:
-            noise = _rescaled(noise, uncertainty_of(problem, state))
-            problem = problem_of(setting, thin, noise)
-            state = run.solve(problem, state, STEPS_AGAIN // 2, setting.free)
+    state = run.solve(problem, state, STEPS_POSTURE, setting.only_height, (FIRST_OUTLIER, FIRST_OUTLIER))
+    state = run.solve(problem, state, STEPS_THIN, setting.free, (FIRST_OUTLIER, OUTLIER))
+    for _ in range(ROUNDS):
+        sure = run.improved(None, partial(uncertainty_of, problem, state))
+        noise = _rescaled(noise, sure) if sure else noise
+        problem = problem_of(setting, thin, noise)
+        problem = run.improved(problem, partial(_pulled, problem, state))
+        state = run.solve(problem, state, STEPS_AGAIN, setting.free)
     return state, noise
+
+
+def _pulled(problem: Problem, state: State, every: int = 1) -> Problem:
+    """Return the problem with what makes sizes the likeliest over all motions, where depth is not seen.
+
+    With depth, data say so much of each frame that this makes no difference.
+    """
+    return problem if problem.observed.tells_size else replace(problem, pull=pull_of(problem, state, every))
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:

@@ -8,10 +8,12 @@ import numpy as np
 from mimoc.motion.body_points import BodyPoint, body_points
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.retarget import prior
+from mimoc.retarget.banded import BoolArray
 from mimoc.retarget.contacts import contacts_of, spheres_of
 from mimoc.retarget.fitting import Problem, State
 from mimoc.retarget.hinges import combined_limits, hinges_of
 from mimoc.retarget.observations import Observed
+from mimoc.retarget.postures import likely_postures
 from mimoc.retarget.sizes import (
     OVERALL_SD,
     SIZES,
@@ -35,6 +37,11 @@ LEAST_OF_TRUNK = 0.001
 """Noise that is assumed at least, since no model is exact."""
 HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
 """How far the height is from where the fit starts, and from one that was measured."""
+AS_SURE = 4.0
+"""How much surer sizes are taken to be while one camera is fitted: it tells of a limb's length only by how it is
+foreshortened, and what is wrong in usual postures, or in where a joint is seen, is wrong in every frame alike."""
+HELD = 0.003
+"""Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
 STRAIGHT = "the camera is taken to look straight down on a level floor"
@@ -76,18 +83,27 @@ class Setting:
         """Whether something gives absolute size."""
         return self.recording.unit == "m" or self.recording.depth_m is not None or self.height_m is not None
 
+    def shared_sd(self, as_sure: float = 1.0) -> FloatArray:
+        """Return the standard deviation of the height and of the logarithms of sizes, shape (1 + s,).
+
+        Args:
+            as_sure: How many times as sure as usual sizes are taken to be.
+        """
+        height_m = HEIGHT_SD_M if self.height_m is None else KNOWN_SD_M
+        return np.array([height_m, OVERALL_SD, *(size.sd / as_sure for size in self.sizes)])
+
     @property
     def every(self) -> int:
         """Of how many frames the first fit takes one."""
         return int(max(1, min(self.recording.rate_hz // THIN_HZ, self.recording.frames // FEWEST_THIN)))
 
     @property
-    def free(self) -> FloatArray:
+    def free(self) -> BoolArray:
         """Which of the height and the sizes may change: overall size only if something tells of it."""
         return np.array([True, self.size_is_known, *(True for _ in self.sizes)])
 
     @property
-    def only_height(self) -> FloatArray:
+    def only_height(self) -> BoolArray:
         """The height, with sizes as they are."""
         return np.arange(2 + len(self.sizes)) == 0
 
@@ -116,6 +132,9 @@ def setting_of(recording: PointRecording, child: Child, height_m: float | None) 
     on_body = body_points(model, recording.names)
     names = [name for k, name in enumerate(recording.names) if on_body[k] and seen[:, k].any()]
     recording = recording.select(names)
+    depth_m = recording.select(TRUNK).depth_m
+    if depth_m is not None and not np.isfinite(depth_m).any(axis=0).all():
+        recording = replace(recording, depth_m=None)
     points = [point for point in body_points(model, names) if point]
     hinges = hinges_of(model, points)
     rest = model.key("supine").qpos.copy()
@@ -123,7 +142,8 @@ def setting_of(recording: PointRecording, child: Child, height_m: float | None) 
     moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
     sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
     shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
-    start = start_of(recording.filled(), *_resting(model, rest), matrix_of(rest[3:7]), height_m)
+    trunk = [point for point in body_points(model, TRUNK) if point]
+    start = start_of(recording.filled(), _resting(model, rest, trunk), rest[:3], matrix_of(rest[3:7]), height_m)
     return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, np.zeros(1 + len(sizes)))
 
 
@@ -132,17 +152,18 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     model, hinges, start = setting.child.model, setting.hinges, setting.start
     spheres = spheres_of(model)
     points = _points(model, recording.names)
+    pose = setting.rest if start.turned[2, 0] > 0 else model.key("prone").qpos
+    resting = _resting(model, pose, [sphere.point for sphere in spheres])
+    observed = Observed.of(recording, noise.places, noise.depth_m)
     skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
     usual = np.concatenate([np.median(start.root, axis=0), prior.posture(model, hinges, setting.rest)])
-    sizes_sd = [OVERALL_SD, *(size.sd for size in setting.sizes)]
-    height_sd = HEIGHT_SD_M if setting.height_m is None else KNOWN_SD_M
     return Problem(
         skeleton=skeleton,
         shape=setting.shape,
-        observed=Observed.of(recording, noise.places, noise.depth_m),
-        contacts=contacts_of(spheres, len(recording.names), start.lies),
+        observed=observed,
+        contacts=contacts_of(spheres, len(recording.names), resting[:, 2] if start.lies else None),
         rate_hz=recording.rate_hz,
         chain=prior.chain(prior.usual_of(hinges), recording.frames, recording.rate_hz),
         mean=np.tile(usual, (recording.frames, 1)),
@@ -151,15 +172,21 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sums=sums,
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
-        shared_sd=np.array([height_sd, *sizes_sd]),
+        shared_sd=setting.shared_sd(1.0 if observed.tells_size else AS_SURE),
+        held=_held(setting),
+        pull=np.zeros(2 + len(setting.sizes)),
     )
 
 
 def first_state(setting: Setting, problem: Problem) -> State:
-    """Return the usual posture, placed and turned as the trunk is seen."""
-    x = problem.mean.copy()
-    x[:, :ROOT] = setting.start.root[:: setting.every]
-    return State(x, setting.start.height_m, np.zeros(1 + len(setting.sizes)))
+    """Return likely postures, the trunk placed and turned as it is seen."""
+    x, start = problem.mean.copy(), setting.start
+    x[:, :ROOT] = start.root[:: setting.every]
+    sd = np.array([usual.sd for usual in prior.usual_of(setting.hinges)[ROOT:]])
+    scale = setting.recording.trunk, start.height_m, problem.rate_hz
+    bounds = sd, problem.low, problem.high
+    x = likely_postures(problem.skeleton, problem.shape, problem.observed, x, bounds, scale)
+    return State(x, start.height_m, np.zeros(1 + len(setting.sizes)))
 
 
 def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:
@@ -211,19 +238,23 @@ def usual_noise(recording: PointRecording) -> Noise:
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
 
 
+def _held(setting: Setting) -> FloatArray:
+    """Return what keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known."""
+    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
+    return weights / weights.sum() / HELD if not setting.size_is_known else 0 * weights
+
+
 def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:
     """Return the points of a recording on a model, and then those of its contacts."""
     return [point for point in body_points(model, names) if point] + [sphere.point for sphere in spheres_of(model)]
 
 
-def _resting(model: mujoco.MjModel, rest: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return neck and hips of the resting infant in the world, shape (3, 3), and its root."""
+def _resting(model: mujoco.MjModel, rest: FloatArray, points: list[BodyPoint]) -> FloatArray:
+    """Return where points of the resting infant are in the world, shape (k, 3)."""
     data = mujoco.MjData(model)
     data.qpos[:] = rest
     mujoco.mj_kinematics(model, data)
-    points = [point for point in body_points(model, TRUNK) if point]
-    places = [data.xpos[p.body] + data.xmat[p.body].reshape(3, 3) @ p.offset_m for p in points]
-    return np.array(places), rest[:3].copy()
+    return np.array([data.xpos[p.body] + data.xmat[p.body].reshape(3, 3) @ p.offset_m for p in points])
 
 
 def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column: int, count: int) -> bool:

@@ -150,6 +150,11 @@ class Skeleton:
             result[:, :, place, column[chosen]] += factor[chosen] * cross(pose.axes[:, frames][:, :, j], arm)
         return result
 
+    def points_moved(self, columns: IntArray) -> IntArray:
+        """Return the points that some unknowns move, as indices."""
+        moved = [point[np.isin(column, columns)] for point, _, column, _ in self._pairs]
+        return np.unique(np.concatenate(moved))
+
     def qpos(self, x: FloatArray) -> FloatArray:
         """Return configurations of the model, shape (f, nq)."""
         result = np.repeat(self.rest[None], len(x), axis=0)
@@ -183,7 +188,8 @@ class Skeleton:
                     groups[column in seen].append((point, joint, column, float(self.hinges.factor[joint])))
                     seen.add(column)
         tables = [np.array(group) for group in groups if group]
-        return [(*(table[:, i].astype(np.intp) for i in range(3)), table[:, 3]) for table in tables]
+        indices = [table[:, :3].astype(np.intp).T for table in tables]
+        return [(index[0], index[1], index[2], table[:, 3]) for index, table in zip(indices, tables, strict=True)]
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:

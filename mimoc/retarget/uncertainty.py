@@ -10,7 +10,10 @@ from mimoc.retarget.banded import Factored
 from mimoc.retarget.fitting import CHUNK, Problem, State
 from mimoc.retarget.observations import OUTLIER
 from mimoc.retarget.sizes import at_sizes
-from mimoc.retarget.skeleton import ROOT
+from mimoc.retarget.skeleton import ROOT, Shape
+
+DIFFERENCE = 1e-3
+"""Change of the height in [m], or of the logarithm of a size, by which derivatives of squares are computed."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
     """
     system, _ = problem.equations(state, OUTLIER)
     factored = system.factored()
-    covariance = np.linalg.inv(factored.schur())
+    covariance = np.asarray(np.linalg.inv(factored.schur()), np.float64)
     shape = at_sizes(problem.shape, state.logs)
     t, n = state.x.shape
     k = problem.observed.places.shape[1]
@@ -59,7 +62,62 @@ def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
     return Uncertainty(tuple(noise), angle_sd, depth_sd, covariance)
 
 
-def _of_part(problem, state, shape, part, blocks, factored: Factored, covariance):
+def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
+    """Return half the gradient of log det A by the height and the logarithms of sizes, shape (1 + s,).
+
+    Sizes that suit the most probable motion are not the most probable sizes: the longer a limb, the less it need turn
+    to be where it is seen, and the more probable the motion. Integrated over all motions (Laplace's approximation), the
+    posterior of what is shared has the cost min_x c(x, s) + log det A(s), and
+
+        1/2 d log det A / ds = 1/2 sum_t tr(A^-1[t, t] d(J_t' W J_t) / ds),
+
+    with the motion as it is. What changes all sizes alike is overall size.
+
+    Args:
+        problem: What is fitted.
+        state: Where the gradient is wanted.
+        every: Of how many frames one is taken, for the rest.
+    """
+    system, _ = problem.equations(state, OUTLIER)
+    blocks = [block for frame, block in system.factored().blocks() if frame % every == 0]
+    covariances = np.array(blocks[::-1])
+    frames = slice(0, len(state.x), every)
+    base, weights = _squares(problem, state, frames, None)
+    result = np.zeros(len(system.h))
+    for index in (0, *range(2, len(result))):
+        shared = np.where(np.arange(len(result)) == index, DIFFERENCE, 0.0)
+        moved = state.moved(np.zeros_like(state.x), shared)
+        other, _ = _squares(problem, moved, frames, weights)
+        result[index] = every * np.einsum("fnm,fmn->", covariances, other - base) / (2 * DIFFERENCE)
+    result[1] = result[2:].sum()
+    return result
+
+
+def _squares(
+    problem: Problem, state: State, frames: slice, weights: list[FloatArray] | None
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Return J' W J of frames, shape (f, n, n), and the weights W of channels; these can be given."""
+    observed = problem.observed
+    pose = problem.skeleton.pose(state.x[frames], at_sizes(problem.shape, state.logs))
+    jacobian = problem.skeleton.jacobian(pose, np.arange(observed.places.shape[1]))
+    total, used = np.zeros(()), []
+    for index, channel in enumerate(observed.channels(frames, pose, jacobian, state.height_m)):
+        used.append(channel.robust(OUTLIER)[0] if weights is None else weights[index])
+        f, k, c, n = channel.by_frame.shape
+        rows = channel.by_frame.reshape(f, k * c, n)
+        total = total + (rows * np.repeat(used[-1], c, axis=1)[..., None]).transpose(0, 2, 1) @ rows
+    return total, used
+
+
+def _of_part(
+    problem: Problem,
+    state: State,
+    shape: Shape,
+    part: slice,
+    blocks: FloatArray,
+    factored: Factored,
+    covariance: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return standard deviations of angles and heights, and sums for the noise, of some frames."""
     observed = problem.observed
     pose = problem.skeleton.pose(state.x[part], shape)

@@ -1,0 +1,41 @@
+"""Intervals of a linear model contain the truth as often as they say; noise is estimated without bias."""
+
+import numpy as np
+import pytest
+
+from mimoc.retarget.banded import NormalEquations
+from mimoc.retarget.prior import Usual, chain
+from mimoc.retarget.result import QUANTILE, Interval
+
+FRAMES, RATE_HZ = 60, 15.0
+
+
+def test_nine_of_ten_intervals_of_a_linear_model_contain_the_truth():
+    """Positions of a point with a shared offset: z_t = x_t + o + noise, x a usual movement."""
+    draw = np.random.default_rng(0)
+    usual, noise = Usual(0.5, 0.05, 1.0), 0.1
+    diagonals = chain([usual], FRAMES, RATE_HZ)
+    matrix = sum(np.diag(diagonals[d, : FRAMES - d, 0], -d) for d in range(3))
+    matrix = matrix + np.tril(matrix, -1).T
+    root = np.linalg.cholesky(np.linalg.inv(matrix))
+    inside, shared_inside = [], []
+    for _ in range(150):
+        x, offset = root @ draw.normal(size=FRAMES), 0.3 * draw.normal()
+        z = x + offset + noise * draw.normal(size=FRAMES)
+        system = NormalEquations.zeros(FRAMES, 1, 1)
+        system.add_blocks(0, np.full((FRAMES, 1, 1), noise**-2))
+        system.add_chain(diagonals)
+        system.border += noise**-2
+        system.corner += FRAMES * noise**-2 + 0.3**-2
+        system.g[:, 0] = -z * noise**-2
+        system.h -= z.sum() * noise**-2
+        factored = system.factored()
+        step, shared = factored.step(np.array([True]))
+        covariance = np.linalg.inv(factored.schur())
+        variance = np.array([block[0, 0] for _, block in factored.blocks()][::-1])
+        variance += factored.inverse_border[:, 0, 0] ** 2 * covariance[0, 0]
+        inside.append(np.abs(step[:, 0] - x) < QUANTILE * np.sqrt(variance))
+        half = QUANTILE * np.sqrt(covariance[0, 0])
+        shared_inside.append(Interval(shared[0], shared[0] - half, shared[0] + half).contains(offset))
+    assert np.mean(inside) == pytest.approx(0.9, abs=0.03)
+    assert np.mean(shared_inside) == pytest.approx(0.9, abs=0.07)

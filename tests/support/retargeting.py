@@ -1,0 +1,61 @@
+"""A small problem of a fit, on a child with every hinge away from rest."""
+
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from mimoc.motion.body_points import film, locate
+from mimoc.motion.points import POINTS
+from mimoc.retarget.fitting import Problem, State
+from mimoc.retarget.setting import Noise, Setting, first_state, problem_of, setting_of
+from mimoc.retarget.sizes import Child, compile_child, starting_spec
+from mimoc.schema.infant import InfantSpec
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import known_motions
+
+NAMES = tuple(name for name in POINTS if not name.endswith(("heel", "small_toe")))
+FRAMES, RATE_HZ = 12, 15.0
+
+
+@cache
+def child(hands: str = "mitten") -> Child:
+    """Return the average child of three months."""
+    spec = starting_spec(None, 3.0, "child")
+    return compile_child(spec.with_(body={"hands": hands}))
+
+
+@cache
+def setting(kind: str, hands: str = "mitten") -> Setting:
+    """Return what a fit is of: `pixels`, `depth` or `space`."""
+    model = child(hands).model
+    qpos = known_motions.known_motion(model, np.random.default_rng(2), FRAMES, RATE_HZ)
+    recording = film(model, qpos, RATE_HZ, NAMES)
+    if kind == "pixels":
+        recording = replace(recording, depth_m=None)
+    if kind == "space":
+        places_m = locate(model, qpos, NAMES)
+        recording = replace(recording, positions=places_m, camera=None, depth_m=None)
+    return setting_of(recording, child(hands), None)
+
+
+def problem_and_state(kind: str, hands: str = "mitten", shift: float = 0.05) -> tuple[Problem, State]:
+    """Return a problem, and a state that is some way from its solution."""
+    draw = np.random.default_rng(4)
+    whole = setting(kind, hands)
+    problem = problem_of(whole, whole.recording, Noise(1.0 if kind != "space" else 0.01, 0.01, 0.1))
+    state = first_state(whole, problem)
+    x = state.x + shift * draw.normal(size=state.x.shape)
+    return problem, State(x, state.height_m + 0.02, 0.05 * draw.normal(size=state.logs.shape))
+
+
+def known(seed: int, frames: int = 90, **options) -> tuple[InfantSpec, np.ndarray, object, object]:
+    """Return a random child, its motion, its model and a recording of it."""
+    draw = np.random.default_rng(seed)
+    spec = known_motions.random_child(draw)
+    model = known_motions.model_of(spec)
+    qpos = known_motions.known_motion(model, draw, frames, 30.0)
+    return spec, qpos, model, known_motions.recorded(model, qpos, draw, known_motions.ALL_POINTS, **options)
