@@ -25,7 +25,7 @@ from mimoc.control.inverse_dynamics import STATE, Joints
 from mimoc.control.torque_mapping import TorqueMapping, find_mapping
 from mimoc.senses.sense import FloatArray, IntArray
 
-BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 2.5
+BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
 """Of the feedback of joints, which is that of the prototype, and of the trunk where it is assisted (a choice)."""
 FRICTION_RAD_S = 0.05
 """Speed v_f above which dry friction counts as whole."""
@@ -128,11 +128,8 @@ class Tracker:
         resting = {joint for group in RESTING for joint in manifest.anatomy.groups.get(group, ())}
         self._resting = np.array([name in resting for name in self._body.joints.names], bool)
 
-    def __call__(self, wanted: Wanted) -> tuple[npt.NDArray[np.float32], FloatArray]:
-        """Return the action, shape (nu,), and what feedback would add at the root, shape (6,), or (0,) if it is held.
-
-        This wrench, [N] in the world's frame and [N m] in the body's, accelerates the whole body as a spring of
-        `ROOT_BANDWIDTH_HZ` demands; it carries no weight, which the ground does.
+    def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
+        """Return the action, shape (nu,).
 
         Args:
             wanted: The motion at the time at which the command takes effect, `lead_s` from now.
@@ -142,17 +139,33 @@ class Tracker:
         model, data, speeds = body.model, body.data, body.joints.speeds
         if not np.isfinite(data.qpos).all():  # The simulation became unstable; the episode is over.
             body.torques.rest(model, data)
-            return body.torques.command(np.zeros(len(speeds))).astype(np.float32), np.zeros(len(body.root_speeds))
-        feedback = self._feedback(wanted)
+            return body.torques.command(np.zeros(len(speeds))).astype(np.float32)
         moving = np.zeros(model.nv)
-        moving[speeds] = (wanted.qacc + feedback)[speeds]
-        wrench = body.root_inertia() @ feedback[body.root_speeds]
+        moving[speeds] = (wanted.qacc + self._feedback(wanted))[speeds]
         forces, limits_nm = body.needed(moving, wanted.qvel)
         torques_nm = forces[speeds]
         if len(body.touches):
             torques_nm = torques_nm - np.where(self._resting, data.qfrc_bias[speeds], 0.0)
-        action = body.torques.command(np.clip(torques_nm, *limits_nm.T)).astype(np.float32)
-        return action, wrench
+        self._given_nm = np.clip(torques_nm, *limits_nm.T)
+        return body.torques.command(self._given_nm).astype(np.float32)
+
+    def assistance(self, wanted: Wanted) -> FloatArray:
+        """Return the wrench that lets the root follow, too, when the latest action is taken, shape (6,).
+
+        The torques of that action and contacts accelerate the root by a; the wrench accelerates it by what is missing,
+
+            w = S (q̈* + k_p (q* - q) + k_d (q̇* - q̇) - a),  [N] in the world's frame and [N m] in the body's,
+
+        with the root's inertia S while its joints are loose. A root that is held gets none, shape (0,).
+        """
+        body = self._body
+        model, data, root = body.model, body.data, body.root_speeds
+        if not root.size or not np.isfinite(data.qpos).all():
+            return np.zeros(root.size)
+        demanded = wanted.qacc + self._feedback(wanted)
+        data.qfrc_applied[body.joints.speeds] = self._given_nm
+        mujoco.mj_forward(model, data)
+        return body.root_inertia() @ (demanded - data.qacc)[root]
 
     def _feedback(self, wanted: Wanted) -> FloatArray:
         """Return the accelerations that errors of places and velocities demand, shape (nv,)."""

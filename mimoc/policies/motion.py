@@ -55,11 +55,12 @@ class MotionPolicy:
             self._begin()
         now_s = env.steps * self._step_s
         is_moving = env.steps < self.whole_steps
-        missing = self._demand.add(self._at(now_s)) if is_moving else np.zeros(len(self._body.root_speeds))
-        action, wrench = self._tracker(self._at(now_s + self._tracker.lead_s))
+        coming = self._at(now_s + self._tracker.lead_s)
+        action = self._tracker(coming)
         if self._root == "assisted":
-            self._assist(missing + wrench)
+            self._assist(self._tracker.assistance(coming))
         if is_moving:
+            self._demand.add(self._at(now_s))
             self._log(self._at(now_s))
         return action
 
