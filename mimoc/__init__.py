@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from mimoc.environments import make as make
     from mimoc.plugins import register as register
+    from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.recording import record as record
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.reading import read_recording as read_recording

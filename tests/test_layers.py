@@ -110,7 +110,7 @@ LAYERS = {
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco"),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
-    "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
+    "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
         f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
@@ -146,8 +146,8 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
-        f"signals part {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
-        "viewer studies motion movement retarget",
+        f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
+        "opening viewer studies motion movement retarget",
         "gymnasium",
     ),
     "cli": layer(

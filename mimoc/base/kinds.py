@@ -190,10 +190,11 @@ class PolicyKind:
     """`bind(env) -> Policy`: from a random number generator and an observation to an action; with an `argument`,
     `bind(env, text) -> Policy`."""
     argument: str = ""
-    """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing."""
+    """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing. In square
+    brackets, it may be left out: then `bind(env)` is called."""
     many: Code | None = None
-    """`bind_many(envs) -> BatchPolicy`: the same for the infants of a vector environment, also on a device; None if it
-    is for one infant only."""
+    """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/batch.py`),
+    also on a device. None: on the CPU, one infant after another; on a device, not at all."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from mimoc.base.errors import BundleError, MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
+    from mimoc.policies.policy import PolicyMaker
     from mimoc.schema.infant import InfantSpec
 
 SpecPath = Annotated[
@@ -79,6 +80,13 @@ def load_infant(path: Path) -> "Bundle":
     spec = load_spec(path)
     with console.progress("building") as show:
         return pipeline.build(spec, progress=show)
+
+
+def load_trained(path: str) -> "PolicyMaker":
+    """Return the trained policy in a file; PyTorch is only imported when there is one."""
+    from mimoc.training import load_policy
+
+    return load_policy(path)
 
 
 def check_video(video: Path | None, eyes: bool) -> None:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-import mimoc
 from mimoc.base.kinds import announced
-from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant
+from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant, load_trained
 from mimoc.cli.terminal import printable
 from mimoc.policies import POLICIES
+from mimoc.policies.spec import usage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     from mimoc.runtime.rollout import Run
 
 
-POLICY_NAMES = ", ".join((*(f"{name} ({POLICIES[name].about})" for name in POLICIES), *announced("mimoc.policies")))
+POLICY_NAMES = ", ".join(
+    (*(f"{usage(POLICIES[name])} ({POLICIES[name].about})" for name in POLICIES), *announced("mimoc.policies"))
+)
 """What `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
+POLICIES_HELP = f"{POLICY_NAMES}; a trained policy.zip; or several at once, which add up: NAME+NAME."
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
@@ -37,7 +40,7 @@ OwnTask = Annotated[
 
 def run(
     infant: InfantPath,
-    policy: Annotated[str, typer.Option(help=f"{POLICY_NAMES}; or a trained policy.zip.")] = "random",
+    policy: Annotated[str, typer.Option(help=POLICIES_HELP)] = "random",
     steps: Annotated[int, typer.Option(min=1, help="Number of control steps to run.")] = 1000,
     seed: Seed = 0,
     task: OwnTask = None,
@@ -52,15 +55,15 @@ def run(
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc import recording
     from mimoc.cli import console
+    from mimoc.policies.named import policy_of
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run, policy_of
+    from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
-    chosen = mimoc.load_policy(policy) if policy.endswith(".zip") else policy
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
-        act = policy_of(env, chosen)  # Refuses bad names before anything is written.
+        act = policy_of(env, policy, load_trained)  # Refuses bad names before anything is written.
         if record:
             from mimoc.recording.recorder import Recording
 

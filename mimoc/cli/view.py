@@ -2,6 +2,7 @@
 
 import sys
 import webbrowser
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page
-from mimoc.cli.arguments import load_infant
+from mimoc.cli.arguments import load_infant, load_trained
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
@@ -84,11 +85,12 @@ def _in_a_terminal() -> bool:
 
 def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
     """Run an infant under a policy and serve what it does."""
+    from mimoc.policies.named import policy_of
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
     from mimoc.viewer.live import LiveView
 
-    run = Run(InfantEnv(infant), policy, seed=0)
+    run = Run(InfantEnv(infant), partial(policy_of, policy=policy, load=load_trained), seed=0)
     with LiveView(run.env, port) as live:
         print(f"{live.address}   (Ctrl-C ends it)", flush=True)
         if open_page:

@@ -14,7 +14,7 @@ from mimoc.cohorts.job import Job, jobs_of
 from mimoc.cohorts.run_jobs import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
-from mimoc.policies import POLICIES
+from mimoc.policies.spec import parse_policy
 from mimoc.schema import source as sources
 from mimoc.schema.base import plain
 from mimoc.schema.cohort_file import COHORT, CohortSpec
@@ -279,8 +279,8 @@ def status_of(jobs: Iterable[Job], store: Store) -> Status:
 
 
 def _check(step: StepSpec) -> None:
-    if isinstance(step, RunStep) and not step.policy.endswith(".zip"):
-        POLICIES.find(step.policy)
+    if isinstance(step, RunStep):
+        parse_policy(step.policy)
     elif isinstance(step, ExperimentStep):
         from mimoc.studies.experiments import check_experiment  # Takes time to import, in each process that does jobs.
 

@@ -15,6 +15,7 @@ from typing import Any
 from mimoc.base.errors import MimocError
 from mimoc.base.rounding import rounded
 from mimoc.cohorts.infants import CohortInfant
+from mimoc.policies.spec import trained_policies
 from mimoc.quantities import QUANTITIES, measured_in, measures
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.cohort_steps import step_of
@@ -67,7 +68,7 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
     functions = {*functions_named, *(options["function"] for step, options, _ in steps if step == "python")}
-    policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
+    policies = {path for step, options, _ in steps if step == "run" for path in trained_policies(options["policy"])}
     code = {name: digest_of(name, place) for name in functions}
     code |= {name: _policy_digest(Path(place) / name) for name in policies}
     jobs: dict[str, Job] = {}
@@ -75,7 +76,8 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
         resolved = rounded(to_data(infant.spec))
         for step, options, seed in steps:
             alone = step in WITHOUT_INFANT
-            used = {*functions_named, options.get("function"), options.get("policy")} & code.keys()
+            trained = trained_policies(options["policy"]) if step == "run" else ()
+            used = {*functions_named, options.get("function"), *trained} & code.keys()
             what = {
                 "mimoc": __version__,
                 "spec": None if alone else resolved,

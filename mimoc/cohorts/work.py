@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import asdict, dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ from mimoc.bundle.io import LOCK, Bundle
 from mimoc.cohorts.job import Job, import_function
 from mimoc.cohorts.store import Store
 from mimoc.compiler.building import builder, sees_skin
+from mimoc.policies.named import policy_of
+from mimoc.policies.policy import PolicyMaker
 from mimoc.quantities import measured_in
 from mimoc.quantities.measuring import measure
 from mimoc.runtime.check import check_stability
@@ -100,7 +102,8 @@ def run(work: JobContext) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
     with closing(InfantEnv(work.bundle)) as env:
-        rollout = Run(env, _policy(work, options["policy"]), work.seed)
+        load = partial(_load_trained, folder=work.job.folder)
+        rollout = Run(env, partial(policy_of, policy=options["policy"], load=load), work.seed)
         for _ in range(options["steps"]):
             rollout.step()
         summary = rollout.summary()
@@ -157,13 +160,11 @@ def measured(work: JobContext) -> Measures:
     return work.measures
 
 
-def _policy(work: JobContext, name: str) -> Any:
-    """Return the trained policy if the name is that of a file, else the name itself."""
-    if not name.endswith(".zip"):
-        return name
+def _load_trained(path: str, folder: str) -> PolicyMaker:
+    """Return the trained policy in a file; its path is relative to the folder of the cohort file."""
     from mimoc.training import load_policy
 
-    return load_policy(Path(work.job.folder) / name)
+    return load_policy(Path(folder) / path)
 
 
 def _cell(value: Any, function: str) -> str | bool | int | float | None:

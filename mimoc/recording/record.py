@@ -13,12 +13,13 @@ from PIL import Image
 
 from mimoc.base.errors import RenderingError
 from mimoc.base.units import ms_to_s
+from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import PolicyMaker, Run, Summary
+from mimoc.runtime.rollout import Run, Summary
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
 
@@ -163,8 +164,9 @@ def record(
 
     Args:
         env: The environment, which is reset.
-        policy: `random`, `zero`, `reach`, a trained policy from `mimoc.load_policy`, or a function from an environment
-            to a function from a random generator and an observation to an action.
+        policy: `random`, `zero`, `reach` or another name, a sum of names (`general_movements+reflexes`), a trained
+            policy from `mimoc.load_policy`, or a function from an environment to a function from a random generator
+            and an observation to an action.
         file: The video file, an .mp4 (which needs `pip install 'mimoc[record]'`) or a .gif.
         steps: Number of control steps.
         seed: Random seed of policy and episodes.
@@ -178,6 +180,7 @@ def record(
         OutputError: If the video cannot be written.
         MissingExtraError: If PyAV is not installed, which MP4 needs.
         UnknownNameError: If there is no such policy.
+        PolicyError: If its name lacks something, or it does not fit the infant.
         RenderingError: If OpenGL is not available, or the infant has no eyes.
 
     Example:

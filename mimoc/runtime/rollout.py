@@ -6,10 +6,9 @@ from time import perf_counter
 
 import numpy as np
 
-from mimoc.base.kinds import function_of
 from mimoc.base.units import ms_to_s
-from mimoc.policies import POLICIES
-from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, metrics_of
+from mimoc.policies.named import policy_of
+from mimoc.policies.policy import PolicyMaker, episode_limit_of, metrics_of, start_again
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
 
@@ -71,16 +70,6 @@ class Summary:
         return bool(self.measures["unstable"])
 
 
-def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
-    """Return a policy for an environment, by its name or from what makes one.
-
-    Raises:
-        UnknownNameError: If there is no such policy.
-    """
-    maker = function_of(POLICIES.find(policy).run, "bind") if isinstance(policy, str) else policy
-    return maker(env)
-
-
 class Run:
     """A run of an environment under a policy, which is stepped and then summarised."""
 
@@ -89,11 +78,12 @@ class Run:
 
         Args:
             env: The environment.
-            policy: Name of a policy, or a function from an environment to a policy.
+            policy: Name of a policy, a sum of names, or a function from an environment to a policy; see `policy_of`.
             seed: Seed of both the policy and the reset.
 
         Raises:
             UnknownNameError: If there is no such policy.
+            PolicyError: If its name lacks something, or it does not fit the infant.
         """
         self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
         self.env, self._act = env, policy_of(env, policy)
@@ -115,6 +105,7 @@ class Run:
         if terminated or truncated or self._taken >= self._limit:
             self._end_episode(info["is_success"])
             self.observation, _ = self.env.reset()
+            start_again(self._act)
 
     def _end_episode(self, success: bool) -> None:
         time_s = ms_to_s(self._taken * self.env.manifest.step_ms)

@@ -95,7 +95,7 @@ class RunStep(Model):
     """Run the infant under a policy, as `mimoc run` does."""
 
     policy: Words = "random"
-    """Name of a policy, or the path of a trained one, relative to the cohort file."""
+    """Name of a policy, the path of a trained one, relative to the cohort file, or a sum: `NAME+NAME`."""
     steps: Steps = 1000
     """Control steps."""
     seeds: Seeds = (0,)

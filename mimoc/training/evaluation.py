@@ -8,10 +8,11 @@ import numpy as np
 
 from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
-from mimoc.policies.policy import episode_limit_of
+from mimoc.policies.named import policy_of
+from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, start_again
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import Policy, PolicyMaker, policy_of
 from mimoc.senses.sense import FloatArray
+from mimoc.training.policies import load_policy
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ def evaluate(
 
     Args:
         env: An environment from `mimoc.make`; it is not closed.
-        policy: Name of a policy, such as `random`, or a trained policy from `load_policy`.
+        policy: Name of a policy, such as `random`, the path of a trained one, a sum of these
+            (`policy.zip+reflexes`), or a trained policy from `load_policy`.
         episodes: Number of episodes.
         seed: Seed of the first episode.
         follow: Name of a body, such as `right_fingers`, whose path is recorded.
@@ -69,7 +71,7 @@ def evaluate(
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
     if follow is not None and follow not in bodies:
         raise UnknownNameError("body of this infant", follow, bodies)
-    acting = policy_of(infant, policy)
+    acting = policy_of(infant, policy, load_policy)
     around = getattr(env.spec, "max_episode_steps", None) or math.inf
     limit = steps_per_episode or min(around, episode_limit_of(acting))
     if infant.max_steps is None and limit == math.inf:
@@ -83,6 +85,7 @@ def evaluate(
 def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None, limit: float) -> Episode:
     generator = np.random.default_rng(seed)
     observation, _ = env.reset(seed=seed)
+    start_again(policy)
     path_m, total, steps, ended, success = [_position(env, follow)], 0.0, 0, False, False
     while not ended:
         observation, reward, terminated, truncated, info = env.step(policy(generator, observation))

@@ -21,8 +21,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.base.errors import MimocError, PolicyError, UnknownNameError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
 from mimoc.training.settings import TrainingSettings, complete

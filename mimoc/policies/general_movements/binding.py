@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.units import ms_to_s
+from mimoc.policies.batch import Batch, batch_of_one
 from mimoc.policies.general_movements.generator import GeneralMovements, draw
 from mimoc.policies.general_movements.joints import joints_of
 from mimoc.policies.general_movements.law import law_at
@@ -21,34 +21,34 @@ class Moving:
     goes on through episodes: what an infant does does not depend on what it senses.
     """
 
-    def __init__(self, envs: Sequence[InfantEnv]):
+    def __init__(self, batch: Batch):
         """Bind it to infants."""
-        first = envs[0]
-        self._envs, self._ages = envs, [env.age_months for env in envs]
-        self._joints = joints_of(first.manifest.actuation, first.actuation)
-        laws = [law_at(age) for age in self._ages]
-        self._movement = GeneralMovements(self._joints, laws, ms_to_s(first.manifest.step_ms))
+        first, self._batch = batch.infants[0], batch
+        self._ages, step_s = [infant.age_months for infant in batch.infants], ms_to_s(first.manifest.step_ms)
+        joints, laws = joints_of(first.manifest.actuation, first.actuation), [law_at(age) for age in self._ages]
+        self._movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
         self._started = False
 
-    def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> npt.NDArray[np.float32]:
+    def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
         """Return the actions of the next control step, shape (k, n)."""
-        movement, ages = self._movement, [env.age_months for env in self._envs]
+        movement, batch, put = self._movement, self._batch, self._batch.put
+        ages = [infant.age_months for infant in batch.infants]
         if not self._started:
-            movement.start(draw(generators, 0, movement.starts)[1])
+            movement.start(put(draw(generators, 0, movement.starts)[1]))
             self._started = True
         if ages != self._ages:
             movement.set_laws([law_at(age) for age in ages])
             self._ages = ages
-        arousal = np.array([[env.arousal] for env in self._envs])
-        return movement.step(*draw(generators, movement.uniforms, movement.normals), arousal).astype(np.float32)
+        uniform, normal = draw(generators, movement.uniforms, movement.normals)
+        return batch.actions(movement.step(put(uniform), put(normal), batch.arousals()))
 
 
 def bind(env: InfantEnv) -> Policy:
     """Return the policy for an environment; see `Moving`."""
-    act = bind_many([env])
+    act = bind_many(batch_of_one(env))
     return lambda generator, observation: act([generator], observation)[0]
 
 
-def bind_many(envs: Sequence[InfantEnv]) -> BatchPolicy:
-    """Return the policy for the infants of several environments with the same commands; see `Moving`."""
-    return Moving(envs)
+def bind_many(batch: Batch) -> BatchPolicy:
+    """Return the policy for many infants with the same commands; see `Moving`."""
+    return Moving(batch)
