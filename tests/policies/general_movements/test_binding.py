@@ -11,6 +11,7 @@ from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
 from mimoc.movement.sample import distance, standard_scores
 from mimoc.movement.simulated import film_policy
+from mimoc.policies.batch import Batch
 from mimoc.policies.general_movements.binding import bind, bind_many
 from mimoc.quantities.movement import CORE
 from mimoc.schema.infant import InfantSpec
@@ -28,7 +29,7 @@ def test_each_of_many_moves_as_it_does_alone():
     envs = [open_infant(infant(age_months=age)) for age in (0, 3, 9)]
     envs[1].set_arousal(1.5)
     generators = [np.random.default_rng(seed) for seed in range(3)]
-    together = bind_many(envs)
+    together = bind_many(Batch(tuple(envs), lambda: np.array([[env.arousal] for env in envs])))
     rows = np.array([together(generators, None) for _ in range(50)])
     for number, env in enumerate(envs):
         alone, generator = bind(env), np.random.default_rng(number)
