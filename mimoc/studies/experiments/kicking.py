@@ -111,7 +111,7 @@ def run(notebook: Notebook) -> Path:
         part = results[number * len(seeds) : (number + 1) * len(seeds)]
         by_age[age], loops[age] = [result.values for result in part], part[0]
     notebook.write_table("kicks.csv", "age_months,seed,measure,value", _rows(by_age, seeds))
-    sheet = Sheet(tuple(_age_plots(by_age)), columns=4, panel_px=(600, 450))
+    sheet = Sheet(tuple(_age_plots(by_age)), columns=4, panel_px=(480, 380))
     notebook.write_picture("kicks.png", encode(sheet))
     notebook.write_plots("loops.png", list(_loops({age: loops[age] for age in months})))
     page = notebook.write_page(

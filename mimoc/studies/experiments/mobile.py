@@ -222,9 +222,9 @@ def _answer(results: Sequence[Result]) -> str:
     overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
     return (
-        f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of three "
-        f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds together, the rate of the "
-        f"tied leg rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}."
+        f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of 3 "
+        f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds, the rate of the tied leg "
+        f"rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}."
     )
 
 

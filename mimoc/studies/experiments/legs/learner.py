@@ -50,7 +50,7 @@ class GainLearner:
         b <- (1 - window / forgetting) b + rate (R - b · z) z,
 
     and the gain of a limb is exp(effort b). Limbs compete: one that only moves together with another that moves the
-    world predicts nothing more. Where reward does not depend on what the infant does, b changes by chance alone. The infant's
+    world predicts nothing more. Where reward does not depend on what the infant does, b changes by chance alone. Its
     own movement varies enough: no noise is added to explore.
     """
 
