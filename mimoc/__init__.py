@@ -25,7 +25,6 @@ if TYPE_CHECKING:
         Posture as Posture,
     )
     from mimoc.environments import make as make
-    from mimoc.motion.body_points import film as film
     from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
     from mimoc.motion.reading import read_points as read_points
     from mimoc.motion.writing import write_points as write_points

@@ -30,9 +30,12 @@ if TYPE_CHECKING:
         ReferenceMotor as ReferenceMotor,
         ReferencePart as ReferencePart,
     )
+    from mimoc.bundle.regular_files import UnusableFileError as UnusableFileError
     from mimoc.mjcf.furniture import Furniture as Furniture, WorldGeom as WorldGeom, WorldMaterial as WorldMaterial
     from mimoc.mjcf.scene import Placed as Placed
     from mimoc.mjcf.world import Ground as Ground, World as World
+    from mimoc.motion.options import ReadOptions as ReadOptions
+    from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
     from mimoc.noise.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity

@@ -106,7 +106,7 @@ LAYERS = {
         "errors kinds quantities bundle terms runtime",
         "mujoco",
     ),
-    "motion": layer("motion", f"{LANGUAGE} bundle", "mujoco scipy ezc3d"),
+    "motion": layer("motion", f"{LANGUAGE} schema bundle", "mujoco pydantic scipy"),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco"),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
@@ -371,7 +371,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         (
             "mimoc.base.errors",
             "import pydantic_core",
-            "pydantic belongs to grammar, language, composition, spec, schema, bundle",
+            "pydantic belongs to grammar, language, composition, spec, schema, bundle, motion",
         ),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
         ("mimoc.body.grow", "import numpy, torch", "torch belongs to terms, device, training"),

@@ -47,6 +47,7 @@ PAGES = (
     "docs/plain_mujoco.md",
     "docs/growth.md",
     "docs/from_mimo.md",
+    "docs/filming.md",
 )
 """Those that are run here; test_docs.py has the others."""
 MARKS = {

@@ -224,7 +224,8 @@ class MotionFormat:
     recognise: Code
     """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
     read: Code
-    """`read(path, options) -> PointRecording`; *options* are `mimoc.motion.reading.ReadOptions`."""
+    """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
+    *options* are `mimoc.motion.options.ReadOptions`; an `UnusableFileError` says what follows the path in an error."""
 
 
 class Kind(Protocol):

@@ -1,16 +1,25 @@
 """What is wrong with a recording of points: an error where it cannot be used, a note where it can."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
-from mimoc.bundle.regular_files import UnusableFileError, first_of
+from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.frame_files import MOST_FRAMES
 from mimoc.motion.options import View
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import SIDES
-from mimoc.motion.sides import mirrored, repair_exchanges, share_from_behind, share_of_knees_backwards, swapped
+from mimoc.motion.sides import (
+    mirrored,
+    repair_exchanges,
+    share_from_behind,
+    share_of_knees_backwards,
+    share_opposed,
+    swapped,
+)
 
 RATES_HZ = 1.0, 1000.0
 """Of cameras and motion capture."""
@@ -29,22 +38,28 @@ _SOMETIMES = 0.1
 _SHOWN_GAP = 0.01
 """Share of frames in which a point is missing that is worth a note."""
 _PERCENTILE = 95
+_FARTHER_MOVES_MORE = ("shoulder", "elbow"), ("elbow", "wrist"), ("elbow", "hand"), ("hip", "knee")
+"""Of twelve infants (MINI-RGBD), the second moved at least 1.19 times as far as the first."""
+_LESS = 0.75
+_STRIDE_S = 0.1
 APART: dict[tuple[str, str], tuple[float, float]] = {
     ("left_shoulder", "right_shoulder"): (0.0, 1.2),
     ("left_hip", "right_hip"): (0.0, 0.7),
     ("neck", "head"): (0.1, 0.8),
     ("neck", "nose"): (0.05, 0.7),
+    ("neck", "left_shoulder"): (0.05, 0.6),
+    ("neck", "right_shoulder"): (0.05, 0.6),
     **{
         (f"{side}_{first}" if first != "nose" else first, f"{side}_{second}"): bounds
         for side in SIDES
         for first, second, bounds in (
-            ("shoulder", "elbow", (0.1, 0.65)),
-            ("elbow", "wrist", (0.08, 0.55)),
-            ("elbow", "hand", (0.12, 0.8)),
+            ("shoulder", "elbow", (0.1, 0.75)),
+            ("elbow", "wrist", (0.08, 0.75)),
+            ("elbow", "hand", (0.12, 1.0)),
             ("wrist", "hand", (0.0, 0.35)),
             ("hip", "knee", (0.12, 0.85)),
-            ("knee", "ankle", (0.12, 0.85)),
-            ("knee", "foot", (0.15, 1.0)),
+            ("knee", "ankle", (0.12, 1.0)),
+            ("knee", "foot", (0.15, 1.2)),
             ("ankle", "foot", (0.0, 0.45)),
             ("ankle", "big_toe", (0.0, 0.5)),
             ("ankle", "heel", (0.0, 0.3)),
@@ -53,9 +68,28 @@ APART: dict[tuple[str, str], tuple[float, float]] = {
         )
     },
 }
-"""How far points are apart, in trunks, in the 95th percentile over time: bodies of mimoc at 0 to 24 months and twelve
-infants seen from above (MINI-RGBD) lie between 1.5 times the first and .65 of the second number, so that trunks may be
-foreshortened by a third, and limbs by most of their length."""
+"""How far points are apart, in trunks, in the 95th percentile over time. Bodies of mimoc at 0 to 24 months, and twelve
+infants seen from above (MINI-RGBD), lie in the middle of these ranges, up to three quarters of the second number: a
+trunk may be foreshortened, a hand near the camera looks large, and of a limb that points to it little is seen."""
+
+
+def check_numbers(recording: PointRecording) -> PointRecording:
+    """Return a recording in which points are seen or NaN, with confidence from 0 to 1.
+
+    Raises:
+        UnusableFileError: If labels are there twice, or places in no picture and no room.
+    """
+    twice = sorted(label for label, times in Counter(recording.names).items() if times > 1)
+    if twice:
+        raise UnusableFileError(f"has {one_line(first_of(twice, 5))} twice; keep one infant, and each point once")
+    if not recording.frames or not recording.names:
+        raise UnusableFileError("has no points; check what was exported")
+    largest = np.max(np.abs(recording.positions), initial=0.0, where=~np.isnan(recording.positions))
+    if largest > _FAR:
+        raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
+    seen = ~_missing(recording)
+    confidence = np.where(seen, np.nan_to_num(recording.confidence, nan=0.0).clip(0, 1), 0.0)
+    return replace(recording, positions=np.where(seen[..., None], recording.positions, np.nan), confidence=confidence)
 
 
 def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
@@ -87,7 +121,8 @@ def check_points(recording: PointRecording, view: View) -> PointRecording:
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    return _without_unseen(replace(whole, notes=(*whole.notes, *_check_sides(whole, view), *_gaps(whole))))
+    notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
+    return _without_unseen(replace(whole, notes=notes))
 
 
 def _check_trunk(recording: PointRecording) -> None:
@@ -103,21 +138,16 @@ def _check_trunk(recording: PointRecording) -> None:
 
 
 def _check_unit(recording: PointRecording) -> None:
-    largest = np.nanmax(np.abs(recording.positions))
     trunk = recording.trunk
-    if largest > _FAR:
-        raise UnusableFileError(f"has a point at {largest:.3g} {recording.unit}, out of any picture; export it again")
-    if recording.unit == "px" and (largest <= 1 or trunk < _LEAST_TRUNK_PX):
-        raise UnusableFileError(
-            f"has a trunk {trunk:.2g} px long; export positions in pixels, not shares of the picture"
-        )
+    if recording.unit == "px" and trunk < _LEAST_TRUNK_PX:
+        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export pixels, not shares of the picture")
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
 
 
 def _check_proportions(recording: PointRecording) -> None:
-    """Raise an UnusableFileError if points are further apart than on any infant, or much closer: their order is wrong."""
+    """Raise an UnusableFileError if points are apart as on no infant: they are probably in another order."""
     for (first, second), (least, most) in APART.items():
         if not {first, second} <= {*recording.names}:
             continue
@@ -125,18 +155,20 @@ def _check_proportions(recording: PointRecording) -> None:
         apart = apart[np.isfinite(apart)]
         if apart.size and not least <= (far := float(np.percentile(apart, _PERCENTILE))) <= most:
             raise UnusableFileError(
-                f"has {first} and {second} {far:.2g} trunks apart, on infants {least:g} to {most:g}; its points may be in "
-                "another order: say what its labels are: names={'label': 'left_hip'}"
+                f"has {first} and {second} {far:.2g} trunks apart, on infants {least:g} to {most:g}; its points may be "
+                "in another order: say what its labels are: names={'label': 'left_hip'}"
             )
 
 
 def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
     """Return what is to be said of left and right, or raise an UnusableFileError if they are wrong throughout."""
+    if share_opposed(recording) > _MOSTLY:
+        raise UnusableFileError("has its left hip on the side of its right shoulder; check what is left and right")
     if recording.unit == "m" or recording.depth_m is not None:
         if share_of_knees_backwards(recording) > _MOSTLY:
             raise UnusableFileError(
-                "has knees that bend backwards: left and right are exchanged (view='swapped'), or the picture or an axis "
-                "is mirrored (view='mirrored')"
+                "has knees that bend backwards: left and right are exchanged (view='swapped'), or the picture or an "
+                "axis is mirrored (view='mirrored')"
             )
         return ()
     share = share_from_behind(recording)
@@ -150,19 +182,38 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
     return (f"the infant is seen from behind, or left and right are exchanged, in {share:.0%} of frames",)
 
 
+def _restless(recording: PointRecording) -> tuple[str, ...]:
+    """Return which points move more than others that they hang on, where it is the other way round."""
+    every = max(1, round(recording.rate_hz * _STRIDE_S))
+    strides = np.linalg.norm(recording.positions[every:] - recording.positions[:-every], axis=-1)
+    pairs = [(f"{side}_{near}", f"{side}_{far}") for side in SIDES for near, far in _FARTHER_MOVES_MORE]
+    wrong = []
+    for names in pairs:
+        if {*names} <= {*recording.names}:
+            near, far = (strides[:, recording.names.index(name)] for name in names)
+            both = np.isfinite(near) & np.isfinite(far)
+            if both.any() and far[both].sum() < _LESS * near[both].sum():
+                wrong.append(" than ".join(names))
+    return (f"these move more: {first_of(wrong, 3)}; they may be called each other's name",) if wrong else ()
+
+
 def _without_unseen(recording: PointRecording) -> PointRecording:
     """Return a recording without the points that are never seen."""
-    seen = np.isfinite(recording.positions).all(axis=-1).any(axis=0)
-    names = [name for name, is_seen in zip(recording.names, seen, strict=True) if is_seen]
-    return recording if seen.all() else recording.select(names)
+    unseen = [bool(column.all()) for column in _missing(recording).T]
+    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
+    return recording.select(names) if any(unseen) else recording
+
+
+def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:
+    """Return where points are not seen, shape (t, k)."""
+    return np.asarray(np.isnan(recording.positions).any(axis=-1))
 
 
 def _gaps(recording: PointRecording) -> tuple[str, ...]:
     """Return how much is not seen, and for how long at most."""
-    missing = ~np.isfinite(recording.positions).all(axis=-1)
-    shares = {
-        name: share for name, share in zip(recording.names, missing.mean(axis=0), strict=True) if share > _SHOWN_GAP
-    }
+    missing = _missing(recording)
+    means = zip(recording.names, missing.mean(axis=0).tolist(), strict=True)
+    shares = {name: share for name, share in means if share > _SHOWN_GAP}
     if not shares:
         return ()
     never = [name for name, share in shares.items() if share == 1]
@@ -175,6 +226,6 @@ def _gaps(recording: PointRecording) -> tuple[str, ...]:
     )
 
 
-def _longest_gap(missing: np.ndarray) -> int:
+def _longest_gap(missing: npt.NDArray[np.bool_]) -> int:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], missing, [0]])))
     return int(np.max(edges[1::2] - edges[::2], initial=0))

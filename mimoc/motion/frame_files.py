@@ -6,15 +6,23 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
 from pathlib import Path
 
-from mimoc.bundle.regular_files import UnusableFileError, one_line, open_regular_file, read_regular_file, regular_files
+from mimoc.bundle.regular_files import (
+    UnusableFileError,
+    is_regular_file,
+    one_line,
+    open_regular_file,
+    read_regular_file,
+    regular_files,
+)
 
 MOST_FRAMES = 2**18
 """Of a recording: 2.4 hours at 30 frames a second."""
 MOST_FRAME_BYTES = 2**20
 """Of the file of a frame."""
-MOST_FILE_BYTES = 2**28
+MOST_FILE_BYTES = 2**27
 """Of a file with all frames."""
 _MOST_BYTES = 2**29
 """Of all files of a folder."""
@@ -49,12 +57,10 @@ def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
     if len(names) > MOST_FRAMES:
         raise UnusableFileError(f"has {len(names):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
     numbers = [_number(name.removesuffix(suffix)) for name in names]
-    if None in numbers:
-        numbers, order = list(range(len(names))), list(range(len(names)))
-    else:
-        order = sorted(range(len(names)), key=numbers.__getitem__)
-    places, notes = frame_places([numbers[index] or 0 for index in order], [names[index] for index in order])
-    ordered = tuple(names[index] for index in order)
+    known = [number for number in numbers if number is not None]
+    numbered = sorted(zip(known if len(known) == len(names) else range(len(names)), names, strict=True))
+    ordered = tuple(name for _, name in numbered)
+    places, notes = frame_places([number for number, _ in numbered], ordered)
     try:
         with regular_files(folder, _MOST_BYTES) as files:
             return FrameFiles(ordered, tuple(files.read_all(ordered, MOST_FRAME_BYTES)), places, notes)
@@ -70,7 +76,7 @@ def frame_places(numbers: Sequence[int], names: Sequence[str]) -> tuple[tuple[in
     Raises:
         UnusableFileError: If a number is there twice, or there are too many.
     """
-    steps = [after - before for before, after in zip(numbers, numbers[1:], strict=False)]
+    steps = [after - before for before, after in pairwise(numbers)]
     if 0 in steps:
         first = steps.index(0)
         twice = f"{one_line(names[first])} and {one_line(names[first + 1])} have the same number"
@@ -93,7 +99,7 @@ def frame_names(folder: Path, suffix: str) -> list[str]:
 
 
 def first_bytes(path: Path) -> bytes:
-    """Return the first bytes of a file, or of the first JSON file of a folder; none if it is a link or cannot be read."""
+    """Return the first bytes of a file, or of the first JSON file of a folder; none of a link."""
     if path.is_dir():
         names = frame_names(path, ".json")
         path = path / names[0] if names else path
@@ -109,6 +115,8 @@ def first_bytes(path: Path) -> bytes:
 
 def read_whole_file(path: Path) -> bytes:
     """Return the content of a file with all frames, or raise an UnusableFileError."""
+    if is_regular_file(path) and path.stat().st_size > MOST_FILE_BYTES:
+        raise UnusableFileError(f"is larger than {MOST_FILE_BYTES >> 20} MB, the most that mimoc reads; cut it")
     content = read_regular_file(path, MOST_FILE_BYTES)
     if content is None:
         raise UnusableFileError("cannot be read; check the path and its permissions")

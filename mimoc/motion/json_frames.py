@@ -1,6 +1,6 @@
 """JSON that pose estimators write, a file for each frame or one for all."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pydantic_core import from_json
@@ -9,9 +9,10 @@ from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.frame_files import FrameFiles
 
 
-def parse_frames(files: FrameFiles) -> list[Any]:
-    """Return the data of each frame; an UnusableFileError says which file is damaged."""
-    return [parse(content, name) for content, name in zip(files.contents, files.names, strict=True)]
+def parse_frames(files: FrameFiles) -> Iterator[tuple[int, str, Any]]:
+    """Yield index in time, name and data of each file; an UnusableFileError says which is damaged."""
+    for place, name, content in zip(files.places, files.names, files.contents, strict=True):
+        yield place, name, parse(content, name)
 
 
 def parse(content: bytes, name: str = "") -> Any:

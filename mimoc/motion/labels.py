@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimoc.base.errors import UnknownNameError, counted, suggestion
+from mimoc.base.errors import UnknownNameError, suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import MIDDLE, ON_SIDES, POINTS, SIDES
@@ -38,7 +38,8 @@ _MOST_SHOWN = 5
 def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> PointRecording:
     """Return a recording whose points have mimoc's names, in their order in `POINTS`.
 
-    What several labels name, such as two markers at a wrist, is in their middle. Points of no name that mimoc knows
+    What several labels name, such as two markers at a wrist, is in their middle; markers count where no label is the
+    name itself. Points of no name that mimoc knows
     are left out; a neck that is missing is in the middle of the shoulders.
 
     Args:
@@ -64,7 +65,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
 
 
 def known_name(label: str) -> str:
-    """Return mimoc's name of a label, such as `left_hip` of `LHip`, `hip_left` or `Baby:left hip`; "" if it has none."""
+    """Return mimoc's name of a label, such as `left_hip` of `LHip` or `Baby:hip left`; "" if it has none."""
     return _NAMES.get(_plain(label), "")
 
 
@@ -81,7 +82,7 @@ def _columns(labels: Sequence[str], names: Mapping[str, str]) -> dict[str, list[
         name = names.get(label) or known_name(label)
         if name and (label in names or name not in names.values()):
             columns.setdefault(name, []).append(index)
-    return columns
+    return {name: [index for index in at if not _is_marker(labels[index])] or at for name, at in columns.items()}
 
 
 def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes: list[str]) -> PointRecording:
@@ -99,7 +100,7 @@ def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes
 
 
 def _with_neck(recording: PointRecording) -> PointRecording:
-    """Return a recording with a neck, if it has one or both shoulders."""
+    """Return a recording with a neck, if it has one or shoulders."""
     shoulders = "left_shoulder", "right_shoulder"
     if "neck" in recording.names or not {*shoulders} <= {*recording.names}:
         return recording
@@ -111,9 +112,13 @@ def _with_neck(recording: PointRecording) -> PointRecording:
 
 def _note(name: str, labels: Sequence[str]) -> str:
     """Return what is assumed of where a point is; nothing of a label that is its name."""
-    if len(labels) == 1 and _plain(labels[0]) not in _MARKER_NAMES:
+    if len(labels) == 1 and not _is_marker(labels[0]):
         return ""
     return f"{name} is taken to be at {one_line(', '.join(labels))}"
+
+
+def _is_marker(label: str) -> bool:
+    return _plain(label) in _MARKER_NAMES
 
 
 def _plain(label: str) -> str:
@@ -142,10 +147,3 @@ def _marker_names() -> Iterator[tuple[str, str]]:
 
 _MARKER_NAMES = dict(_marker_names())
 _NAMES = _MARKER_NAMES | dict(_spellings())
-
-
-def check_labels(labels: Sequence[str]) -> None:
-    """Raise an UnusableFileError if a label is there twice."""
-    twice = sorted({one_line(label) for label in labels if labels.count(label) > 1})
-    if twice:
-        raise UnusableFileError(f"has {counted(len(twice), 'point')} twice: {first_of(twice, _MOST_SHOWN)}")

@@ -1,13 +1,19 @@
 """Which of the persons that a pose estimator sees is the infant, and where its points are."""
 
-from collections.abc import Iterable, Sequence
+import math
+from array import array
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from mimoc.base.errors import suggestion
+from mimoc.base.errors import counted, suggestion
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.point_recording import FloatArray
+
+Indices = npt.NDArray[np.intp]
 
 
 class Person(NamedTuple):
@@ -15,8 +21,23 @@ class Person(NamedTuple):
 
     identity: str
     """What says that it is the same person in other frames; empty if nothing does."""
-    numbers: Sequence[float]
+    numbers: "array[float]"
     """x, y and confidence of each point, one point after the other."""
+
+
+def person(identity: str, numbers: Sequence[float | None], where: str) -> Person:
+    """Return somebody by the numbers of a file, of which nothing but numbers is kept; None is NaN.
+
+    Raises:
+        UnusableFileError: If they are no numbers: *where* they stand, and that.
+    """
+    try:
+        try:
+            return Person(identity, array("d", numbers))  # type: ignore[arg-type]
+        except TypeError:
+            return Person(identity, array("d", [math.nan if number is None else number for number in numbers]))
+    except (TypeError, OverflowError):
+        raise UnusableFileError(f"{one_line(where)}: points are not numbers; export it again") from None
 
 
 class Frame(NamedTuple):
@@ -27,6 +48,19 @@ class Frame(NamedTuple):
     where: str
     """The file that it is in, or its number, for messages."""
     persons: Sequence[Person]
+
+
+class _People(NamedTuple):
+    """All persons in all frames, n of them, in the order of time."""
+
+    identities: Sequence[str]
+    where: Sequence[str]
+    places: Indices
+    """Index of the frame of each, shape (n,)."""
+    points: FloatArray
+    """Shape (n, k, 2), [px]; NaN where a point is not seen."""
+    sizes: FloatArray
+    """Diagonals of the boxes around them, shape (n,), [px]."""
 
 
 def place_points(frames: Sequence[Frame], infant: int | str | None, points: int) -> tuple[FloatArray, FloatArray, str]:
@@ -45,102 +79,100 @@ def place_points(frames: Sequence[Frame], infant: int | str | None, points: int)
     Raises:
         UnusableFileError: If there is no such infant, nobody at all, or numbers are damaged.
     """
-    chosen, note = _choose(frames, None if infant is None else str(infant), 3 * points)
-    if not chosen:
+    several = [(frame, person) for frame in frames for person in frame.persons]
+    if not several:
         raise UnusableFileError("has nobody in any frame; check that the pose estimator sees the infant")
-    rows = _rows([(frame.where, person) for frame, person in chosen], 3 * points).reshape(-1, points, 3)
-    numbers = np.full((frames[-1].place + 1, points, 3), np.nan)
-    numbers[[frame.place for frame, _ in chosen]] = rows
-    confidence = np.nan_to_num(numbers[..., 2], nan=0.0, posinf=0.0, neginf=0.0)
-    seen = (confidence > 0) & np.isfinite(numbers[..., :2]).all(axis=-1)
-    return np.where(seen[..., None], numbers[..., :2], np.nan), np.where(seen, confidence.clip(0, 1), 0.0), note
-
-
-def _choose(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
-    """Return the frames in which the infant is, with it, and what had to be assumed."""
-    if any(person.identity for frame in frames for person in frame.persons):
-        return _by_identity(frames, infant, width)
-    if all(len(frame.persons) <= 1 for frame in frames):
-        if infant not in (None, "0"):
-            raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(infant)}'; leave it out")
-        return [(frame, frame.persons[0]) for frame in frames if frame.persons], ""
-    return _by_nearness(frames, infant, width)
-
-
-def _by_identity(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
-    sizes: dict[str, float] = {}
-    for frame in frames:
-        for person in frame.persons:
-            sizes[person.identity] = sizes.get(person.identity, 0.0) + _size(_rows([(frame.where, person)], width)[0])
-    if infant is not None and infant not in sizes:
-        known = suggestion(infant, [one_line(identity) for identity in sizes])
-        raise UnusableFileError(f"has no person '{one_line(infant)}'; {known}")
-    largest = infant if infant is not None else max(sizes, key=sizes.__getitem__)
-    chosen = [(frame, person) for frame in frames for person in frame.persons if person.identity == largest]
-    if len({frame.place for frame, _ in chosen}) < len(chosen):
-        raise UnusableFileError(f"has person '{one_line(largest)}' twice in a frame; track persons again")
-    is_guess = infant is None and len(sizes) > 1
-    return chosen, f"the infant is taken to be person '{one_line(largest)}', the largest" if is_guess else ""
-
-
-def _by_nearness(frames: Sequence[Frame], infant: str | None, width: int) -> tuple[Sequence[tuple[Frame, Person]], str]:
-    """Follow the infant from frame to frame: it is whoever is nearest to where it was."""
-    first = next(frame for frame in frames if len(frame.persons) > 1)
-    sizes = [_size(row) for row in _rows([(first.where, person) for person in first.persons], width)]
-    if infant is not None and not (infant.isdecimal() and int(infant) < len(sizes)):
-        most = len(sizes) - 1
-        raise UnusableFileError(f"has no person '{one_line(infant)}' in {first.where}; give a number from 0 to {most}")
-    number = int(infant) if infant is not None else int(np.argmax(sizes))
-    start = frames.index(first)
-    chosen = [(first, first.persons[number])]
-    chosen += _followed(frames[start + 1 :], chosen[0], width)
-    chosen[:0] = reversed(_followed(frames[:start][::-1], chosen[0], width))
-    who = "the largest" if infant is None else f"number {number}"
-    return (
-        chosen,
-        f"the infant is taken to be {who} of {len(sizes)} in {first.where}, and whoever is nearest after that",
+    numbers = _rows([(frame.where, person) for frame, person in several], 3 * points).reshape(-1, points, 3)
+    seen = (numbers[..., 2] > 0) & np.isfinite(numbers).all(axis=-1)
+    placed = np.where(seen[..., None], numbers[..., :2], np.nan)
+    low, high = (np.where(seen[..., None], numbers[..., :2], end).clip(-1e9, 1e9) for end in (np.inf, -np.inf))
+    people = _People(
+        [person.identity for _, person in several],
+        [frame.where for frame, _ in several],
+        np.array([frame.place for frame, _ in several]),
+        placed,
+        np.linalg.norm((high.max(axis=1) - low.min(axis=1)).clip(0), axis=-1),
     )
+    chosen, note = _choose(people, None if infant is None else str(infant))
+    shape = frames[-1].place + 1, points
+    positions, confidence = np.full((*shape, 2), np.nan), np.zeros(shape)
+    positions[people.places[chosen]] = placed[chosen]
+    confidence[people.places[chosen]] = np.where(seen, numbers[..., 2], 0.0)[chosen].clip(0, 1)
+    return positions, confidence, note
 
 
-def _followed(frames: Iterable[Frame], start: tuple[Frame, Person], width: int) -> list[tuple[Frame, Person]]:
-    last = _rows([(start[0].where, start[1])], width)[0]
-    followed = []
-    for frame in frames:
-        if frame.persons:
-            rows = _rows([(frame.where, person) for person in frame.persons], width)
-            nearest = int(np.argmin([_distance(row, last) for row in rows])) if len(rows) > 1 else 0
-            last = rows[nearest]
-            followed.append((frame, frame.persons[nearest]))
+def _choose(people: _People, infant: str | None) -> tuple[Indices, str]:
+    """Return where among people the infant is, at most once in a frame, and what had to be assumed."""
+    if any(people.identities):
+        return _by_identity(people, infant)
+    starts = np.unique(people.places, return_index=True)[1]
+    if len(starts) < len(people.places):
+        return _by_nearness(people, infant, [*starts.tolist(), len(people.places)])
+    if infant not in (None, "0"):
+        raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(str(infant))}'; leave it out")
+    return starts, ""
+
+
+def _by_identity(people: _People, infant: str | None) -> tuple[Indices, str]:
+    identities = np.array(people.identities, dtype=object)
+    names, which = np.unique(identities.astype(str), return_inverse=True)
+    known = [str(name) for name in names]
+    if infant is not None and infant not in known:
+        near = suggestion(infant, [one_line(name) for name in known])
+        raise UnusableFileError(f"has no person '{one_line(infant)}'; {near}")
+    sizes = np.bincount(which, people.sizes)
+    number = known.index(infant) if infant is not None else int(np.argmax(sizes))
+    (chosen,) = np.nonzero(which == number)
+    name = one_line(known[number])
+    if len(np.unique(people.places[chosen])) < len(chosen):
+        raise UnusableFileError(f"has person '{name}' twice in a frame; track persons again")
+    is_guess = infant is None and len(known) > 1
+    others = counted(len(known), "person")
+    return chosen, f"the infant is taken to be '{name}', the largest of {others}" if is_guess else ""
+
+
+def _by_nearness(people: _People, infant: str | None, starts: Sequence[int]) -> tuple[Indices, str]:
+    """Follow the infant from frame to frame: it is whoever is nearest to where it was.
+
+    Args:
+        people: In the order of time.
+        infant: Its number in the first frame with several.
+        starts: Where each frame begins among them, and where the last one ends.
+    """
+    spans = list(pairwise(starts))
+    first = next(index for index, (start, stop) in enumerate(spans) if stop - start > 1)
+    start, stop = spans[first]
+    number = int(np.argmax(people.sizes[start:stop])) if infant is None else int(infant) if infant.isdecimal() else -1
+    if not 0 <= number < stop - start:
+        most = stop - start - 1
+        raise UnusableFileError(f"has no person '{one_line(str(infant))}' in {people.where[start]}; give 0 to {most}")
+    chosen = start + number
+    before = _followed(people.points, spans[:first][::-1], chosen)[::-1]
+    after = _followed(people.points, spans[first + 1 :], chosen)
+    who = "the largest" if infant is None else f"number {number}"
+    note = f"the infant is taken to be {who} of {stop - start} persons in {one_line(people.where[start])}"
+    return np.array([*before, chosen, *after]), f"{note}, and is followed from there"
+
+
+def _followed(points: FloatArray, spans: Sequence[tuple[int, int]], start: int) -> list[int]:
+    """Return who of each frame is nearest to whom it was in the frame before; points may have changed meanwhile."""
+    last, followed = points[start], []
+    for first, stop in spans:
+        nearest = first
+        if stop - first > 1:
+            squares = np.square(points[first:stop] - last).sum(axis=-1)
+            both = np.isfinite(squares)
+            shared = both.sum(axis=1)
+            totals = np.where(both, squares, 0.0).sum(axis=1)
+            nearest += int(np.argmin(np.where(shared > 0, totals / np.maximum(shared, 1), np.inf)))
+        last = np.where(np.isfinite(points[nearest]), points[nearest], last)
+        followed.append(nearest)
     return followed
 
 
-def _seen(row: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the points of a person, shape (k, 2), and which are seen."""
-    numbers = row.reshape(-1, 3)
-    return numbers[:, :2], (numbers[:, 2] > 0) & np.isfinite(numbers).all(axis=1)
-
-
-def _size(row: FloatArray) -> float:
-    """Return the diagonal of the box around a person, [px]."""
-    points, seen = _seen(row)
-    return float(np.linalg.norm(np.ptp(points[seen], axis=0))) if seen.any() else 0.0
-
-
-def _distance(one: FloatArray, other: FloatArray) -> float:
-    (points, seen), (others, also_seen) = _seen(one), _seen(other)
-    both = seen & also_seen
-    return float(np.linalg.norm(points[both] - others[both], axis=1).mean()) if both.any() else np.inf
-
-
 def _rows(persons: Sequence[tuple[str, Person]], width: int) -> FloatArray:
-    """Return the numbers of persons, shape (n, width), or raise an UnusableFileError that says which are none."""
-    try:
-        rows = np.array([person.numbers for _, person in persons], dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        rows = np.empty(0)
-    if rows.shape == (len(persons), width):
-        return rows
-    if len(persons) > 1:
-        for person in persons:
-            _rows([person], width)
-    raise UnusableFileError(f"{persons[0][0]}: the numbers of points are damaged, not {width}; export it again")
+    """Return the numbers of persons, shape (n, width), or raise an UnusableFileError that says who has others."""
+    wrong = next((where for where, person in persons if len(person.numbers) != width), None)
+    if wrong is not None:
+        raise UnusableFileError(f"{one_line(wrong)}: points are not {width} numbers; export it again")
+    return np.frombuffer(b"".join([person.numbers for _, person in persons])).reshape(-1, width)

@@ -9,6 +9,8 @@ import numpy.typing as npt
 from scipy.signal import butter, sosfiltfilt
 
 FloatArray = npt.NDArray[np.float64]
+_PADDING = 9
+"""Frames that are mirrored at both ends before filtering: three times the taps of the filter, as SciPy has it."""
 CUTOFF_HZ = 6.0
 """Faster than this, infants hardly move: the low-pass filter of all measures of movement (Butterworth, order 2,
 forwards and backwards)."""
@@ -16,7 +18,15 @@ forwards and backwards)."""
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A pinhole camera without distortion: x to the right, y downwards, z away from it."""
+    """A pinhole camera without distortion: x to the right, y downwards, z away from it.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> camera = mimoc.Camera(focal_px=(600, 600), centre_px=(320, 240), size_px=(640, 480))
+        >>> camera.project(np.array([0.1, 0.0, 1.0]))
+        array([380., 240.])
+    """
 
     focal_px: tuple[float, float]
     """Focal lengths along x and y."""
@@ -40,7 +50,16 @@ MINI_RGBD_CAMERA = Camera((588.679058, 590.256901), (322.220482, 237.467860), (6
 
 @dataclass(frozen=True)
 class PointRecording:
-    """Points on one infant over t frames; k points, each with a name."""
+    """Points on one infant over t frames; k points, each with a name.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> names = "neck", "left_hip", "right_hip"
+        >>> seen = np.array([[[320, 100], [350, 250], [290, 250]]] * 90, dtype=float)
+        >>> mimoc.PointRecording("still", 30.0, names, seen, np.ones((90, 3))).trunk
+        150.0
+    """
 
     name: str
     rate_hz: float
@@ -106,11 +125,18 @@ class PointRecording:
         return replace(self, positions=_filled(self.positions), depth_m=depth_m)
 
     def smoothed(self, cutoff_hz: float = CUTOFF_HZ) -> Self:
-        """Return it, gaps filled, without what is faster than infants move, nor the steps of whole pixels."""
-        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
+        """Return it, gaps filled, without what is faster than infants move, nor the steps of whole pixels.
+
+        What has fewer than two frames in each cycle of the cutoff is only filled.
+        """
         whole = self.filled()
-        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0)
-        return replace(whole, positions=sosfiltfilt(sections, whole.positions, axis=0), depth_m=depth_m)
+        if self.rate_hz <= 2 * cutoff_hz or self.frames < 2:
+            return whole
+        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
+        padding = min(_PADDING, self.frames - 1)
+        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0, padlen=padding)
+        positions = sosfiltfilt(sections, whole.positions, axis=0, padlen=padding)
+        return replace(whole, positions=positions, depth_m=depth_m)
 
 
 def _filled(values: FloatArray) -> FloatArray:

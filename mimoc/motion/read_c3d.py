@@ -109,7 +109,7 @@ def _values(content: bytes, at: int, order: str) -> npt.NDArray[Any]:
     """Return the values of a parameter; text has the shape of its lines."""
     (size,) = struct.unpack_from("b", content, at)
     shape = tuple(content[at + 2 : at + 2 + content[at + 1]])
-    kind = np.dtype(_KINDS[size]).newbyteorder(order)
+    kind = np.dtype(_KINDS[size] if size == -1 else order + _KINDS[size])
     if not math.prod(shape):
         return np.empty(0, kind)
     flat = np.frombuffer(content, kind, math.prod(shape), at + 2 + len(shape))
@@ -137,7 +137,7 @@ def _layout(content: bytes, order: str, parameters: Mapping[str, npt.NDArray[Any
 
 def _numbers(content: bytes, order: str, layout: _Layout) -> npt.NDArray[np.float64]:
     """Return x, y, z and the residual of each marker, shape (t, k, 4); negative residuals are markers not seen."""
-    kind = np.dtype("f4" if layout.scale < 0 else "i2").newbyteorder(order)
+    kind = np.dtype(order + ("f4" if layout.scale < 0 else "i2"))
     width = 4 * layout.markers + layout.analog
     rows = np.frombuffer(content, kind, layout.frames * width, layout.start).reshape(layout.frames, width)
     numbers = rows[:, : 4 * layout.markers].reshape(layout.frames, layout.markers, 4).astype(np.float64)

@@ -12,7 +12,7 @@ from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.frame_files import first_bytes, frame_places, read_frame_files, read_whole_file
 from mimoc.motion.json_frames import objects, parse, parse_frames
 from mimoc.motion.options import ReadOptions
-from mimoc.motion.persons import Frame, Person, place_points
+from mimoc.motion.persons import Frame, Person, person, place_points
 from mimoc.motion.point_recording import PointRecording
 
 COCO_17 = (
@@ -54,7 +54,7 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         UnusableFileError: If files are damaged, or it is not clear who the infant is.
     """
     labels, frames, notes = _from_folder(path) if path.is_dir() else _from_file(path)
-    width = next((len(person.numbers) for frame in frames for person in frame.persons), 0)
+    width = next((len(infant.numbers) for frame in frames for infant in frame.persons), 0)
     labels = labels if len(labels) == width / 3 else LAYOUTS.get(width // 3, ())
     if not labels or width % 3:
         known = ", ".join(map(str, LAYOUTS))
@@ -65,10 +65,7 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 def _from_folder(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...]]:
     files = read_frame_files(path, ".json")
-    frames = [
-        Frame(place, name, _persons(_items(data, name), name))
-        for place, name, data in zip(files.places, files.names, parse_frames(files), strict=True)
-    ]
+    frames = [Frame(place, name, _persons(_items(data, name), name)) for place, name, data in parse_frames(files)]
     return (), frames, files.notes
 
 
@@ -85,16 +82,22 @@ def _from_file(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...
 
 def _by_frame(data: Any, where: str) -> list[tuple[int, Sequence[Mapping[str, Any]]]]:
     """Return the entries of persons, in the order of the numbers of their frames."""
-    if isinstance(data, dict) and "instance_info" in data:
-        frames = objects(data, where, "instance_info")
+    frames = objects(data, where, "instance_info") if _has(data, "instance_info") else data
+    if isinstance(frames, list) and frames and all(_has(frame, "instances") for frame in frames):
         numbered = [(_frame_number(frame, where), objects(frame, where, "instances")) for frame in frames]
         return sorted(numbered, key=lambda frame: frame[0])
     entries = _items(data, where)
     images = _image_numbers(data)
-    numbers = [images.get(str(entry.get("image_id"))) or _frame_number(entry, where) for entry in entries]
+    ids = [str(entry.get("image_id")) for entry in entries]
+    is_known = bool(images) and {*ids} <= images.keys()
+    numbers = [images[name] for name in ids] if is_known else [_frame_number(entry, where) for entry in entries]
     order = sorted(range(len(entries)), key=numbers.__getitem__)
     groups = groupby(order, key=numbers.__getitem__)
     return [(number, [entries[index] for index in indices]) for number, indices in groups]
+
+
+def _has(data: Any, key: str) -> bool:
+    return isinstance(data, dict) and key in data
 
 
 def _items(data: Any, where: str) -> Sequence[dict[str, Any]]:
@@ -138,7 +141,7 @@ def _labels(data: Any) -> tuple[str, ...]:
 
 
 def _persons(entries: Iterable[Mapping[str, Any]], where: str) -> list[Person]:
-    return [Person(_identity(entry), _flat(entry, where)) for entry in entries if entry.get("keypoints")]
+    return [person(_identity(entry), _flat(entry, where), where) for entry in entries if entry.get("keypoints")]
 
 
 def _identity(entry: Mapping[str, Any]) -> str:

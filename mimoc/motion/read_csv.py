@@ -38,10 +38,13 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     if [row[0] for row in rows[:3]] == _DEEPLABCUT:
         of_points = [f"{point}_{column}" for point, column in zip(rows[1][1:], rows[2][1:], strict=True)]
         return _wide(path.stem, ["frame", *of_points], rows[3:])
+    if rows[1][0] == "individuals":
+        raise UnusableFileError("has several individuals; export the infant alone")
     if {"x", "y"} <= {*lower}:
         return _long(path.stem, lower, rows[1:])
-    if not any(label_and_column(cell)[1] for cell in header) and all("," in cell for cell in rows[1][1:]):
-        return _pairs(path.stem, header, rows[1:])
+    is_of_points = any(label_and_column(cell)[1] for cell in header)
+    if len(header) > 1 and not is_of_points and all("," in cell for cell in rows[1][1:]):
+        return _pairs(path.stem, header, rows[1:], options)
     return _wide(path.stem, header, rows[1:])
 
 
@@ -86,15 +89,16 @@ def _long(name: str, header: Sequence[str], rows: Cells) -> PointRecording:
     return _recording(name, labels, values, timing(header, numbers[first]))
 
 
-def _pairs(name: str, header: Sequence[str], rows: Cells) -> PointRecording:
+def _pairs(name: str, header: Sequence[str], rows: Cells, options: ReadOptions) -> PointRecording:
     """Return public keypoints of MINI-RGBD: after the name of a picture, a cell `x,y` for each joint."""
     try:
         cells = [[cell.split(",") if cell.strip() else ("nan", "nan") for cell in row[1:]] for row in rows]
         positions = np.array([[(float(x), float(y)) for x, y in row] for row in cells])
     except ValueError:
         raise UnusableFileError("has cells that are not 'x,y'; export it again") from None
-    note = f"{RATE_HZ:g} frames/s and MINI-RGBD's camera are taken for granted"
-    when = Timing(range(len(rows)), RATE_HZ, (note,))
+    rate = [] if options.rate_hz else [f"{RATE_HZ:g} frames/s are taken for granted"]
+    camera = [] if options.camera else ["the camera is taken for that of MINI-RGBD"]
+    when = Timing(range(len(rows)), options.rate_hz or RATE_HZ, (*rate, *camera))
     recording = _recording(name, header[1:], {"x": positions[..., 0], "y": positions[..., 1]}, when)
     return replace(recording, camera=MINI_RGBD_CAMERA)
 

@@ -7,13 +7,14 @@ millimetres; 3D joints are in the frame of the camera (x to the right, y downwar
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError, one_line
-from mimoc.motion.frame_files import frame_names, read_frame_files
+from mimoc.motion.frame_files import FrameFiles, frame_names, read_frame_files
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
 
@@ -77,16 +78,11 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         raise UnusableFileError("has no folder joints_2Ddep or joints_3D; give the folder of a sequence, such as 01")
     folder, joints = place
     files = read_frame_files(folder, ".txt")
-    numbers = np.full((files.frames, len(JOINTS), 3), np.nan)
-    for index, name, content in zip(files.places, files.names, files.contents, strict=True):
-        rows = _rows(content, name)
-        numbers[index, rows[:, 3].astype(np.intp)] = rows[:, :3]
-    numbers[~np.isfinite(numbers).all(axis=-1)] = np.nan
-    numbers = numbers[:, [JOINTS.index(joint) for joint in POINTS.values()]]
-    name = path.name if folder is path else path.parent.name if path.name == joints.folder else path.name
-    notes = (*files.notes, f"{RATE_HZ:g} frames/s are taken for granted")
+    numbers = _numbers(files)[:, [JOINTS.index(joint) for joint in POINTS.values()]]
+    name = folder.parent.name if folder.name == joints.folder else folder.name
+    notes = (*files.notes, *([] if options.rate_hz else [f"{RATE_HZ:g} frames/s are taken for granted"]))
     made = _in_space if joints.in_space else _in_pixels
-    return made(name or path.name, numbers, notes)
+    return replace(made(name, numbers, notes), rate_hz=options.rate_hz or RATE_HZ)
 
 
 def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRecording:
@@ -109,7 +105,7 @@ def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRec
 
 
 def _in_space(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRecording:
-    """Return joints in the frame of a camera that looks down in a frame whose z axis points upwards, the lowest at 0."""
+    """Return joints that a camera sees which looks down in a frame whose z axis points upwards, the lowest at 0."""
     positions = numbers * (1.0, -1.0, -1.0)
     trial = PointRecording(name, RATE_HZ, tuple(POINTS), positions, np.isfinite(positions[..., 0]).astype(np.float64))
     with np.errstate(invalid="ignore"):
@@ -136,13 +132,30 @@ def _has_joints(folder: Path, joints: Joints) -> bool:
     return bool(names) and names[0].startswith(joints.prefix)
 
 
-def _rows(content: bytes, name: str) -> FloatArray:
-    """Return the lines of a file, shape (n, 4), or raise an UnusableFileError that names it."""
+def _numbers(files: FrameFiles) -> FloatArray:
+    """Return x, y and depth or z of each joint, shape (t, 25, 3); NaN where a line or a frame is missing.
+
+    Raises:
+        UnusableFileError: If a file has other lines; it is named.
+    """
+    words = [content.split() for content in files.contents]
+    lines = np.array([len(of_frame) // 4 for of_frame in words])
     try:
-        rows = np.array([float(word) for word in content.split()]).reshape(-1, 4)
+        rows = np.fromiter(map(float, chain.from_iterable(words)), np.float64).reshape(-1, 4)
     except ValueError:
-        rows = np.full((1, 4), np.nan)
+        rows = np.empty((0, 4))
     joints = rows[:, 3]
-    if not ((joints >= 0) & (joints < len(JOINTS)) & (joints == np.floor(joints))).all():
-        raise UnusableFileError(f"{one_line(name)}: not lines of x, y, depth or z, and a joint from 0 to 24")
-    return rows
+    is_whole = all(len(of_frame) % 4 == 0 for of_frame in words) and len(rows) == lines.sum()
+    if not is_whole or not ((joints >= 0) & (joints < len(JOINTS)) & (joints == np.floor(joints))).all():
+        wrong = next((name for name, of_frame in zip(files.names, words, strict=True) if not _are_lines(of_frame)), "")
+        raise UnusableFileError(f"{one_line(wrong)}: not lines of x, y, depth or z, and a joint from 0 to 24")
+    numbers = np.full((files.frames, len(JOINTS), 3), np.nan)
+    numbers[np.repeat(files.places, lines), joints.astype(np.intp)] = rows[:, :3]
+    return np.where(np.isfinite(numbers).all(axis=-1, keepdims=True), numbers, np.nan)
+
+
+def _are_lines(words: Sequence[bytes]) -> bool:
+    try:
+        return {*map(float, words[3::4])} <= {*range(len(JOINTS))} and len([*map(float, words)]) % 4 == 0
+    except ValueError:
+        return False

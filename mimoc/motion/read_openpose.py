@@ -8,7 +8,7 @@ from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.frame_files import first_bytes, read_frame_files
 from mimoc.motion.json_frames import objects, parse_frames
 from mimoc.motion.options import ReadOptions
-from mimoc.motion.persons import Frame, Person, place_points
+from mimoc.motion.persons import Frame, Person, person, place_points
 from mimoc.motion.point_recording import PointRecording
 
 _COCO_18 = (
@@ -36,11 +36,8 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         UnusableFileError: If files are damaged, or it is not clear who the infant is.
     """
     files = read_frame_files(path, ".json")
-    frames = [
-        Frame(place, name, _persons(data, name))
-        for place, name, data in zip(files.places, files.names, parse_frames(files), strict=True)
-    ]
-    width = next((_width(person.numbers) for frame in frames for person in frame.persons), 3 * len(BODY_25))
+    frames = [Frame(place, name, _persons(data, name)) for place, name, data in parse_frames(files)]
+    width = next((len(infant.numbers) for frame in frames for infant in frame.persons), 3 * len(BODY_25))
     if width not in _LABELS:
         raise UnusableFileError(f"has {width} numbers a person, not 75 (BODY_25) or 54 (COCO); export BODY_25")
     labels = _LABELS[width]
@@ -52,13 +49,9 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 def _persons(data: Any, name: str) -> list[Person]:
     """Return those with points; OpenPose's IDs are -1 unless it tracks."""
     people = objects(data, name, "people")
-    return [Person(_identity(person.get("person_id")), person[_POINTS]) for person in people if person.get(_POINTS)]
+    return [person(_identity(entry.get("person_id")), entry[_POINTS], name) for entry in people if entry.get(_POINTS)]
 
 
 def _identity(identity: Any) -> str:
     number = identity[0] if isinstance(identity, list) and identity else identity
     return str(number) if isinstance(number, int) and number >= 0 else ""
-
-
-def _width(numbers: Any) -> int:
-    return len(numbers) if isinstance(numbers, list) else 0

@@ -31,16 +31,14 @@ def repair_exchanges(recording: PointRecording) -> PointRecording:
     Limbs are exchanged from a frame on, and back, where all their points jump to where those of the other side were.
     Those of fewer frames are taken to be wrong.
     """
-    whole, trunk = recording.filled().positions, recording.trunk
     columns = np.arange(len(recording.names))[None].repeat(recording.frames, axis=0)
     notes = []
     for limb, parts in _LIMBS.items():
-        pairs = [tuple(f"{side}_{part}" for side in SIDES) for part in parts]
+        pairs = [(f"left_{part}", f"right_{part}") for part in parts]
         index = [[recording.names.index(name) for name in pair] for pair in pairs if {*pair} <= {*recording.names}]
-        index = [pair for pair in index if np.isfinite(whole[:, pair]).all()]
         if len(index) > 1:
             left, right = np.array(index).T
-            wrong = _exchanged(whole[:, left], whole[:, right], trunk)
+            wrong = _exchanged(recording.positions[:, left], recording.positions[:, right], recording.trunk)
             columns[np.ix_(wrong, [*left, *right])] = [*right, *left]
             if wrong.any():
                 notes.append(f"left and right {limb} were exchanged in {wrong.sum():,} frames, and are put right")
@@ -93,6 +91,16 @@ def share_from_behind(recording: PointRecording) -> float:
     return float((area[clear] > 0).mean()) if clear.any() else np.nan
 
 
+def share_opposed(recording: PointRecording) -> float:
+    """Return in what share of frames the left hip is on the side of the right shoulder; NaN if it is never known."""
+    if not {f"{side}_shoulder" for side in SIDES} <= {*recording.names}:
+        return np.nan
+    hips, shoulders = (recording.path(f"left_{part}") - recording.path(f"right_{part}") for part in ("hip", "shoulder"))
+    along = (hips * shoulders).sum(axis=1)
+    along = along[np.isfinite(along)]
+    return float((along < 0).mean()) if along.size else np.nan
+
+
 def share_of_knees_backwards(recording: PointRecording) -> float:
     """Return in what share of the frames in which knees are clearly bent they bend the wrong way; NaN if none are.
 
@@ -120,17 +128,29 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 def _exchanged(left: FloatArray, right: FloatArray, trunk: float) -> npt.NDArray[np.bool_]:
     """Return in which frames two limbs, shape (t, p, d), are exchanged."""
-    kept, crossed = (
-        (_steps(left, first) + _steps(right, second)) / (2 * trunk) for first, second in ((left, right), (right, left))
-    )
-    changes = (kept > _JUMP) & (crossed < _RATIO * kept)
+    after = np.stack([left, right], axis=1)
+    before = _last_seen(after)[:-1]
+    kept, crossed = (_distance(after[1:], earlier) / trunk for earlier in (before, before[:, ::-1]))
+    with np.errstate(invalid="ignore"):
+        changes = (kept > _JUMP) & (crossed < _RATIO * kept)
     wrong = np.concatenate([[False], np.cumsum(changes) % 2 == 1])
     return ~wrong if wrong.mean() > 0.5 else wrong
 
 
-def _steps(after: FloatArray, before: FloatArray) -> FloatArray:
-    """Return the mean distance between points in a frame and others in the frame before, shape (t - 1,)."""
-    return np.linalg.norm(after[1:] - before[:-1], axis=-1).mean(axis=-1)
+def _distance(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the mean distance of points, shape (t, 2, p, d), that are seen on both sides; NaN if none are."""
+    apart = np.linalg.norm(one - other, axis=-1).mean(axis=1)
+    seen = np.isfinite(apart)
+    number = seen.sum(axis=-1)
+    return np.where(seen, apart, 0.0).sum(axis=-1) / np.where(number, number, np.nan)
+
+
+def _last_seen(positions: FloatArray) -> FloatArray:
+    """Return where each point, time first, was seen last; NaN until it is."""
+    seen = np.isfinite(positions).all(axis=-1, keepdims=True)
+    frames = np.arange(len(positions)).reshape(-1, *([1] * (positions.ndim - 1)))
+    last = np.maximum.accumulate(np.where(seen, frames, 0), axis=0)
+    return np.take_along_axis(positions, last, axis=0)
 
 
 def _across(recording: PointRecording) -> FloatArray:

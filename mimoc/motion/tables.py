@@ -21,7 +21,7 @@ COLUMNS = {
 }
 """What the name of a column, or its end, says that it holds."""
 MOST_COLUMNS = 2000
-_MOST_CELLS = 2**25
+_MOST_CELLS = 2**24
 _TIMES = "time_s", "time", "t", "timestamp", "timestamp_s", "seconds"
 _FRAMES = "frame", "frames", "frame_number", "frame_id", "frame_index"
 _OF_POINT = re.compile(rf"(.+)[_. -]({'|'.join(sorted(COLUMNS, key=len, reverse=True))})", re.IGNORECASE)
@@ -48,6 +48,8 @@ def read_cells(content: bytes) -> list[list[str]]:
     try:
         text = content.decode("utf-8-sig")
         first = text.partition("\n")[0]
+        if sum(map(text.count, ",;\t\n")) > _MOST_CELLS:
+            raise UnusableFileError(f"has more than {_MOST_CELLS:,} cells, which no recording has; cut it")
         rows = [row for row in csv.reader(text.splitlines(), delimiter=max(",;\t", key=first.count)) if row]
     except (UnicodeDecodeError, csv.Error):
         raise UnusableFileError("is not a table of text; save it as CSV (UTF-8)") from None
@@ -58,8 +60,8 @@ def read_cells(content: bytes) -> list[list[str]]:
     if wrong is not None:
         cells = counted(len(rows[wrong]), "cell")
         raise UnusableFileError(f"row {wrong + 1} has {cells}, not {width} as the first; export it again")
-    if width > MOST_COLUMNS or width * len(rows) > _MOST_CELLS:
-        raise UnusableFileError(f"has {len(rows):,} rows of {width:,} cells, which no recording has; cut it")
+    if width > MOST_COLUMNS:
+        raise UnusableFileError(f"has {width:,} columns, which no recording has; cut it")
     return rows
 
 
@@ -75,7 +77,7 @@ def numbers_of(rows: Sequence[Sequence[str]], header: Sequence[str]) -> FloatArr
     Decimal commas are read, too.
     """
     try:
-        return np.array([[float(cell) if cell else math.nan for cell in row] for row in rows])
+        return np.array([float(cell or "nan") for row in rows for cell in row]).reshape(len(rows), -1)
     except ValueError:
         return np.array([[_number(cell, name) for cell, name in zip(row, header, strict=True)] for row in rows])
 
@@ -92,7 +94,7 @@ def timing(header: Sequence[str], numbers: FloatArray) -> Timing:
     if frames is None:
         frames = np.arange(len(numbers)) if times_s is None else np.round((times_s - times_s[0]) * rate_hz)
     if not (np.abs(frames) < _LARGEST_FRAME).all() or (np.diff(frames) < 0).any():
-        raise UnusableFileError("has frames without a number, or in no order; sort it by its first column")
+        raise UnusableFileError("has frames without a number, or in no order; sort it by frames")
     if len(frames) > MOST_FRAMES:
         raise UnusableFileError(f"has {len(frames):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
     places, notes = frame_places([int(frame) for frame in frames], [f"row {row + 2}" for row in range(len(frames))])
@@ -107,7 +109,7 @@ def _number(cell: str, column: str) -> float:
     except ValueError:
         if label_and_column(column)[1] or column in COLUMNS:
             wrong = f"'{one_line(cell):.30}' in the column {one_line(column)} is not a number"
-            raise UnusableFileError(f"{wrong}; leave cells of points that are not seen empty") from None
+            raise UnusableFileError(f"{wrong}; leave cells of unseen points empty") from None
         return math.nan
 
 

@@ -26,10 +26,13 @@ def write_points(recording: PointRecording, path: str | Path) -> Path:
         OutputError: If its name ends in something else, or it cannot be written.
 
     Example:
-        >>> import mimoc, numpy as np
-        >>> model = mimoc.make("nine_months.yaml").unwrapped.model
-        >>> filmed = mimoc.film(model, np.repeat(model.qpos0[None], 90, axis=0), rate_hz=30)
-        >>> mimoc.read_points(mimoc.write_points(filmed, "still.npz")).frames
+        >>> import mimoc
+        >>> import numpy as np
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0, options={"pose": "supine"})
+        >>> still = np.repeat(env.unwrapped.data.qpos[None], 90, axis=0)
+        >>> mimoc.read_points(mimoc.write_points(film(env.unwrapped.model, still, 30), "still.npz")).frames
         90
     """
     path = Path(path)

@@ -1,0 +1,244 @@
+"""What pose estimators, MINI-RGBD and motion capture write is read as it was."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import filmed
+
+import mimoc
+from mimoc.motion.body_points import film
+from mimoc.motion.point_recording import MINI_RGBD_CAMERA
+from mimoc.motion.points import POINTS
+from mimoc.motion.read_coco import COCO_17
+from mimoc.motion.writing import write_mini_rgbd
+
+PIXEL = 1e-3
+"""Digits of JSON files, half of the last."""
+
+
+def are_close(one, other, within: float = 1e-9) -> bool:
+    """Return whether two recordings have the same points in the same places."""
+    names = [name for name in one.names if name in other.names]
+    return {*names} == {*one.names} and np.allclose(
+        one.select(names).positions, other.select(names).positions, rtol=0, atol=within, equal_nan=True
+    )
+
+
+def test_a_folder_of_openpose(body_25, tmp_path):
+    read = mimoc.read_points(filmed.write_openpose(body_25, tmp_path / "film"), rate_hz=30)
+    assert (read.name, read.unit, read.rate_hz, read.frames) == ("film", "px", 30, 60)
+    assert read.names == tuple(name for name in POINTS if name in filmed.BODY_25_POINTS)
+    assert are_close(read, body_25, PIXEL)
+    assert (read.confidence == 1).all()
+
+
+def test_a_point_that_openpose_does_not_see_is_a_gap(body_25, tmp_path):
+    positions = body_25.positions.copy()
+    positions[10:25, body_25.names.index("left_wrist")] = np.nan
+    folder = filmed.write_openpose(replace(body_25, positions=positions), tmp_path / "film")
+    read = mimoc.read_points(folder, rate_hz=30)
+    assert np.isnan(read.path("left_wrist")).all(axis=1).nonzero()[0].tolist() == list(range(10, 25))
+    assert read.confidence[12, read.names.index("left_wrist")] == 0
+    assert read.notes == ("not seen: left_wrist in 25% of frames; the longest gap is 0.5 s",)
+
+
+def test_a_frame_without_a_file_is_a_gap(body_25, tmp_path):
+    folder = filmed.write_openpose(body_25, tmp_path / "film")
+    (folder / f"film_{7:012d}_keypoints.json").unlink()
+    read = mimoc.read_points(folder, rate_hz=30)
+    assert read.frames == 60
+    assert np.isnan(read.positions[7]).all()
+    assert read.notes[0] == "1 of 60 frames are missing"
+
+
+@pytest.mark.parametrize("name", ["frames", "film.json"])
+def test_coco_keypoints_in_one_file_or_many(name, body_25, tmp_path):
+    read = mimoc.read_points(filmed.write_coco(body_25, tmp_path / name), rate_hz=25)
+    assert are_close(read.select(COCO_17), body_25.select(COCO_17), PIXEL)
+    assert np.allclose(read.path("neck"), (read.path("left_shoulder") + read.path("right_shoulder")) / 2)
+    assert read.notes == ("the neck is taken to be in the middle of the shoulders",)
+
+
+def annotations(entries):
+    images = [{"id": 1000 + entry["image_id"], "file_name": f"a/{entry['image_id']:05d}.jpg"} for entry in entries]
+    seen = [
+        {**entry, "image_id": 1000 + entry["image_id"], "keypoints": _flags(entry["keypoints"])} for entry in entries
+    ]
+    return {"images": images, "annotations": seen, "categories": [{"keypoints": [*COCO_17]}]}
+
+
+def _flags(numbers):
+    return [2 if index % 3 == 2 else number for index, number in enumerate(numbers)]
+
+
+def mmpose(entries):
+    def instance(entry):
+        numbers = entry["keypoints"]
+        points = [[x, y] for x, y in zip(numbers[::3], numbers[1::3], strict=True)]
+        return {"keypoints": points, "keypoint_scores": numbers[2::3]}
+
+    return {"instance_info": [{"frame_id": 1 + entry["image_id"], "instances": [instance(entry)]} for entry in entries]}
+
+
+def mmpose_of_a_video(entries):
+    return mmpose(entries)["instance_info"]
+
+
+def alphapose(entries):
+    return [{**entry, "image_id": f"{entry['image_id']}.jpg", "idx": 4} for entry in entries[::-1]]
+
+
+@pytest.mark.parametrize("dialect", [annotations, mmpose, mmpose_of_a_video, alphapose])
+def test_coco_keypoints_as_others_write_them(dialect, body_25, tmp_path):
+    (tmp_path / "film.json").write_text(json.dumps(dialect(filmed.coco_entries(body_25))))
+    read = mimoc.read_points(tmp_path / "film.json", rate_hz=30)
+    assert are_close(read.select(COCO_17), body_25.select(COCO_17), PIXEL)
+    assert (read.confidence == 1).all()
+
+
+@pytest.mark.parametrize("place", ["", "joints_2Ddep"])
+def test_a_sequence_of_mini_rgbd_has_depth(place, tmp_path):
+    deep = film(filmed.kicking_model(), filmed.kicking(60), 30)
+    write_mini_rgbd(deep, tmp_path / "07")
+    read = mimoc.read_points(tmp_path / "07" / place)
+    assert are_close(deep, read)
+    assert np.allclose(read.select(deep.names).depth_m, deep.depth_m)
+    assert (read.name, read.rate_hz, read.camera) == ("07", 30, MINI_RGBD_CAMERA)
+    assert read.notes[0] == "30 frames/s are taken for granted"
+
+
+def test_depths_in_millimetres_become_metres(tmp_path):
+    deep = film(filmed.kicking_model(), filmed.kicking(60), 30)
+    write_mini_rgbd(replace(deep, depth_m=1000 * deep.depth_m), tmp_path / "07")
+    read = mimoc.read_points(tmp_path / "07")
+    assert np.allclose(read.select(deep.names).depth_m, deep.depth_m)
+    assert "depths are taken for millimetres" in read.notes
+
+
+@pytest.mark.parametrize("scale", [1, 1000])
+def test_joints_in_space_of_mini_rgbd(scale, in_space, tmp_path):
+    write_mini_rgbd(replace(in_space, positions=in_space.positions * scale), tmp_path / "07")
+    read = mimoc.read_points(tmp_path / "07").select(in_space.names)
+    raised = in_space.positions - [0, 0, in_space.positions[..., 2].min()]
+    assert read.unit == "m"
+    assert np.allclose(read.positions, raised)
+
+
+def test_public_keypoints_of_mini_rgbd(kicking, tmp_path):
+    read = mimoc.read_points(filmed.write_pairs(kicking, tmp_path / "101.csv"))
+    assert are_close(kicking, read)
+    assert (read.rate_hz, read.camera) == (30, MINI_RGBD_CAMERA)
+    assert read.notes == ("30 frames/s are taken for granted", "the camera is taken for that of MINI-RGBD")
+    camera = mimoc.Camera((500, 500), (320, 240), (640, 480))
+    read = mimoc.read_points(tmp_path / "101.csv", rate_hz=25, camera=camera)
+    assert (read.rate_hz, read.camera, read.notes) == (25, camera, ())
+
+
+def long_table(recording, folder: Path) -> Path:
+    rows = [
+        f"{frame},{name},{x!r},{y!r},{frame / 25}"
+        for frame, positions in enumerate(recording.positions.tolist())
+        for name, (x, y) in zip(recording.names, positions, strict=True)
+    ]
+    (folder / "long.csv").write_text("\n".join(["frame,point,x,y,time_s", *rows]))
+    return folder / "long.csv"
+
+
+def of_deeplabcut(recording, folder: Path) -> Path:
+    axes = ("x", "y", "likelihood")
+    header = [
+        [word, *words]
+        for word, words in (
+            ("scorer", ["net"] * 3 * len(recording.names)),
+            ("bodyparts", [name for name in recording.names for _ in axes]),
+            ("coords", axes * len(recording.names)),
+        )
+    ]
+    rows = [
+        [str(frame), *(repr(number) for x, y in positions for number in (x, y, 1.0))]
+        for frame, positions in enumerate(recording.positions.tolist())
+    ]
+    (folder / "dlc.csv").write_text("\n".join(",".join(row) for row in [*header, *rows]))
+    return folder / "dlc.csv"
+
+
+def of_excel(recording, folder: Path) -> Path:
+    """Write semicolons, decimal commas and a mark of the order of bytes."""
+    header = ";".join(f"{name}.{axis.upper()}" for name in recording.names for axis in "xy")
+    rows = [
+        ";".join(repr(number).replace(".", ",") for number in row)
+        for row in recording.positions.reshape(60, -1).tolist()
+    ]
+    (folder / "excel.csv").write_text("\ufeff" + "\r\n".join([header, *rows]))
+    return folder / "excel.csv"
+
+
+@pytest.mark.parametrize("write", [long_table, of_deeplabcut, of_excel])
+def test_tables_as_others_write_them(write, kicking, tmp_path):
+    assert are_close(kicking, mimoc.read_points(write(kicking, tmp_path), rate_hz=25))
+
+
+def test_the_frame_rate_of_a_table_is_that_of_its_times(kicking, tmp_path):
+    path = mimoc.write_points(replace(kicking, rate_hz=29.97), tmp_path / "a.csv")
+    assert mimoc.read_points(path).rate_hz == 29.97
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join([*rows[:20], *rows[24:]]))
+    read = mimoc.read_points(path)
+    assert (read.rate_hz, read.frames) == (29.97, 60)
+    path.write_text("\n".join(row.partition(",")[2] for row in path.read_text().splitlines()))
+    read = mimoc.read_points(path)
+    assert (read.rate_hz, read.frames) == (29.97, 60)
+    assert np.isnan(read.positions[19:23]).all()
+
+
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_markers_of_motion_capture(unit, in_space, tmp_path):
+    read = mimoc.read_points(filmed.write_c3d(in_space, tmp_path / "a.c3d", unit=unit))
+    assert are_close(in_space, read, 1e-6)
+    assert (read.rate_hz, read.unit, read.notes) == (30, "m", ("the z axis is taken to point upwards",))
+
+
+def test_markers_of_plug_in_gait_are_points(in_space, tmp_path):
+    labels = {"head": "LFHD", "neck": "C7", "shoulder": "SHO", "elbow": "ELB", "hand": "FIN"}
+    labels |= {"hip": "ASI", "knee": "KNE", "foot": "TOE"}
+    names = tuple(
+        "Baby:" + labels.get(name, name[0].upper() + labels.get(name.partition("_")[2], "")) for name in in_space.names
+    )
+    read = mimoc.read_points(filmed.write_c3d(in_space, tmp_path / "a.c3d", names))
+    assert are_close(in_space, read, 1e-6)
+    assert "left_hip is taken to be at Baby:LASI" in read.notes
+
+
+def test_a_marker_that_is_not_seen_is_a_gap(in_space, tmp_path):
+    positions = in_space.positions.copy()
+    positions[5:9, 3] = np.nan
+    read = mimoc.read_points(filmed.write_c3d(replace(in_space, positions=positions), tmp_path / "a.c3d"))
+    assert np.isnan(read.path(in_space.names[3])[:, 0]).nonzero()[0].tolist() == [5, 6, 7, 8]
+
+
+def test_integers_and_other_byte_orders_of_c3d_are_read(in_space, tmp_path):
+    """A file by hand, with a scale of a tenth of a millimetre, as MIPS computers wrote them."""
+    path = tmp_path / "old.c3d"
+    path.write_bytes(old_c3d(in_space))
+    assert are_close(in_space, mimoc.read_points(path), 1e-4)
+
+
+def old_c3d(recording) -> bytes:
+    k, t = len(recording.names), recording.frames
+    lines = b"".join(name.encode().ljust(20) for name in recording.names)
+    group = bytes([5, 255]) + b"POINT" + (3).to_bytes(2, "big") + b"\0"
+    values = bytes([255, 2, 20, k]) + lines + b"\0"
+    labels = bytes([6, 1]) + b"LABELS" + (2 + len(values)).to_bytes(2, "big") + values
+    parameters = (bytes([1, 0x50, 2, 86]) + group + labels).ljust(1024, b"\0")
+    header = bytearray(512)
+    header[:2] = 2, 0x50
+    for word, value in ((1, k), (3, 1), (4, t), (8, 4)):
+        header[2 * word : 2 * word + 2] = value.to_bytes(2, "big")
+    header[12:16] = np.array(0.1, ">f4").tobytes()
+    header[20:24] = np.array(30, ">f4").tobytes()
+    numbers = np.zeros((t, k, 4), ">i2")
+    numbers[..., :3] = np.round(recording.positions * 1e4)
+    return bytes(header) + parameters + numbers.tobytes()
