@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from mimoc.motion.reading import read_points as read_points
     from mimoc.motion.writing import write_points as write_points
     from mimoc.plugins import register as register
+    from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.recording import record as record
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.reading import read_recording as read_recording

@@ -146,8 +146,8 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
-        f"signals part {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
-        "viewer studies motion movement retarget",
+        f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
+        "opening viewer studies motion movement retarget",
         "gymnasium",
     ),
     "cli": layer(

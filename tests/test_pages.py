@@ -44,6 +44,7 @@ PAGES = (
     "docs/container.md",
     "docs/own_reward.md",
     "docs/own_measure.md",
+    "docs/reflexes.md",
     "docs/plain_mujoco.md",
     "docs/growth.md",
     "docs/from_mimo.md",

@@ -147,6 +147,10 @@ class RecordingError(MimocError):
     """A recording cannot be made, read or replayed."""
 
 
+class MovementError(MimocError):
+    """A recording of points whose movement cannot be measured, or a sample that it cannot be compared with."""
+
+
 class MissingExtraError(MimocError):
     """An optional dependency is not installed."""
 

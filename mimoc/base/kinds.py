@@ -193,7 +193,7 @@ class PolicyKind:
     """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing. In square
     brackets, it may be left out: then `bind(env)` is called."""
     many: Code | None = None
-    """`bind_many(envs) -> BatchPolicy`, or `bind_many(envs, text)`: the same for the infants of a vector environment,
+    """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/batch.py`),
     also on a device. None: on the CPU, one infant after another; on a device, not at all."""
 
 

@@ -18,7 +18,10 @@ whenever an episode begins, for a policy that remembers what it sensed.
 """
 BatchPolicy = Callable[[Sequence[np.random.Generator], Any], Any]
 """Returns the actions of k infants, shape (k, n), for a generator of each and their observations; row i is what
-`Policy` returns for infant i. Of infants on a device, the arrays are of the library of their observations."""
+`Policy` returns for infant i. Of infants on a device, the arrays are of the library of their observations.
+
+It can have a method `reset(rows)`, a boolean array of shape (k,): the episodes of these infants begin anew.
+"""
 PolicyMaker = Callable[[InfantEnv], Policy]
 """Returns the policy for an environment."""
 
@@ -34,6 +37,13 @@ def start_again(policy: Policy) -> None:
     reset = getattr(policy, "reset", None)
     if reset:
         reset()
+
+
+def begin_rows(policy: BatchPolicy, rows: Any) -> None:
+    """Let a policy of many begin the episodes of some rows; see `start_again`."""
+    reset = getattr(policy, "reset", None)
+    if reset:
+        reset(rows)
 
 
 def episode_limit_of(policy: Policy) -> float:

@@ -1,8 +1,12 @@
 """A policy that draws every command uniformly from its range."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
-from mimoc.policies.policy import Policy
+from mimoc.policies.batch import Batch
+from mimoc.policies.policy import BatchPolicy, Policy
 from mimoc.runtime.env import InfantEnv
 
 
@@ -10,3 +14,14 @@ def bind(env: InfantEnv) -> Policy:
     """Return the policy for an environment."""
     low, high = env.actuation.low, env.actuation.high
     return lambda generator, observation: generator.uniform(low, high).astype(np.float32)
+
+
+def bind_many(batch: Batch) -> BatchPolicy:
+    """Return the policy for many infants."""
+    low, high = batch.limits()
+
+    def act(generators: Sequence[np.random.Generator], observations: Any) -> Any:
+        rows = zip(generators, low, high, strict=True)
+        return batch.actions(batch.draw([generator.uniform(*limits) for generator, *limits in rows]))
+
+    return act

@@ -20,6 +20,8 @@ class PolicyPart:
     """Its record; None for a trained policy."""
     argument: str | None
     """What stands after the colon, None if there is no colon; the path of a trained policy."""
+    text: str
+    """The part as it was written."""
 
     @property
     def label(self) -> str:
@@ -36,31 +38,44 @@ def parse_policy(text: str) -> tuple[PolicyPart, ...]:
         UnknownNameError: If there is no such policy.
         PolicyError: If a part is empty, lacks its argument, or has one that it does not take.
     """
-    pieces = text.split("+")
-    if len(pieces) > 1 and not all(pieces):
+    if "+" in text and not all(text.split("+")):
         raise PolicyError(f"'{text}': a policy is missing beside a '+'; write NAME+NAME, such as random+zero")
-    if text.endswith(TRAINED) and not all(NAMED.fullmatch(piece) or piece.endswith(TRAINED) for piece in pieces):
-        pieces = [text]
-    return tuple(_part(piece) for piece in pieces)
+    return tuple(_part(piece) for piece in _pieces(text))
 
 
 def trained_policies(text: str) -> tuple[str, ...]:
-    """Return the paths of the trained policies in such a text; raise as `parse_policy` does."""
-    return tuple(part.argument for part in parse_policy(text) if part.kind is None and part.argument)
+    """Return the paths of the trained policies in such a text, whether or not its names are policies."""
+    return tuple(piece for piece in _pieces(text) if _is_path(piece))
+
+
+def _pieces(text: str) -> list[str]:
+    pieces = text.split("+")
+    if text.endswith(TRAINED) and not all(NAMED.fullmatch(piece) or _is_path(piece) for piece in pieces):
+        return [text]
+    return pieces
+
+
+def _is_path(piece: str) -> bool:
+    return piece.endswith(TRAINED) and piece.partition(":")[0] not in POLICIES
 
 
 def _part(text: str) -> PolicyPart:
+    if _is_path(text):
+        return PolicyPart(None, text, text)
     name, colon, argument = text.partition(":")
-    if text.endswith(TRAINED) and not (colon and name in POLICIES):
-        return PolicyPart(None, text)
     kind = POLICIES.find(name)
     if colon and not kind.argument:
         raise PolicyError(f"'{text}': the policy '{name}' takes nothing after a colon; write {name}")
     if colon and not argument:
         raise PolicyError(f"'{text}': nothing stands after the colon; write {usage(kind)}")
-    if not colon and kind.argument and not kind.argument.startswith("["):
+    if not colon and needs_argument(kind):
         raise PolicyError(f"'{text}': the policy '{name}' needs more than its name; write {usage(kind)}")
-    return PolicyPart(kind, argument if colon else None)
+    return PolicyPart(kind, argument if colon else None, text)
+
+
+def needs_argument(kind: PolicyKind) -> bool:
+    """Return whether a policy cannot be chosen by its name alone."""
+    return bool(kind.argument) and not kind.argument.startswith("[")
 
 
 def usage(kind: PolicyKind) -> str:

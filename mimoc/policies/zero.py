@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from mimoc.policies.policy import Policy
+from mimoc.policies.batch import Batch
+from mimoc.policies.policy import BatchPolicy, Policy
 from mimoc.runtime.env import InfantEnv
 
 
@@ -10,3 +11,9 @@ def bind(env: InfantEnv) -> Policy:
     """Return the policy for an environment."""
     action = np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
     return lambda generator, observation: action
+
+
+def bind_many(batch: Batch) -> BatchPolicy:
+    """Return the policy for many infants."""
+    actions = batch.actions(batch.put(np.clip(0.0, *batch.limits())))
+    return lambda generators, observations: actions

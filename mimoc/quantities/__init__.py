@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from mimoc.base.kinds import Kinds
-from mimoc.quantities import child, motion, outcome
+from mimoc.quantities import child, motion, movement, outcome
 from mimoc.quantities.quantity import Quantity
 
 __all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
@@ -12,7 +12,7 @@ _OWN = (
     *(*child.CHILD, motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
     *(outcome.RETURN, outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.EPISODES, motion.CONTACTS_SELF),
     *(motion.HIP_PATH, motion.HEAD_HEIGHT, motion.HEAD_LOWEST, motion.JOINT_SPEED, motion.UNSTABLE),
-    *(motion.HAND_ERROR, motion.FELL_AFTER, child.AGE, *outcome.CURVE),
+    *(motion.HAND_ERROR, motion.FELL_AFTER, child.AGE, *outcome.CURVE, *movement.MOVEMENT),
 )
 """In the order in which tables show them."""
 QUANTITIES = Kinds[Quantity]("quantity", {quantity.name: quantity for quantity in _OWN})

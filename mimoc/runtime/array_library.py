@@ -4,6 +4,7 @@
 `a.take(i)` does not. NumPy 1.26 lacks some names of the standard.
 """
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -52,3 +53,19 @@ def _library() -> Any:
 
 NUMPY: Any = _library()
 """What `Worlds.xp` is on the CPU."""
+
+
+def torch_library(beside: Any) -> tuple[Any, Callable[[Any], Any]]:
+    """Return torch by the standard, and what copies NumPy's arrays to the device of a tensor.
+
+    Real numbers get 32 bits there, whole ones 64, as torch indexes.
+    """
+    import array_api_compat.torch as library  # Comes with `mimoc[gpu]`.
+    import torch
+
+    def put(values: Any) -> Any:
+        values = np.asarray(values)
+        kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
+        return torch.tensor(values, dtype=kind, device=beside.device)
+
+    return library, put

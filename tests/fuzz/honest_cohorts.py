@@ -24,6 +24,7 @@ from mimoc.cohorts.run_jobs import run_jobs
 from mimoc.cohorts.store import Result, Store
 from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
+from mimoc.policies.spec import needs_argument
 from mimoc.quantities import measures
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
@@ -36,6 +37,8 @@ TRIES = 1000
 """Cohorts that are drawn until one is valid."""
 ENGINE = "here"
 """Name of this module as an engine."""
+NAMED = tuple(name for name, kind in POLICIES.items() if not needs_argument(kind))
+"""Policies that need nothing but their name."""
 MODULE = """
 def probe(work, **options):
     return {"own": float(work.seed), "text": "é", "options": len(options)}
@@ -103,7 +106,7 @@ IN_COHORTS: Hints = {
     "draw": _whole(1, 3),
     "n": _whole(1, 3),
     "steps": _whole(1, 20),
-    "policy": lambda generator: pick(generator, tuple(POLICIES)),
+    "policy": lambda generator: pick(generator, NAMED),
     "seeds": _among(0, [3, 1], "0:2"),
     "measure": lambda generator: [name for name in (*measures(), "own_code:weigh") if generator.random() < 0.3],
     "do": _do,

@@ -7,6 +7,7 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import PolicyError
+from mimoc.policies.named import policy_of
 from mimoc.runtime.rollout import Run
 
 
@@ -124,3 +125,11 @@ def test_a_policy_can_be_moved(bundle, policy, tmp_path):
     shutil.copy(policy, tmp_path / "mine.zip")
     assert mimoc.load_policy(tmp_path / "mine.zip")(infant(bundle))
     assert os.listdir(tmp_path) == ["mine.zip"]
+
+
+def test_a_trained_policy_in_a_sum_with_nothing_is_the_same_to_the_bit(bundle, policy):
+    env, generator = infant(bundle), np.random.default_rng(0)
+    observation, _ = env.reset(seed=3)
+    alone, beside = mimoc.load_policy(policy)(env), policy_of(env, f"{policy}+zero", mimoc.load_policy)
+    assert beside(generator, observation).tobytes() == alone(generator, observation).tobytes()
+    assert beside.steps_per_episode == alone.steps_per_episode

@@ -104,6 +104,8 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             check_infant(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
         self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
+        self.arrays = arrays
+        """What observations and rewards are: `numpy`, `torch` or `warp`."""
         which = np.arange(self.num_envs) % len(infants)
         with present(self.device):
             room = contacts, constraints

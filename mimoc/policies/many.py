@@ -1,0 +1,112 @@
+"""Policies of many infants: from the name of a policy, or a sum of names, to the actions of a vector environment."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mimoc.base.errors import PolicyError
+from mimoc.base.kinds import function_of
+from mimoc.policies.batch import Batch, batch_of
+from mimoc.policies.named import Loader, policy_of, summed
+from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
+from mimoc.policies.spec import PolicyPart, parse_policy
+
+
+def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None) -> BatchPolicy:
+    """Return a policy for all infants of a vector environment.
+
+    The law: on the CPU, row i of its actions is, to the bit, the action of the single infant i under the same policy,
+    with the same generator and observations. On a device it is the same in single precision.
+
+    Where episodes end, call `reset` with the rows of the infants that begin again, a boolean array of shape (n,),
+    before the next action: a policy such as `reflexes` then forgets what they sensed. With the autoreset mode
+    `NextStep`, an action is drawn and not used for an infant that has ended; with `SameStep` and `Disabled`, nothing is
+    drawn in vain, and all is as for a single infant.
+
+    Args:
+        policy: A name, a name with its argument, or a sum of names, as for `policy_of`; or a function from a single
+            environment to its policy, which acts for one infant after another.
+        envs: The vector environment, of `mimoc.make_vec`; on a device with arrays of NumPy or torch.
+        load: Loads trained policies, such as `mimoc.load_policy`.
+
+    Raises:
+        UnknownNameError: If there is no such policy.
+        PolicyError: If the text is no policy otherwise, or the policy is for infants on the CPU only.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> envs = mimoc.make_vec("nine_months.yaml", num_envs=3, autoreset_mode="SameStep")
+        >>> policy = mimoc.policy_vec("random+zero", envs)
+        >>> generators = [np.random.default_rng(seed) for seed in range(3)]
+        >>> observations, infos = envs.reset(seed=0)
+        >>> for _ in range(5):
+        ...     observations, rewards, ended, cut, infos = envs.step(policy(generators, observations))
+        ...     policy.reset(ended | cut)
+        >>> envs.close()
+    """
+    batch = batch_of(envs)
+    if not isinstance(policy, str):
+        return SumOfMany(batch, [_one_by_one(batch, policy, "a function of your own")])
+    return SumOfMany(batch, [_bound(batch, part, load) for part in parse_policy(policy)])
+
+
+class SumOfMany:
+    """Several policies of many infants at once, or one; see `mimoc.policies.named.Sum`."""
+
+    def __init__(self, batch: Batch, policies: Sequence[BatchPolicy]):
+        """Add policies of the same infants."""
+        self._batch, self._policies = batch, tuple(policies)
+        self._limits = tuple(map(batch.put, batch.limits()))
+
+    def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> Any:
+        """Return the actions, shape (k, n)."""
+        actions = [policy(generators, observations) for policy in self._policies]
+        if len(actions) == 1:
+            return actions[0]
+        limits = self._limits if self._batch.is_on_device else self._batch.limits()
+        return self._batch.actions(summed(self._batch.xp, actions, *limits))
+
+    def reset(self, rows: Any) -> None:
+        """Let the infants of some rows, a boolean array of shape (k,), begin an episode."""
+        for policy in self._policies:
+            begin_rows(policy, rows)
+
+
+class OneByOne:
+    """Policies of single infants, which act one after the other."""
+
+    def __init__(self, policies: Sequence[Policy]):
+        """Take the policy of each infant."""
+        self._policies = tuple(policies)
+
+    def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> np.ndarray:
+        """Return the actions, shape (k, n)."""
+        rows = zip(self._policies, generators, strict=True)
+        return np.stack(
+            [
+                policy(generator, {name: readings[row] for name, readings in observations.items()})
+                for row, (policy, generator) in enumerate(rows)
+            ]
+        )
+
+    def reset(self, rows: Any) -> None:
+        """Let the infants of some rows begin an episode."""
+        for policy, begins in zip(self._policies, rows, strict=True):
+            if begins:
+                start_again(policy)
+
+
+def _bound(batch: Batch, part: PolicyPart, load: Loader | None) -> BatchPolicy:
+    """Return one policy of all infants."""
+    if part.kind is None or part.kind.many is None:
+        return _one_by_one(batch, lambda env: policy_of(env, part.text, load), f"'{part.text}'")
+    bind = function_of(part.kind.many, "bind_many")
+    return bind(batch) if part.argument is None else bind(batch, part.argument)
+
+
+def _one_by_one(batch: Batch, maker: PolicyMaker, what: str) -> OneByOne:
+    if batch.is_on_device:
+        raise PolicyError(f"{what} acts for single infants on the CPU; make the environment without device")
+    return OneByOne([maker(infant) for infant in batch.infants])

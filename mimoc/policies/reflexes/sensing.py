@@ -1,0 +1,198 @@
+"""What reflexes read of the senses: touch by areas of skin, joints by name, and balance."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mimoc.base.units import ms_to_s
+from mimoc.policies.batch import Batch
+from mimoc.policies.reflexes.movements import SIDES
+from mimoc.policies.reflexes.skin import AREAS, Area
+
+GRAVITY_M_S2 = 9.81
+GRAVITY_S = 0.5
+"""Time constant with which the direction upwards follows the specific force; faster turns come from the gyroscope."""
+POSTURE_S = 1.0
+"""Time constant of the posture that an infant was in before it tipped over."""
+NECK = ("head_tilt_side", "head_tilt", "head_swivel")
+"""The joints between trunk and head that turn about x, y and z."""
+BALANCE = {"up x": 0.0, "up y": 0.0, "up z": 0.0, "posture": 0.0, "is new": 1.0}
+"""What balance remembers, when an episode begins."""
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """What k infants sense in one control step; arrays have the shape (k,)."""
+
+    xp: Any
+    step_s: float
+    """Time of a control step."""
+    weight_n: Any
+    """Weight of each."""
+    pressure_n: Mapping[str, Any]
+    """Force on each area of skin, such as `right palm`; empty without touch."""
+    angle_rad: Mapping[str, Any]
+    """Angle of each joint, such as `right_elbow`; empty without proprioception."""
+    speed_rad_s: Mapping[str, Any]
+    """Its velocity."""
+    head_rate_rad_s: tuple[Any, Any, Any]
+    """Angular velocity of the head in its frame: x forwards, y left, z up; zeros without a vestibular sense."""
+    head_force_m_s2: tuple[Any, Any, Any]
+    """Specific force of the head, which is gravity's reaction at rest."""
+    rate_rad_s: tuple[Any, Any, Any]
+    """Angular velocity of the trunk in its frame, as far as the neck is felt."""
+    up: tuple[Any, Any, Any]
+    """Unit vector upwards in the frame of the trunk: (0, 0, 1) of an infant that is upright."""
+    posture: Any
+    """The upward part of `up` over the last second: about 1 of an infant that was upright."""
+    chance: Any
+    """A number from 0 to 1 for each control step."""
+
+    @cached_property
+    def zero(self) -> Any:
+        """Zeros, of the right shape and kind."""
+        return 0.0 * self.chance
+
+    def pressure(self, area: str) -> Any:
+        """Return the force on an area as a share of the body's weight."""
+        return self.pressure_n.get(area, self.zero) / self.weight_n
+
+    def angle(self, joint: str) -> Any:
+        """Return the angle of a joint; zero if it is not felt."""
+        return self.angle_rad.get(joint, self.zero)
+
+    def speed(self, joint: str) -> Any:
+        """Return the velocity of a joint; zero if it is not felt."""
+        return self.speed_rad_s.get(joint, self.zero)
+
+    def clip(self, values: Any) -> Any:
+        """Return values within 0 and 1."""
+        return self.xp.clip(values, 0.0, 1.0)
+
+    def keep(self, seconds: float) -> float:
+        """Return the share of something that decays with a time constant that is left after a control step."""
+        return float(np.exp(-self.step_s / seconds))
+
+    def hold(self, former: Any, stimulus: Any, seconds: float) -> Any:
+        """Return a stimulus that outlasts itself: it rises at once and decays with a time constant."""
+        return self.xp.maximum(stimulus, self.keep(seconds) * former)
+
+
+JOINTS = (*NECK, *(f"{side}_{name}" for side in SIDES for name in ("fingers", "mf_knuckle")))
+"""The joints that are read."""
+
+
+class Senses:
+    """Reads observations of k infants; bound to their bodies."""
+
+    def __init__(self, batch: Batch, touch_numbers: int):
+        """Find what is read.
+
+        Args:
+            batch: The infants.
+            touch_numbers: How many numbers an observation of touch has, 0 without.
+        """
+        self._batch, infant = batch, batch.infants[0]
+        senses = [name for name in ("proprioception", "vestibular", "touch") if name in infant.senses]
+        self.names = tuple(senses)
+        """The senses that there are."""
+        self._step_s = ms_to_s(infant.manifest.step_ms)
+        weights_kg = np.array([item.manifest.child.weight_kg for item in batch.infants])
+        self._weight_n = batch.put(GRAVITY_M_S2 * weights_kg)
+        self._areas: dict[str, Area] = {}
+        if "touch" in senses and touch_numbers:
+            touch: Any = infant.senses["touch"]
+            is_sum = touch_numbers != len(touch.bodies)
+            self._areas = {
+                f"{side} {name}": Area(batch, side, patches, touch.width, is_sum)
+                for side in SIDES
+                for name, patches in AREAS.items()
+            }
+        layout = infant.layout("proprioception") if "proprioception" in senses else ()
+        self._angles = {name: layout.index(f"robot:{name} angle [rad]") for name in _felt(layout, "angle [rad]")}
+        self._speeds = {name: layout.index(f"robot:{name} velocity [rad/s]") for name in _felt(layout, "velocity")}
+        self._balance = infant.layout("vestibular") if "vestibular" in senses else ()
+
+    def __call__(self, observation: Mapping[str, Any], balance: Mapping[str, Any], chance: Any) -> tuple[Sensed, dict]:
+        """Return what is sensed, and what balance remembers.
+
+        Args:
+            observation: The observation, arrays with a leading axis of k.
+            balance: What it remembered before; see `BALANCE`.
+            chance: Numbers from 0 to 1, shape (k,).
+        """
+        real, zero = self._batch.real, 0.0 * chance
+        joints = real(observation["proprioception"]) if self._angles else None
+        angles = {name: joints[:, index] for name, index in self._angles.items()} if joints is not None else {}
+        speeds = {name: joints[:, index] for name, index in self._speeds.items()} if joints is not None else {}
+        felt = real(observation["touch"]) if self._areas else None
+        force, rate = self._head(observation, zero)
+        neck = [angles.get(name, zero) for name in NECK]
+        turning = [one - speeds.get(name, zero) for one, name in zip(rate, NECK, strict=True)]
+        rate_of_trunk = _in_trunk(self._batch.xp, turning, neck)
+        balance = self._balanced(balance, _in_trunk(self._batch.xp, force, neck), rate_of_trunk)
+        sensed = Sensed(
+            self._batch.xp,
+            self._step_s,
+            self._weight_n,
+            {name: area(felt) for name, area in self._areas.items()},
+            angles,
+            speeds,
+            rate,
+            force,
+            rate_of_trunk,
+            (balance["up x"], balance["up y"], balance["up z"]),
+            balance["posture"],
+            chance,
+        )
+        return sensed, balance
+
+    def _head(self, observation: Mapping[str, Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Return specific force and angular velocity of the head."""
+        if not self._balance:
+            return (zero, zero, zero), (zero, zero, zero)
+        felt, vectors = self._batch.real(observation["vestibular"]), []
+        for part in ("acc", "gyro"):
+            columns = [number for number, name in enumerate(self._balance) if f"_{part}." in name]
+            vectors.append(tuple(felt[:, column] for column in columns) or (zero, zero, zero))
+        return vectors[0], vectors[1]
+
+    def _balanced(self, former: Mapping[str, Any], force: Any, rate: Any) -> dict[str, Any]:
+        """Return the direction upwards one step later: turned as the gyroscope says, drawn towards the specific force.
+
+        With the angular velocity w, the specific force f and the time constant T: up' = up x w + (f / |f| - up) / T.
+        """
+        xp, step_s = self._batch.xp, self._step_s
+        size = xp.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2) + 1e-6
+        measured = tuple(part / size for part in force)
+        new = former["is new"]
+        up = tuple(new * one + (1.0 - new) * former[name] for one, name in zip(measured, UP, strict=True))
+        turned = (
+            up[1] * rate[2] - up[2] * rate[1],
+            up[2] * rate[0] - up[0] * rate[2],
+            up[0] * rate[1] - up[1] * rate[0],
+        )
+        moved = [a + step_s * (b + (c - a) / GRAVITY_S) for a, b, c in zip(up, turned, measured, strict=True)]
+        length = xp.sqrt(moved[0] ** 2 + moved[1] ** 2 + moved[2] ** 2) + 1e-6
+        moved = [part / length for part in moved]
+        posture = new * moved[2] + (1.0 - new) * former["posture"]
+        posture = posture + step_s / POSTURE_S * (moved[2] - posture)
+        return {**dict(zip(UP, moved, strict=True)), "posture": posture, "is new": 0.0 * new}
+
+
+UP = ("up x", "up y", "up z")
+
+
+def _felt(layout: tuple[str, ...], what: str) -> list[str]:
+    return [name for name in JOINTS if any(item.startswith(f"robot:{name} {what}") for item in layout)]
+
+
+def _in_trunk(xp: Any, vector: Any, neck: Any) -> tuple[Any, Any, Any]:
+    """Return a vector of the head's frame in the frame of the trunk; the neck turns about z, then y, then x."""
+    (x, y, z), (roll, pitch, yaw) = vector, neck
+    y, z = xp.cos(roll) * y - xp.sin(roll) * z, xp.sin(roll) * y + xp.cos(roll) * z
+    x, z = xp.cos(pitch) * x + xp.sin(pitch) * z, xp.cos(pitch) * z - xp.sin(pitch) * x
+    return xp.cos(yaw) * x - xp.sin(yaw) * y, xp.sin(yaw) * x + xp.cos(yaw) * y, z
