@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from mimoc.recording.recorder import Recorder as Recorder
     from mimoc.recordings import replay_recording as replay_recording
     from mimoc.reporting import report as report
+    from mimoc.retarget.folder import read_retargeted as read_retargeted, write_retargeted as write_retargeted
     from mimoc.retarget.retargeting import retarget as retarget
     from mimoc.runtime.env import InfantEnv as InfantEnv
     from mimoc.runtime.growth_schedule import growth_schedule as growth_schedule
