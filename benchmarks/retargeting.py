@@ -1,6 +1,6 @@
 """Known motions of random children, filmed and fitted: errors, intervals and speed, against what was asked for.
 
-python benchmarks/retargeting.py [--children 20] [--seconds 20] [--first 0] [--points all] [--kind pixels|depth|space]
+python benchmarks/retargeting.py [--children 20] [--seconds 10] [--first 0] [--points all] [--kind pixels|depth|space]
 """
 
 import argparse
@@ -27,9 +27,9 @@ WELL_DEG = 10.0
 def main() -> None:
     """Print a row for each kind of recording."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--children", type=int, default=20)
+    parser.add_argument("--children", type=int, default=4)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--kind", choices=["pixels", "depth", "space"], nargs="*", default=["pixels", "depth", "space"])
     parser.add_argument("--points", choices=["mini", "all"], default="all")
     parser.add_argument("--each", action="store_true")

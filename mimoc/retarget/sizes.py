@@ -108,7 +108,9 @@ def resized(spec: InfantSpec, factors: Mapping[str, float], length_cm: float | N
             for key in size.keys:
                 value = (getattr(before, key) if before else 1.0) * factor
                 parts.setdefault(name, {})[key] = round(float(np.clip(value, LEAST, MOST)), 4)
-    individual = {} if length_cm is None else {"individual": {"length_cm": round(length_cm, 2)}}
+    individual = (
+        {} if length_cm is None else {"individual": {"length_percentile": None, "length_cm": round(length_cm, 2)}}
+    )
     return spec.with_(body={"parts": parts, **individual})
 
 

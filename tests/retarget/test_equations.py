@@ -16,7 +16,7 @@ NO_CONTACTS = Contacts(0, np.zeros(0), (), (), ())
 
 
 def differences(problem: Problem, state: State, outlier: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return half the derivatives of the cost by finite differences: of one unknown in all frames, and of the shared."""
+    """Return half the derivatives of the cost by differences: of one unknown in all frames, and of what is shared."""
     frame, shared = [], []
     for column in range(state.x.shape[1]):
         step = STEP * np.eye(state.x.shape[1])[column]

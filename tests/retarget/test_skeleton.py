@@ -73,6 +73,13 @@ def test_every_size_changes_the_length_of_its_name():
         assert after[size.name] / before[size.name] == pytest.approx(1.1, abs=0.01), size.name
 
 
+@pytest.mark.parametrize("individual", [None, {"sex": "female", "length_percentile": 30}, {"length_cm": 60.0}])
+def test_a_length_replaces_what_the_spec_said_of_it(individual):
+    spec = child().spec.with_(body={"individual": individual})
+    longer = resized(spec, {}, 61.2).body.individual
+    assert (longer.length_cm, longer.length_percentile) == (61.2, None)
+
+
 def test_a_rotation_vector_and_its_matrix_are_each_others():
     vectors = np.array([[0.3, -1.0, 2.0], [0.0, 0.0, 0.0], [1e-9, 0.0, 0.0]])
     for vector, matrix in zip(vectors, exponential(vectors)[0], strict=True):
