@@ -15,8 +15,8 @@ _LIMBS: Mapping[str, Sequence[str]] = {
 }
 """What estimators exchange as one."""
 _JUMP = 0.25
-"""Mean distance, in trunks, that the points of a pair of limbs jump between frames if they are exchanged: a fifth of
-the body's width is left, where limbs that move need several frames for it."""
+"""Mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged, at least;
+hips alone, which are closest together, are .21 to .29 apart. Limbs that move need several frames for it."""
 _RATIO = 1 / 3
 """How much shorter the way must be if left and right are exchanged back."""
 _LEAST_ACROSS = 0.1
