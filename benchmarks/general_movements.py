@@ -1,6 +1,6 @@
 """How much infants that move by themselves are like twelve real ones, and how they move at each age.
 
-    python benchmarks/general_movements.py [--age 3] [--actuation muscle] [--hands mitten] [--seeds 0:12] [--real FOLDER]
+    python benchmarks/general_movements.py [--age 3] [--actuation muscle] [--hands mitten] [--seeds 0:12] [--real DIR]
     python benchmarks/general_movements.py --ages 0 1 2 3 4 6 9 12 [--actuation muscle] [--seeds 0:12]
 
 The first prints the 21 measures of `docs/movement_measures.md` beside those of the real infants, the distance, and how

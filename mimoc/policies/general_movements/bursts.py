@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.policies.general_movements.joints import LIMBS
 from mimoc.runtime.term import Put
 
 SLOTS = 5
@@ -28,21 +27,22 @@ class Bursts:
         t / T   2.3    0.2     -      -     3.1      the next burst of this limb goes into slot 2
     """
 
-    def __init__(self, xp: Any, put: Put, limb: Any, zeros: Any):
+    def __init__(self, xp: Any, put: Put, limb: Any, of_limbs: Any, of_hinges: Any):
         """Begin with none.
 
         Args:
             xp: The array library.
             put: Moves NumPy's arrays into it.
             limb: The limb of each hinge, shape (m,).
-            zeros: Zeros of shape (k, m).
+            of_limbs: Zeros of shape (k, limbs).
+            of_hinges: Zeros of shape (k, m).
         """
         self._xp, self._limb = xp, limb
         self._slots = put(np.arange(SLOTS, dtype=np.float64)[None, :, None])
-        self._next = zeros[:, :1] + put(np.zeros((1, len(LIMBS))))
-        self._length_s = self._next[:, None, :] + 0.0 * self._slots + 1.0
+        self._next = of_limbs
+        self._length_s = of_limbs[:, None, :] + 0.0 * self._slots + 1.0
         self._time_s = 10.0 * self._length_s
-        self._pattern = zeros[:, None, :] + 0.0 * self._slots
+        self._pattern = of_hinges[:, None, :] + 0.0 * self._slots
 
     def advance(self, step_s: float, begins: Any, lengths_s: Any, patterns: Any) -> None:
         """Let time pass, and bursts begin.

@@ -101,7 +101,7 @@ class GeneralMovements:
         self._state |= {"slowly": self._state["slow"], "slowly_bend": self._state["bend"]}
         zeros = 0.0 * self._state["slow"]
         self._state |= {"goal": zeros, "going": zeros}
-        self._bursts = Bursts(self._xp, self._put, self._limb, zeros)
+        self._bursts = Bursts(self._xp, self._put, self._limb, 0.0 * self._state["activity"], zeros)
         self._set_styles()
 
     def set_laws(self, laws: Sequence[Law]) -> None:
@@ -178,14 +178,19 @@ class GeneralMovements:
         in_arms, in_legs = ((of[name] > 0.0) & (chances[name] < of_pairs) for name in ("arms", "legs"))
         together = in_arms | in_legs | (chances["all"] < of_all)
         begins = (chances["alone"] < alone * self.rate_gains) | together
-        same = self._in_phase * xp.take(noise["direction"], self._other_side, axis=1)
-        same = same + xp.sqrt(1.0 - self._in_phase**2) * noise["direction"]
-        direction = xp.where(together & (of["left"] > 0.0), same, noise["direction"])
+        direction = xp.where(together, self._in_pairs(noise["direction"]), noise["direction"])
         lengths_s = self._duration_s * xp.exp(law["duration_spread"] * noise["duration"])
         sizes = xp.exp(law["size_spread"] * noise["size"] + law["size_swell"] * state["arousal"])
         sizes = self._size * sizes * arousal
         patterns = self._along(direction, noise["pattern"]) * self._weight * xp.take(sizes, self._limb, axis=1)
         self._bursts.advance(self._step_s, begins, lengths_s, patterns)
+
+    def _in_pairs(self, of_limbs: Any) -> Any:
+        """Return numbers of limbs, those on the left correlated with those on the right: r x_right + √(1 - r²) x."""
+        xp = self._xp
+        same = self._in_phase * xp.take(of_limbs, self._other_side, axis=1)
+        same = same + xp.sqrt(1.0 - self._in_phase**2) * of_limbs
+        return xp.where(self._limbs_of["left"] > 0.0, same, of_limbs)
 
     def _along(self, of_limbs: Any, of_hinges: Any) -> Any:
         """Return what is partly of the whole limb, partly of each joint: c f b + √(1 - c²) j, shape (k, m)."""
@@ -208,7 +213,7 @@ class GeneralMovements:
     def _shares(self, arousal: Any) -> Any:
         """Return the share of its strength that each hinge is asked for, shape (k, m)."""
         law, state = self._law, self._state
-        slowly = self._slow * self._along(state["slowly_bend"], state["slowly"])
+        slowly = self._slow * self._along(self._in_pairs(state["slowly_bend"]), state["slowly"])
         level = self._xp.exp(law["size_swell"] * state["arousal"]) * arousal
         fidgety = law["fidget"] * self._scale * level * state["fidget"]
         return self._posture + slowly + fidgety + self._bursts.shares(law["rebound"]) + law["goals"] * state["going"]
@@ -216,7 +221,7 @@ class GeneralMovements:
     def _commands(self, shares: Any, arousal: Any) -> Any:
         """Return the commands that ask for shares, those without a hinge at rest, shape (k, n)."""
         xp, of = self._xp, self._of
-        shares = xp.concat([shares, 0.0 * shares[:, :1]], axis=1)
+        shares = xp.concat([shares, 0.0 * self._state["arousal"]], axis=1)
         commands = of["signs"] * xp.take(shares, self._hinge, axis=1) + of["is_muscle"] * self._tone * arousal
         return xp.minimum(xp.maximum(commands, of["low"]), of["high"])
 

@@ -1,10 +1,9 @@
 """What the joints of an infant are to general movements: the limbs, and how commands move them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, commanded
 from mimoc.actuation.spec import ActuationEntry
@@ -45,8 +44,8 @@ SPINE: Mapping[str, float] = {"hip_bend1": 1.0, "hip_lean1": 0.0, "hip_rot1": 0.
 NECK: Mapping[str, float] = {"head_tilt": 1.0, "head_tilt_side": 0.0, "head_swivel": 0.0}
 DISTAL = frozenset({"hand1", "hand2", "hand3", "fingers", "foot1", "foot2", "foot3", "toes", "big_toe"})
 WEIGHTS: Mapping[str, float] = {"hip1": 1.2, "knee": 0.7}
-"""What bursts ask of a joint relative to others; 1 if it is not named here. A shank is light for the muscles that move
-it: without this, knees turn by twice as much in a kick as has been published."""
+"""What bursts ask of a joint relative to others, 1 if it is not named here: so that hips turn by 30 to 60 degrees in a
+kick, as has been published (movement of legs is fitted with it)."""
 FINGERS = ("ff_", "mf_", "rf_", "lf_", "th_")
 """Prefixes of the joints of five fingers, which are what `fingers` is to mittens."""
 POSTURES: Mapping[str, Mapping[str, float]] = {
@@ -64,6 +63,10 @@ GOALS: tuple[Mapping[str, float], ...] = (
     {"shoulder_horizontal": 0.5, "shoulder_ad_ab": -0.3, "elbow": 0.3, "hip1": 0.2, "knee": 0.3},
 )
 """Where limbs go with a goal, in shares: hands to the midline, the face and the knees; feet up, tucked, and down."""
+
+
+Roles = Sequence[tuple[str, str, float]]
+"""Limb, kind and flexion of hinges."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +109,9 @@ def joints_of(entry: ActuationEntry, actuation: Actuation) -> Joints:
     return Joints(
         names,
         np.array([LIMBS.index(limb) for limb, _, _ in roles], np.intp),
-        np.array([flexion for _, _, flexion in roles]),
-        np.array([float(part in DISTAL) for _, part, _ in roles]),
-        np.array([WEIGHTS.get(part, 1.0) for _, part, _ in roles]),
+        np.array([flexion for _, _, flexion in roles], np.float64),
+        np.array([part in DISTAL for _, part, _ in roles], np.float64),
+        np.array([WEIGHTS.get(part, 1.0) for _, part, _ in roles], np.float64),
         _shares(roles, POSTURES.values()),
         _shares(roles, GOALS),
         np.array(hinges, np.intp),
@@ -119,8 +122,9 @@ def joints_of(entry: ActuationEntry, actuation: Actuation) -> Joints:
     )
 
 
-def _shares(roles, shares) -> npt.NDArray[np.float64]:
-    return np.array([[share.get(part, 0.0) for _, part, _ in roles] for share in shares]).reshape(-1, len(roles))
+def _shares(roles: Roles, kinds: Collection[Mapping[str, float]]) -> FloatArray:
+    """Return what kinds of posture or goal ask of hinges, shape (kinds, m)."""
+    return np.array([[kind.get(part, 0.0) for _, part, _ in roles] for kind in kinds]).reshape(len(kinds), len(roles))
 
 
 def _role(joint: str) -> tuple[str, str, float] | None:

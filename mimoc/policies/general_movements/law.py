@@ -90,7 +90,7 @@ def _constant(value: float) -> tuple[float, ...]:
 
 COLUMNS: Mapping[str, tuple[float, ...]] = {
     "rate_hz": (2.7, 2.8, 3.2, 4.3, 4.3, 3.6, 3.0, 2.6, 2.6),
-    "strength": (0.5, 0.54, 0.58, 0.53, 0.48, 0.38, 0.26, 0.2, 0.16),
+    "strength": (0.5, 0.54, 0.58, 0.55, 0.5, 0.38, 0.26, 0.2, 0.16),
     "size_spread": _constant(0.85),
     "duration_s": (0.25, 0.25, 0.24, 0.21, 0.21, 0.21, 0.21, 0.21, 0.21),
     "duration_spread": _constant(0.18),
@@ -110,7 +110,7 @@ COLUMNS: Mapping[str, tuple[float, ...]] = {
     "fidget": (0.0, 0.01, 0.04, 0.09, 0.09, 0.04, 0.02, 0.02, 0.02),
     "fidget_hz": _constant(1.3),
     "tone": _constant(0.03),
-    "arms": (1.75, 1.75, 1.75, 1.75, 1.8, 2.0, 2.2, 2.4, 2.4),
+    "arms": (1.7, 1.7, 1.7, 1.7, 1.75, 2.0, 2.2, 2.4, 2.4),
     "trunk": _constant(0.5),
     "distal": _constant(0.6),
     "arms_up": _constant(0.08),

@@ -89,6 +89,28 @@ def test_left_and_right_move_alike_on_average():
     assert 0.8 < energy[0] / energy[1] < 1.25
 
 
+def hip_and_knee(age_months: float) -> tuple[float, float]:
+    """Return how the commands of hip and knee correlate, and those of both hips, with motors."""
+    body = joints("torque")
+    rows = commands([law_at(age_months)] * 10, list(range(10)), 1500, joints=body)
+    columns = {name: rows[..., list(body.hinges).index(body.names.index(f"robot:{name}"))].T for name in LEGS}
+    pairs = [("left_hip1", "left_knee"), ("left_hip1", "right_hip1")]
+    return tuple(
+        np.mean([np.corrcoef(*row)[0, 1] for row in zip(*map(columns.get, pair), strict=True)]) for pair in pairs
+    )
+
+
+LEGS = "left_hip1", "right_hip1", "left_knee"
+
+
+def test_joints_of_a_leg_come_apart_and_legs_come_together_with_age():
+    """Thelen 1985; Chen 2020; Thelen, Ridley-Johnson & Fisher 1983; as one most of all at 2 months (Piek 1996)."""
+    coupled, phases = zip(*map(hip_and_knee, (0, 2, 4, 9)), strict=True)
+    assert coupled[1] > max(coupled[2:]) + 0.3
+    assert coupled[1] > coupled[0] > 0.8
+    assert phases[0] < -0.2 < 0.05 < min(phases[2:])
+
+
 def test_the_law_is_continuous_in_age():
     for age in AGES_MONTHS:
         before, at, after = (law_at(age + shift) for shift in (-1e-6, 0.0, 1e-6))
