@@ -125,7 +125,7 @@ LAYERS = {
     "studies": layer(
         "studies",
         f"{BUILDING} compiler {RUNNING} motion movement plots rollout policies recording training",
-        "gymnasium mujoco",
+        "gymnasium mujoco scipy",
     ),
     "cohorts": layer(
         "cohorts",

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mimoc.quantities import Quantity
@@ -20,6 +20,22 @@ MONTHS: Sequence[float] = (0, 1, 3, 6)
 WEEKS: Sequence[float] = (6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (0, 3)
 QUICK_WEEKS: Sequence[float] = ()
+SHORT = {
+    "rate_per_min": "Kicks",
+    "size_trunk": "Size",
+    "hip_deg": "Hip",
+    "knee_deg": "Knee",
+    "ankle_deg": "Ankle",
+    "stretch_s": "Stretching",
+    "bend_s": "Bending",
+    "peak_m_s2": "Peak in a kick",
+    "unit_s": "Movement",
+    "unit_m_s2": "Peak in a movement",
+    "hip_knee_r": "Hip and knee",
+    "knee_ankle_r": "Knee and ankle",
+    "left_right_r": "Left and right",
+}
+"""Labels of measures in small plots."""
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 20.0
 SETTLING_S = 2.0
@@ -222,11 +238,12 @@ def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
             bands.append(Band([0, end], [item.low] * 2, [item.high] * 2, "published", "usual"))
         lines = (Line(ages, [mean.mean for mean in means], "mean", "median"),)
         points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
-        yield Plot(AGE, item.measure, lines, tuple(bands), points, title=item.measure.label)
+        short = replace(item.measure, label=SHORT[item.measure.name])
+        yield Plot(AGE, short, lines, tuple(bands), points)
 
 
 def _loops(shown: Mapping[float, Result]) -> Iterator[Plot]:
     hip, knee = Quantity("hip_deg", "Hip, bending", "deg"), Quantity("knee_deg", "Knee, bending", "deg")
     for age, result in shown.items():
         line = Line(result.traces["hip"], result.traces["knee"], "", "median")
-        yield Plot(hip, knee, (line,), title=f"{age:g} months", x_range=(0, 140), y_range=(0, 155))
+        yield Plot(hip, knee, (line,), title=f"{age:g} month{'s' * (age != 1)}", x_range=(0, 140), y_range=(0, 155))

@@ -168,7 +168,7 @@ def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
         for gain in _gains_at(week):
             ours = [direction(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
             changes = [change_text(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
-            agrees = "yes" if tuple(ours) == PUBLISHED[week] else "no"
+            agrees = "unclear" if "unclear" in ours else "yes" if tuple(ours) == PUBLISHED[week] else "no"
             rows.append((f"{week:g}", f"{gain:g}", *changes, ", ".join(ours), agrees))
     return table_rows(rows)
 
@@ -191,11 +191,15 @@ def _step_table(steps: Steps, weeks: Sequence[float], seconds: float) -> str:
             plain = steps[cases["plain"]]
             changes = {name: relative_changes(plain, steps[cases[name]], measure.name) for name in ("weights", "water")}
             falls, rises = (direction(changes[name], STEP_LEAST) for name in ("weights", "water"))
-            verdict = f"{'yes' if falls == 'less' else 'no'}, {'yes' if rises == 'more' else 'no'}"
+            verdict = f"{_verdict(falls, 'less')}, {_verdict(rises, 'more')}"
             mean = interval([values[measure.name] for values in plain]).text(1)
             weight_g = f"{1000 * cases['weights'].weight_kg:.0f} g"
             rows.append((f"{week:g}", measure.heading, mean, weight_g, *map(change_text, changes.values()), verdict))
     return table_rows(rows)
+
+
+def _verdict(shown: str, asked: str) -> str:
+    return "unclear" if shown == "unclear" else "yes" if shown == asked else "no"
 
 
 def _write_tables(notebook: Notebook, kicks: Kicks, steps: Steps, seeds: Sequence[int]) -> None:

@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from statistics import fmean
 
-from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test
+from mimoc.studies.experiments.legs.intervals import interval, sign_test
 
+LEVEL = 0.05
+"""Chance below which a direction counts as shown."""
 Values = Sequence[Mapping[str, float]]
 """Measures of each seed."""
 
@@ -30,10 +32,13 @@ def change_text(changes: Sequence[float]) -> str:
 
 
 def direction(changes: Sequence[float], least: float = 0.0) -> str:
-    """Return `more`, `less` or `same`: less or more by at least some share, and too many seeds for chance (p < .05)."""
-    if not changes:
-        return "same"
-    mean: Interval = interval(changes)
-    if mean.mean >= least and sign_test(changes) < 0.05:
+    """Return `more` or `less` if too many seeds change so for chance (p < .05), and the mean by at least some share.
+
+    Otherwise `same`; with so few seeds that not even all of them would do, `unclear`.
+    """
+    if 0.5 ** len(changes) >= LEVEL:
+        return "unclear"
+    mean = interval(changes).mean
+    if mean >= least and sign_test(changes) < LEVEL:
         return "more"
-    return "less" if mean.mean <= -least and sign_test([-change for change in changes]) < 0.05 else "same"
+    return "less" if mean <= -least and sign_test([-change for change in changes]) < LEVEL else "same"

@@ -98,6 +98,7 @@ def test_each_seed_is_compared_with_itself():
 def test_a_direction_needs_more_than_chance():
     assert direction([0.1] * 5) == "more"
     assert direction([-0.1] * 5) == "less"
-    assert direction([0.1] * 4) == "same"
+    assert direction([0.1] * 4) == "unclear"
+    assert direction([0.1, -0.1] * 4) == "same"
     assert direction([0.1] * 5, least=0.2) == "same"
-    assert direction([]) == "same"
+    assert direction([]) == "unclear"
