@@ -102,7 +102,7 @@ def camera_of(text: str | None) -> "Camera | None":
 
 def is_unfinished(result: "Retargeted") -> bool:
     """Return whether Ctrl-C ended a fit."""
-    from mimoc.retarget.retargeting import INTERRUPTED as NOTE
+    from mimoc.retarget.running import INTERRUPTED as NOTE
 
     return NOTE in result.account.notes
 

@@ -96,7 +96,7 @@ class Body:
         unit[np.arange(len(unit)), self.root_speeds] = 1.0
         mobility = np.zeros_like(unit)
         mujoco.mj_solveM(self.model, self.data, mobility, unit)
-        return np.linalg.inv(mobility[:, self.root_speeds])
+        return np.asarray(np.linalg.inv(mobility[:, self.root_speeds]), np.float64)
 
     @property
     def touches(self) -> npt.NDArray[np.intp]:

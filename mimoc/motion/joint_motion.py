@@ -93,7 +93,7 @@ class JointMotion:
                 first += HINGE
         return splines
 
-    def at(self, times_s: FloatArray) -> States:
+    def at(self, times_s: npt.NDArray[Any]) -> States:
         """Return the motion at n times from the first frame on, shape (n,); before and after it, nothing moves on.
 
         Velocities and accelerations beyond the last frame are zero.

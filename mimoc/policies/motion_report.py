@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.control.tracking import Body, Demand
@@ -65,7 +66,7 @@ class Followed:
             rows.append((name.removeprefix("robot:"), error, *needed, above, f"{100 * known.size / len(shares):.0f} %"))
         return rows
 
-    def _members(self, parts: Sequence[str]) -> FloatArray:
+    def _members(self, parts: Sequence[str]) -> npt.NDArray[np.bool_]:
         names = {name for part in parts for name in self.manifest.anatomy.groups.get(part, ())}
         return np.array([name in names for name in self.body.joints.names], bool)
 
@@ -81,9 +82,9 @@ class Followed:
                 continue
             force_n, torque_nm = (np.linalg.norm(wrenches[:, part], axis=1) for part in (PLACE, TURN))
             for size, value in (("median", 50), ("p95", 95)):
-                metrics[f"{name}_force_{size}_n"] = float(np.percentile(force_n, value))
-                metrics[f"{name}_force_{size}_weights"] = float(np.percentile(force_n, value)) / weight_n
-                metrics[f"{name}_torque_{size}_nm"] = float(np.percentile(torque_nm, value))
+                metrics[f"{name}_force_{size}_n"] = round(float(np.percentile(force_n, value)), 9)
+                metrics[f"{name}_force_{size}_weights"] = round(float(np.percentile(force_n, value)) / weight_n, 9)
+                metrics[f"{name}_torque_{size}_nm"] = round(float(np.percentile(torque_nm, value)), 9)
         return metrics
 
 

@@ -1,0 +1,59 @@
+"""`mimoc retarget`, and what its folder is good for."""
+
+import numpy as np
+import pytest
+from support.motions import moved
+from support.store import built
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.motion.body_points import film
+
+SPEC = {"mimoc": 1, "name": "kim", "age_months": 3, "scene": {"kind": "flat", "pose": "supine"}}
+
+
+@pytest.fixture(scope="module")
+def points(tmp_path_factory):
+    """Return the file of what a camera sees of a known motion."""
+    bundle = built({**SPEC, "senses": {"proprioception": {}}})
+    motion, model = moved(bundle, 0.6), load_model(bundle)
+    place = tmp_path_factory.mktemp("points") / "kim.npz"
+    return mimoc.write_points(film(model, motion.qpos, motion.rate_hz), place)
+
+
+@pytest.mark.slow
+def test_a_recording_becomes_a_child_that_moves(points, tmp_path, invoke):
+    out = tmp_path / "kim"
+    code, output = invoke("retarget", str(points), "-o", str(out), "--age", "3")[:2]
+    assert code == 0, output
+    assert "of the trunk" in output
+    assert "overall size is known" in output
+    assert np.isfinite(mimoc.read_retargeted(out).motion.qpos).all()
+    for arguments in (["replay", str(out)], ["run", str(out), "--policy", "motion", "--root", "assisted"]):
+        code, output = invoke(*arguments)[:2]
+        assert code == 0, output
+    assert "Assisted force median" in output
+    assert "left_knee" in output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--camera", "1,2,3"], "is not a camera"),
+        (["--format", "betamax"], "betamax"),
+        (["--rate", "nan"], ""),
+    ],
+)
+def test_bad_options_are_refused_and_nothing_is_written(points, tmp_path, invoke, arguments, message):
+    code, *texts = invoke("retarget", str(points), "-o", str(tmp_path / "kim"), *arguments)
+    assert code == 2
+    assert message in "".join(map(str, texts))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_root_belongs_to_motions(tmp_path, invoke):
+    spec = tmp_path / "kim.yaml"
+    spec.write_text("mimoc: 1\nname: kim\nage_months: 3\n")
+    code, *texts = invoke("run", str(spec), "--root", "free")
+    assert code == 2
+    assert "--root says how the trunk follows a motion" in "".join(map(str, texts))
