@@ -53,10 +53,10 @@ def _print_comparison(measured: MovementMeasures) -> None:
     console, sample, distances = open_console(), measured.sample, sorted(measured.distances)
     if sample is None or measured.distance is None:
         return
-    each = f", of each {distances[0]:.2f} to {distances[-1]:.2f}" if len(distances) > 1 else ""
+    of_all = f", of each {distances[0]:.2f} to {distances[-1]:.2f}" if len(distances) > 1 else ""
     real = f" (a real infant to the other 11: {DISTANCES[0]} to {DISTANCES[2]})" if sample.name == NAME else ""
     mean = " of the mean" if len(distances) > 1 else ""
-    console.print(f"distance{mean} to {printable(sample.name)}: {measured.distance:.2f}{each}{real}")
+    console.print(f"distance{mean} to {printable(sample.name)}: {measured.distance:.2f}{of_all}{real}")
     if measured.apart:
         about = "" if measured.apart.exact else "about "
         console.print(f"told apart in windows of 8 s: {about}{measured.apart.accuracy:.2f} (.5 is chance, 1 is always)")
