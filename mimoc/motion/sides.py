@@ -15,7 +15,7 @@ _LIMBS: Mapping[str, Sequence[str]] = {
 }
 """What estimators exchange as one."""
 _JUMP = 0.25
-"""Mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged, at least;
+"""Least mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged:
 hips alone, which are closest together, are .21 to .29 apart. Limbs that move need several frames for it."""
 _RATIO = 1 / 3
 """How much shorter the way must be if left and right are exchanged back."""
