@@ -231,6 +231,11 @@ def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, 
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
+def test_the_help_lists_every_experiment(invoke):
+    listed = re.sub(r"[│\s]+", " ", invoke("experiment", "--help").out)
+    assert f"One of: {', '.join(EXPERIMENTS)}." in listed
+
+
 def test_the_command_prints_where_the_page_is(invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
