@@ -5,7 +5,10 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True, slots=True)
 class Styles:
-    """Standard deviations over infants; those without another unit are of the logarithm of a number of `Law`."""
+    """Standard deviations over infants; those without another unit are of the logarithm of a number of `Law`.
+
+    Fitted, with muscles at 3 months, to the standard deviations of the measures of 12 real infants (MINI-RGBD).
+    """
 
     rate: float = 0.25
     strength: float = 0.12

@@ -1,7 +1,7 @@
 """The arrays of general movements: rows are infants, all libraries agree, and commands stay in their range."""
 
 import warnings
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -109,6 +109,11 @@ def test_joints_of_a_leg_come_apart_and_legs_come_together_with_age():
     assert coupled[1] > max(coupled[2:]) + 0.3
     assert coupled[1] > coupled[0] > 0.8
     assert phases[0] < -0.2 < 0.05 < min(phases[2:])
+
+
+def test_the_law_has_every_number():
+    assert set(COLUMNS) == {field.name for field in fields(Law)}
+    assert {len(column) for column in COLUMNS.values()} == {len(AGES_MONTHS)}
 
 
 def test_the_law_is_continuous_in_age():
