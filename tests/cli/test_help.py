@@ -26,7 +26,7 @@ def test_the_commands_are_in_this_order():
         ["explain", "report", "render", "see", "view", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
     )
-    assert list(COMMANDS) == ["new", *running, *drawing, "replay", "export", "import", "schema", "doctor"]
+    assert list(COMMANDS) == ["new", *running, *drawing, "retarget", "replay", "export", "import", "schema", "doctor"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -17,7 +17,7 @@ XML = (
 def any_motion(seed: int, frames: int) -> JointMotion:
     generator = np.random.default_rng(seed)
     turns = generator.normal(size=(frames, 4))
-    turns = np.cumsum(0.2 * turns, axis=0) + [3.0, 0, 0, 0]
+    turns = np.cumsum(0.2 * turns, axis=0) + np.array([3.0, 0, 0, 0])
     turns /= np.linalg.norm(turns, axis=1, keepdims=True)
     qpos = np.concatenate([generator.normal(size=(frames, 3)), turns, generator.normal(size=(frames, 1))], axis=1)
     return JointMotion(30.0, ("root", "elbow"), qpos, ("root",))
