@@ -16,7 +16,7 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.joint_motion import motion_of
 from mimoc.policies.motion import MotionPolicy
-from mimoc.retarget.folder import altered
+from mimoc.retargeting.folder import altered
 from mimoc.runtime.rollout import Run
 
 

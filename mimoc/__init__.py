@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from mimoc.recording.recorder import Recorder as Recorder
     from mimoc.recordings import replay_recording as replay_recording
     from mimoc.reporting import report as report
-    from mimoc.retarget.folder import read_retargeted as read_retargeted, write_retargeted as write_retargeted
-    from mimoc.retarget.retargeting import retarget as retarget
+    from mimoc.retargeting.folder import read_retargeted as read_retargeted, write_retargeted as write_retargeted
+    from mimoc.retargeting.retarget import retarget as retarget
     from mimoc.runtime.env import InfantEnv as InfantEnv
     from mimoc.runtime.growth_schedule import growth_schedule as growth_schedule
     from mimoc.runtime.growth_wrapper import GrowthWrapper as GrowthWrapper

@@ -119,8 +119,8 @@ LAYERS = {
     "movement": layer(
         "movement", f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening", "mujoco scipy PIL"
     ),
-    "retarget": layer(
-        "retarget", f"{BUILDING} compiler {RUNNING} motion rollout policies recording opening", "mujoco scipy"
+    "retargeting": layer(
+        "retargeting", f"{BUILDING} compiler {RUNNING} motion rollout policies recording opening", "mujoco scipy"
     ),
     "studies": layer(
         "studies",
@@ -141,19 +141,19 @@ LAYERS = {
     "compat": layer("compat", f"{BUILDING} compiler {RUNNING} opening", "gymnasium mujoco"),
     "viewer": layer(
         "viewer",
-        f"{BUILDING} compiler {RUNNING} motion retarget rollout policies recording opening plots",
+        f"{BUILDING} compiler {RUNNING} motion retargeting rollout policies recording opening plots",
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
-        "opening viewer studies motion movement retarget",
+        "opening viewer studies motion movement retargeting",
         "gymnasium",
     ),
     "cli": layer(
         "cli __main__",
         f"{BUILDING} compiler {RUNNING} plots rollout policies recording training cohorts reporting "
-        "opening viewer studies mimoc signals motion movement retarget",
+        "opening viewer studies mimoc signals motion movement retargeting",
         "typer rich",
     ),
 }

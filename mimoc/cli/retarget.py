@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mimoc.motion.point_recording import Camera
-    from mimoc.retarget.result import Account, Retargeted
+    from mimoc.retargeting.result import Account, Retargeted
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
@@ -60,8 +60,8 @@ def retarget(
     """
     from mimoc.cli import console
     from mimoc.motion.reading import read_points
-    from mimoc.retarget.folder import altered, check_writable, write_retargeted
-    from mimoc.retarget.retargeting import retarget as fit
+    from mimoc.retargeting.folder import altered, check_writable, write_retargeted
+    from mimoc.retargeting.retarget import retarget as fit
 
     check_writable(out, force)
     start = load_spec(spec) if spec else None
@@ -102,7 +102,7 @@ def camera_of(text: str | None) -> "Camera | None":
 
 def is_unfinished(result: "Retargeted") -> bool:
     """Return whether Ctrl-C ended a fit."""
-    from mimoc.retarget.running import INTERRUPTED as NOTE
+    from mimoc.retargeting.running import INTERRUPTED as NOTE
 
     return NOTE in result.account.notes
 

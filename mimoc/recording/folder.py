@@ -240,10 +240,10 @@ def read_infant(path: str | Path) -> Bundle:
     folder = Path(path).expanduser()
     if not os.path.lexists(folder / RECORDING):
         return read_bundle(folder)
-    infants = description_in(folder).infants
-    if len(infants) > 1:
-        raise RecordingError(f"{folder}: {len(infants)} infants are recorded here; name a folder in its {BUNDLES}")
-    return read_bundle(bundle_folder(folder, infants[0].bundle))
+    infant, *others = description_in(folder).infants
+    if others:
+        raise RecordingError(f"{folder}: {len(others) + 1} infants are recorded here; name a folder in its {BUNDLES}")
+    return read_bundle(bundle_folder(folder, infant.bundle))
 
 
 def digest(bundle: Bundle) -> str:

@@ -9,9 +9,9 @@ import numpy as np
 
 from mimoc.motion.body_points import film, locate
 from mimoc.motion.points import POINTS
-from mimoc.retarget.fitting import Problem, State
-from mimoc.retarget.setting import Noise, Setting, first_state, problem_of, setting_of
-from mimoc.retarget.sizes import Child, compile_child, starting_spec
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.setting import Noise, Setting, first_state, problem_of, setting_of
+from mimoc.retargeting.sizes import Child, compile_child, starting_spec
 from mimoc.schema.infant import InfantSpec
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))

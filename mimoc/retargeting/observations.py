@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, Camera, FloatArray, PointRecording
-from mimoc.retarget.skeleton import Pose
+from mimoc.retargeting.skeleton import Pose
 
 OUTLIER = 6.0
 """Distance in standard deviations of noise beyond which a point hardly counts (Geman and McClure 1987)."""

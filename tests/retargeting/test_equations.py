@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from support.retargeting import problem_and_state
 
-from mimoc.retarget.contacts import Contacts
-from mimoc.retarget.fitting import Problem, State
-from mimoc.retarget.prior import Usual, chain, times_chain
-from mimoc.retarget.sizes import at_sizes
+from mimoc.retargeting.contacts import Contacts
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.prior import Usual, chain, times_chain
+from mimoc.retargeting.sizes import at_sizes
 
 STEP = 1e-6
 NO_CONTACTS = Contacts(0, np.zeros(0), (), (), ())

@@ -9,7 +9,7 @@ import numpy as np
 from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
-from mimoc.retarget.skeleton import IntArray, Pose, Skeleton
+from mimoc.retargeting.skeleton import IntArray, Pose, Skeleton
 
 SINK_M = 0.004
 """Depth by which a part may sink into the floor or another part, as a standard deviation."""

@@ -33,8 +33,8 @@ from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
 from mimoc.recording.description import RECORDING
 from mimoc.recording.folder import read_infant
-from mimoc.retarget.kinematic_episode import record_motion
-from mimoc.retarget.result import Retargeted
+from mimoc.retargeting.kinematic_episode import record_motion
+from mimoc.retargeting.result import Retargeted
 
 CHILD, POINTS, FITTED, ACCOUNT, README = "child.yaml", "points.npz", "fitted.npz", "account.json", "README.md"
 Progress = Callable[[int, int], None]
@@ -72,7 +72,7 @@ def write_retargeted(
 
     Raises:
         OutputError: If the folder holds anything else, or cannot be written.
-        MimocError: If the motion cannot be recorded; see `mimoc.retarget.kinematic_episode`.
+        MimocError: If the motion cannot be recorded; see `mimoc.retargeting.kinematic_episode`.
         RenderingError: If the child has vision, and there is no OpenGL here.
     """
     target = check_writable(out, force)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mimoc.retarget.banded import NormalEquations
+from mimoc.retargeting.banded import NormalEquations
 
 FRAMES, UNKNOWNS, SHARED = 7, 3, 2
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.banded import BoolArray, NormalEquations
-from mimoc.retarget.contacts import Contacts
-from mimoc.retarget.observations import OUTLIER, Channel, Observed
-from mimoc.retarget.prior import times_chain
-from mimoc.retarget.sizes import at_sizes
-from mimoc.retarget.skeleton import ROOT, Shape, Skeleton
+from mimoc.retargeting.banded import BoolArray, NormalEquations
+from mimoc.retargeting.contacts import Contacts
+from mimoc.retargeting.observations import OUTLIER, Channel, Observed
+from mimoc.retargeting.prior import times_chain
+from mimoc.retargeting.sizes import at_sizes
+from mimoc.retargeting.skeleton import ROOT, Shape, Skeleton
 
 LIMIT_RAD = np.radians(0.3)
 """How far beyond an end of its range a hinge may be, as a standard deviation; what remains is clipped afterwards."""

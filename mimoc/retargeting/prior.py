@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.skeleton import Hinges
+from mimoc.retargeting.skeleton import Hinges
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ import numpy as np
 
 from mimoc.base.errors import RecordingError
 from mimoc.motion.point_recording import PointRecording
-from mimoc.retarget.accounting import account_of
-from mimoc.retarget.fitting import Problem, State
-from mimoc.retarget.observations import OUTLIER
-from mimoc.retarget.result import Retargeted
-from mimoc.retarget.running import Run
-from mimoc.retarget.setting import (
+from mimoc.retargeting.accounting import account_of
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.observations import OUTLIER
+from mimoc.retargeting.result import Retargeted
+from mimoc.retargeting.running import Run
+from mimoc.retargeting.setting import (
     Noise,
     Setting,
     child_of,
@@ -26,9 +26,9 @@ from mimoc.retarget.setting import (
     setting_of,
     usual_noise,
 )
-from mimoc.retarget.sizes import compile_child, starting_spec
-from mimoc.retarget.start import TRUNK
-from mimoc.retarget.uncertainty import Uncertainty, pull_of, uncertainty_of
+from mimoc.retargeting.sizes import compile_child, starting_spec
+from mimoc.retargeting.start import TRUNK
+from mimoc.retargeting.uncertainty import Uncertainty, pull_of, uncertainty_of
 from mimoc.schema.infant import InfantSpec
 
 ROUNDS = 3
@@ -50,10 +50,21 @@ def retarget(
     camera_height_m: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Retargeted:
-    """Return the child of a recording and its motion, as `mimoc.retarget` says.
+    """Return the child of a recording of points and its motion.
+
+    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is that of the
+    average child of the age, unless the camera's height is known; what else remains open is said in the account.
+    Ctrl-C ends the fit with the best motion so far.
 
     In this order: compile the child that the fit starts from; fit some frames, from likely postures on; fit all frames,
     with sizes; compile the child that has them; fit its motion.
+
+    Args:
+        recording: Points on the infant; neck and both hips must be among them.
+        age_months: Age of the infant, from 0 to 24.
+        spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
+        camera_height_m: Height of the camera above the floor, if it is known.
+        progress: Called with the number of steps done, and of all.
 
     Raises:
         RecordingError: If the recording has too few points or frames.
@@ -64,8 +75,9 @@ def retarget(
         >>> from mimoc.motion.body_points import film
         >>> env = mimoc.make("nine_months.yaml").unwrapped
         >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> mimoc.retarget(film(env.model, still, 30.0), age_months=9).qpos.shape[0]
-        12
+        >>> result = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
+        >>> result.qpos.shape[0], result.account.error_share < 0.01
+        (12, True)
     """
     run = Run(progress, TOTAL)
     check(recording)

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from mimoc.retarget.banded import BoolArray
-from mimoc.retarget.fitting import Problem, State, solve
-from mimoc.retarget.observations import OUTLIER
+from mimoc.retargeting.banded import BoolArray
+from mimoc.retargeting.fitting import Problem, State, solve
+from mimoc.retargeting.observations import OUTLIER
 
 INTERRUPTED = "stopped before the end, by Ctrl-C: the motion is the best so far"
 _T = TypeVar("_T")

@@ -7,14 +7,14 @@ import numpy as np
 
 from mimoc.motion.body_points import BodyPoint, body_points
 from mimoc.motion.point_recording import FloatArray, PointRecording
-from mimoc.retarget import prior
-from mimoc.retarget.banded import BoolArray
-from mimoc.retarget.contacts import contacts_of, spheres_of
-from mimoc.retarget.fitting import Problem, State
-from mimoc.retarget.hinges import combined_limits, hinges_of
-from mimoc.retarget.observations import Observed
-from mimoc.retarget.postures import likely_postures
-from mimoc.retarget.sizes import (
+from mimoc.retargeting import prior
+from mimoc.retargeting.banded import BoolArray
+from mimoc.retargeting.contacts import contacts_of, spheres_of
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.hinges import combined_limits, hinges_of
+from mimoc.retargeting.observations import Observed
+from mimoc.retargeting.postures import likely_postures
+from mimoc.retargeting.sizes import (
     OVERALL_SD,
     SIZES,
     Child,
@@ -24,8 +24,8 @@ from mimoc.retarget.sizes import (
     matched,
     shape_of,
 )
-from mimoc.retarget.skeleton import ROOT, Hinges, Shape, Skeleton, matrix_of
-from mimoc.retarget.start import TRUNK, Start, start_of
+from mimoc.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, matrix_of
+from mimoc.retargeting.start import TRUNK, Start, start_of
 
 THIN_HZ = 7.5
 """Frames per second of the first fit, which finds postures and sizes."""

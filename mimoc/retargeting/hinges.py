@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.motion.body_points import BodyPoint
-from mimoc.retarget.skeleton import Hinges
+from mimoc.retargeting.skeleton import Hinges
 
 NEVER = "eye", "fingers", "toe", "_ff_", "_mf_", "_rf_", "_lf_", "_th_"
 """Parts of names of hinges that no point tells of."""

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.stats import chi2
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.banded import Factored
-from mimoc.retarget.fitting import CHUNK, Problem, State
-from mimoc.retarget.observations import OUTLIER
-from mimoc.retarget.sizes import at_sizes
-from mimoc.retarget.skeleton import ROOT, Shape
+from mimoc.retargeting.banded import Factored
+from mimoc.retargeting.fitting import CHUNK, Problem, State
+from mimoc.retargeting.observations import OUTLIER
+from mimoc.retargeting.sizes import at_sizes
+from mimoc.retargeting.skeleton import ROOT, Shape
 
 DIFFERENCE = 1e-3
 """Change of the height in [m], or of the logarithm of a size, by which derivatives of squares are computed."""

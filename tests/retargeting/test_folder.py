@@ -8,8 +8,8 @@ from support.store import built
 import mimoc
 from mimoc.base.errors import MimocError, OutputError
 from mimoc.motion.joint_motion import JointMotion
-from mimoc.retarget import folder as folders
-from mimoc.retarget.folder import altered, write_retargeted
+from mimoc.retargeting import folder as folders
+from mimoc.retargeting.folder import altered, write_retargeted
 from mimoc.viewer.filmed_points import points_of
 
 SPEC = {

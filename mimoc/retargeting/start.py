@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
-from mimoc.retarget.skeleton import exponential, rotation_vector
+from mimoc.retargeting.skeleton import exponential, rotation_vector
 
 TRUNK = "neck", "left_hip", "right_hip"
 SHOULDERS = "left_shoulder", "right_shoulder"

@@ -3,13 +3,13 @@
 import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.fitting import Problem, State
-from mimoc.retarget.prior import usual_of
-from mimoc.retarget.result import QUANTILE, Account, Interval
-from mimoc.retarget.setting import Setting, points_of
-from mimoc.retarget.sizes import lengths_of
-from mimoc.retarget.skeleton import ROOT
-from mimoc.retarget.uncertainty import Uncertainty
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.prior import usual_of
+from mimoc.retargeting.result import QUANTILE, Account, Interval
+from mimoc.retargeting.setting import Setting, points_of
+from mimoc.retargeting.sizes import lengths_of
+from mimoc.retargeting.skeleton import ROOT
+from mimoc.retargeting.uncertainty import Uncertainty
 
 UNSEEN = 0.8
 """Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""

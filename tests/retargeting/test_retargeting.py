@@ -10,10 +10,10 @@ import mimoc
 from mimoc.base.errors import RecordingError, SpecError
 from mimoc.bundle.model import load_model
 from mimoc.motion.body_points import locate
-from mimoc.retarget import fitting
-from mimoc.retarget.result import QUANTILE, Retargeted
-from mimoc.retarget.running import INTERRUPTED
-from mimoc.retarget.sizes import lengths_of
+from mimoc.retargeting import fitting
+from mimoc.retargeting.result import QUANTILE, Retargeted
+from mimoc.retargeting.running import INTERRUPTED
+from mimoc.retargeting.sizes import lengths_of
 
 
 def off_m(result: Retargeted, model, qpos) -> np.ndarray:
@@ -125,7 +125,7 @@ def test_derivatives_are_computed_for_parts_of_the_frames(monkeypatch):
     spec, _, _, recording = known(5, frames=24, depth_noise_m=0.01)
     whole = mimoc.retarget(recording, spec.age_months, start(spec))
     for module in ("fitting", "uncertainty"):
-        monkeypatch.setattr(f"mimoc.retarget.{module}.CHUNK", 7)
+        monkeypatch.setattr(f"mimoc.retargeting.{module}.CHUNK", 7)
     assert fitting.CHUNK == 7
     parts = mimoc.retarget(recording, spec.age_months, start(spec))
     assert parts.qpos == pytest.approx(whole.qpos, abs=1e-5)

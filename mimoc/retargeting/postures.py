@@ -4,8 +4,8 @@ import numpy as np
 from scipy.stats import norm, qmc
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.retarget.observations import Observed
-from mimoc.retarget.skeleton import ROOT, IntArray, Shape, Skeleton, exponential
+from mimoc.retargeting.observations import Observed
+from mimoc.retargeting.skeleton import ROOT, IntArray, Shape, Skeleton, exponential
 
 LIBRARY = 1024
 """Postures of a limb that are tried."""

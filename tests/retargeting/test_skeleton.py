@@ -6,9 +6,9 @@ import pytest
 from support.retargeting import child, problem_and_state, setting
 
 from mimoc.motion.body_points import body_points
-from mimoc.retarget.hinges import combined_limits, hinges_of
-from mimoc.retarget.sizes import SIZES, at_sizes, compile_child, lengths_of, resized
-from mimoc.retarget.skeleton import exponential, rotation_vector
+from mimoc.retargeting.hinges import combined_limits, hinges_of
+from mimoc.retargeting.sizes import SIZES, at_sizes, compile_child, lengths_of, resized
+from mimoc.retargeting.skeleton import exponential, rotation_vector
 
 STEP = 1e-6
 

@@ -13,7 +13,7 @@ from mimoc.compiler.pipeline import build
 from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
-from mimoc.retarget.skeleton import Shape
+from mimoc.retargeting.skeleton import Shape
 from mimoc.schema.infant import InfantSpec
 
 PointsOf = Callable[[mujoco.MjModel], list[BodyPoint]]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from mimoc.retarget.banded import NormalEquations
-from mimoc.retarget.prior import Usual, chain
-from mimoc.retarget.result import QUANTILE, Interval
+from mimoc.retargeting.banded import NormalEquations
+from mimoc.retargeting.prior import Usual, chain
+from mimoc.retargeting.result import QUANTILE, Interval
 
 FRAMES, RATE_HZ = 60, 15.0
 
