@@ -1,5 +1,6 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
+import os
 from collections.abc import Iterable
 from functools import cached_property
 from os import PathLike
@@ -10,6 +11,7 @@ import gymnasium
 
 from mimoc.base.errors import BundleError, MimocError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.manifest import MANIFEST
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.plugins import load_plugins
 from mimoc.render.environment import check_rendering
@@ -118,11 +120,7 @@ def prepared(
         from mimoc.compiler import loading
 
         return _compiled(loading.load_spec(source), like, alone)
-    if isinstance(source, Bundle):
-        return _opened(source)
-    from mimoc.recording.folder import read_infant
-
-    return _opened(read_infant(source))
+    return _opened(source if isinstance(source, Bundle) else _read(source))
 
 
 def make_task(
@@ -194,6 +192,15 @@ def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True
     variants = SpecVariants(spec, skin=alone or sees_skin(spec))
     variant = variants.own_like(like) if isinstance(like, SpecVariants) else variants.original
     return {"bundle": variant, "variants": variants}
+
+
+def _read(path: str | Path) -> Bundle:
+    """Return the bundle in a folder, or that of the infant whose recording is in it."""
+    if not os.path.lexists(Path(path).expanduser() / MANIFEST):
+        from mimoc.recording.folder import read_infant
+
+        return read_infant(path)
+    return read_bundle(path)
 
 
 class BundleVariants:

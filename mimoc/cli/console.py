@@ -121,7 +121,7 @@ def print_joints(policy: object) -> None:
     if (followed := getattr(policy, "followed", None)) is not None:
         table = new_table(*followed.headings, title="How each joint followed the motion")
         for row in followed.rows():
-            table.add_row(*row)
+            table.add_row(row[0].removeprefix("robot:"), *row[1:])
         open_console().print(table)
 
 

@@ -10,6 +10,7 @@ has. Starred is the motion at the time at which a command takes effect: after th
 within which the activation follows. Until then, joints are taken to move on at their present speed.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -29,8 +30,6 @@ BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
 """Of the feedback of joints, which is that of the prototype, and of the trunk where it is assisted (a choice)."""
 FRICTION_RAD_S = 0.05
 """Speed v_f above which dry friction counts as whole."""
-RESTING = "trunk", "neck"
-"""Groups of joints whose weight the ground carries while the infant touches anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,11 +57,19 @@ class Body:
         names = dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0])
         self.model, self.data, self.joints = model, mujoco.MjData(model), Joints([*names], model)
         self.torques: TorqueMapping = mapping(actuation, self.joints.indices, model, ms_to_s(manifest.step_ms))
+        limbs = {"arms": manifest.anatomy.arms, "legs": manifest.anatomy.legs}
+        self.of_limbs = {name: self._moving([limb.root for limb in each_side]) for name, each_side in limbs.items()}
+        """Which joints move arms, and which legs, shape (n,)."""
         self.root = model.body(manifest.root_body).id
         first = model.body_dofadr[self.root]
         self.root_speeds = np.arange(first, first + model.body_dofnum[self.root])
         """Where the velocity of the root stands, shape (6,); empty if it is held."""
         self.is_own: npt.NDArray[np.bool_] = model.body_rootid == model.body_rootid[self.root]
+
+    def _moving(self, roots: Sequence[str]) -> npt.NDArray[np.bool_]:
+        """Return which joints move bodies, or what hangs on them, shape (n,)."""
+        bodies = in_subtrees(self.model, [self.model.body(root).id for root in roots])
+        return bodies[self.model.jnt_bodyid[self.joints.indices]]
 
     def look(self, observed: mujoco.MjData) -> None:
         """Take over a state, with all that is derived from it."""
@@ -125,8 +132,8 @@ class Tracker:
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
         stiffness[self._body.root_speeds] = (2.0 * np.pi * ROOT_BANDWIDTH_HZ) ** 2
         self._stiffness, self._damping = stiffness, 2.0 * np.sqrt(stiffness)
-        resting = {joint for group in RESTING for joint in manifest.anatomy.groups.get(group, ())}
-        self._resting = np.array([name in resting for name in self._body.joints.names], bool)
+        self._resting = ~(self._body.of_limbs["arms"] | self._body.of_limbs["legs"])
+        """Joints of trunk and head, whose weight the ground carries while the infant touches anything."""
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
         """Return the action, shape (nu,).

@@ -1,6 +1,6 @@
 """What is reported of a motion that was followed: errors, torque needed over available, and what the trunk lacked."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,13 +12,6 @@ from mimoc.senses.sense import FloatArray
 
 GRAVITY_M_S2 = 9.81
 """Of the body's weight."""
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    "arms": ("right_arm", "left_arm", "right_hand", "left_hand"),
-    "legs": ("right_leg", "left_leg"),
-    "trunk": ("trunk",),
-    "neck": ("neck",),
-}
-"""What is reported together, by the groups of a manifest's anatomy; eyes and extra parts count in the whole only."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +36,7 @@ class Followed:
             return {}
         shares = np.array(self.demand.shares)
         metrics = dict(_of_joints("", self.errors_rad, shares))
-        for group, parts in GROUPS.items():
-            members = self._members(parts)
+        for group, members in self._groups():
             if members.any():
                 metrics |= _of_joints(f"{group}_", self.errors_rad[:, members], shares[:, members])
         if self.root_errors.shape[1]:
@@ -63,12 +55,17 @@ class Followed:
             needed = [f"{value:.2f}" for value in np.percentile(known, (50, 95))] if known.size else ["-", "-"]
             above = f"{100 * (known > 1).mean():.0f} %" if known.size else "-"
             error = f"{_rms_deg(self.errors_rad[:, joint]):.1f}"
-            rows.append((name.removeprefix("robot:"), error, *needed, above, f"{100 * known.size / len(shares):.0f} %"))
+            rows.append((name, error, *needed, above, f"{100 * known.size / len(shares):.0f} %"))
         return rows
 
-    def _members(self, parts: Sequence[str]) -> npt.NDArray[np.bool_]:
-        names = {name for part in parts for name in self.manifest.anatomy.groups.get(part, ())}
-        return np.array([name in names for name in self.body.joints.names], bool)
+    def _groups(self) -> Iterator[tuple[str, npt.NDArray[np.bool_]]]:
+        """Yield which joints are reported together: those of both arms, of both legs, and each group of the midline."""
+        yield from self.body.of_limbs.items()
+        is_limbs = np.any([*self.body.of_limbs.values()], axis=0)
+        for group, joints in self.manifest.anatomy.groups.items():
+            members = np.array([name in joints for name in self.body.joints.names], bool)
+            if not (members & is_limbs).any():
+                yield group, members
 
     def _of_root(self) -> dict[str, float]:
         """Return the drift of the trunk, the wrench that it needs, and that which it got."""

@@ -74,6 +74,16 @@ def write_retargeted(
         OutputError: If the folder holds anything else, or cannot be written.
         MimocError: If the motion cannot be recorded; see `mimoc.retargeting.kinematic_episode`.
         RenderingError: If the child has vision, and there is no OpenGL here.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
+        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
+        >>> folder = mimoc.write_retargeted(child, "filmed/child_1")
+        >>> sorted(path.name for path in folder.iterdir())[:4]
+        ['README.md', 'account.json', 'bundles', 'child.yaml']
     """
     target = check_writable(out, force)
     place = Path(os.path.realpath(target))
@@ -143,6 +153,16 @@ def read_retargeted(folder: str | Path) -> RetargetedFolder:
 
     Raises:
         MimocError: If it is none, or it is damaged.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
+        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
+        >>> folder = mimoc.write_retargeted(child, "filmed/child_2")
+        >>> mimoc.read_retargeted(folder).motion.qpos.shape[0]
+        12
     """
     path = Path(folder).expanduser()
     if not is_retargeted(path):
