@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
     from mimoc.motion.reading import read_points as read_points
     from mimoc.motion.writing import write_points as write_points
+    from mimoc.movement import measure_movement as measure_movement
     from mimoc.plugins import register as register
     from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.recording import record as record

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.cli.pictures import parse_seeds
 from mimoc.cli.run import POLICY_NAMES
@@ -33,7 +34,8 @@ def movement(
         typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own."),
     ] = None,
     policy: Annotated[
-        str | None, typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}.")
+        str | None,
+        typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
     ] = None,
     seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
     seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
@@ -54,7 +56,8 @@ def movement(
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
-    options = sources.SourceOptions(fps, policy, parse_seeds(seeds), seconds)
+    chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
+    options = sources.SourceOptions(fps, chosen, parse_seeds(seeds), seconds)
     with console.progress("simulating") as show:
         films = sources.films_in(source, options, show)
     others = _recordings(against, fps) if against and against != REAL else []

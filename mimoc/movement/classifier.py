@@ -29,6 +29,12 @@ class Windows:
     infants: IntArray
     """Which infant each is of, shape (w,)."""
 
+    @property
+    def are_enough(self) -> bool:
+        """Whether two windows of other infants are left for whichever infant is left out."""
+        most = int(np.bincount(self.infants).max())
+        return len(self.infants) - most >= 2  # Covariances need two.
+
 
 def windows_of(recordings: Sequence[PointRecording]) -> Windows:
     """Return the measures of all whole windows of 8 s of some recordings, of another infant each.
@@ -55,10 +61,11 @@ def told_apart(first: Windows, second: Windows) -> float:
     infant differs more from the others of its group than the groups from each other.
 
     Raises:
-        MovementError: If one of the groups has fewer than two infants.
+        MovementError: If a group is too small: it must have two windows when an infant is left out.
     """
-    if min(len(np.unique(group.infants)) for group in (first, second)) < 2:
-        raise MovementError("to be told apart, both groups need at least two infants; give more recordings or seeds")
+    if not (first.are_enough and second.are_enough):
+        few = "needs two infants or more, and two windows of 8 s besides those of any one"
+        raise MovementError(f"to be told apart, each group {few}; give more or longer recordings")
     values = np.concatenate([first.values, second.values])
     labels = np.repeat([False, True], [len(first.values), len(second.values)])
     infants = np.concatenate([first.infants, second.infants + first.infants.max() + 1])

@@ -10,7 +10,7 @@ from scipy.signal import find_peaks
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import Kick, kicks_of
-from mimoc.movement.measures import LIMB_POINTS, MOVING_TRUNK_S, correlation, leg_lengths, movement_units
+from mimoc.movement.measures import LIMB_POINTS, MOVING_TRUNK_S, STILL, correlation, leg_lengths, movement_units
 from mimoc.movement.trunk_frame import TrunkPaths
 from mimoc.quantities.movement_details import CENTROID, DETAILS
 
@@ -44,7 +44,7 @@ def _of_ends(body: TrunkPaths, part: str) -> dict[str, float]:
     moving = [length / rate_hz for speed in both for length in _runs(speed > MOVING_TRUNK_S)]
     still = [length / rate_hz for speed in both for length in _runs(speed <= MOVING_TRUNK_S)]
     every = max(1, round(rate_hz / PATH_HZ))
-    paths = [path[::every, axis] for path in body.sides(part) for axis in range(2)]
+    dimensions = [path_dimension(path[::every]) for path in body.sides(part)]
     return {
         f"{part}_unit_s": _median([frames / rate_hz for frames, _ in units]),
         f"{part}_unit_peak_trunk_s": _median([peak for _, peak in units]),
@@ -53,25 +53,28 @@ def _of_ends(body: TrunkPaths, part: str) -> dict[str, float]:
         f"{part}_moving_p90_s": _percentile(moving, 90),
         f"{part}_still_mean_s": _mean(still),
         f"{part}_still_p90_s": _percentile(still, 90),
-        f"{part}_path_dimension": _mean([path_dimension(path) for path in paths]),
+        f"{part}_path_dimension": _mean([one for one in dimensions if math.isfinite(one)]),
     }
 
 
-def path_dimension(values: FloatArray) -> float:
-    """Return Higuchi's fractal dimension of a signal: 1 if it is smooth, 1.5 for a random walk, 2 for noise.
+def path_dimension(path: FloatArray) -> float:
+    """Return Higuchi's fractal dimension of a path over time: 1 if it is smooth, 1.5 for a random walk, 2 for noise.
 
-    With L(k) the length of the signal looked at in steps of k, its mean over the k first points to begin at, it is the
-    slope of ln L(k) over ln 1 / k. NaN if it is constant.
+    With L(k) the length of the path looked at in steps of k, its mean over the k first points to begin at, it is the
+    slope of ln L(k) over ln 1 / k. NaN if nothing moves.
+
+    Args:
+        path: Shape (t, 2).
     """
-    lengths = [np.mean([_length(values, first, step) for first in range(step)]) for step in PATH_STEPS]
-    if min(lengths) <= 0:
+    lengths = [np.mean([_length(path, first, step) for first in range(step)]) for step in PATH_STEPS]
+    if min(lengths) < STILL:
         return math.nan
     return float(np.polyfit(-np.log(PATH_STEPS), np.log(lengths), 1)[0])
 
 
-def _length(values: FloatArray, first: int, step: int) -> float:
-    jumps = np.abs(np.diff(values[first::step]))
-    return float(jumps.sum() * (len(values) - 1) / (len(jumps) * step) / step)
+def _length(path: FloatArray, first: int, step: int) -> float:
+    jumps = np.linalg.norm(np.diff(path[first::step], axis=0), axis=1)
+    return float(jumps.sum() * (len(path) - 1) / (len(jumps) * step) / step)
 
 
 def _units(speed: FloatArray) -> Iterator[tuple[int, float]]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.motion.point_recording import PointRecording
-from mimoc.movement.classifier import WINDOW_S, told_apart, windows_of
+from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, windows_of
 from mimoc.movement.filming import Filmed
 from mimoc.movement.joints import joint_measures
 from mimoc.movement.measured import measure_movement
@@ -128,26 +128,24 @@ def compare(
     Raises:
         MovementError: If one cannot be measured.
     """
-    measured = measure_all(films)
-    seen = [film.seen for film in films]
-    enough, notes = _can_be_told_apart(seen), measured.notes
-    if not enough:
-        notes = (*notes, f"not told apart: this needs two infants or seeds, each of {WINDOW_S:g} s or more")
+    measured, seen = measure_all(films), [film.seen for film in films]
+    apart = None
+    if min(one.frames / one.rate_hz for one in seen) >= WINDOW_S and (windows := windows_of(seen)).are_enough:
+        apart = _told_apart(windows, sample, generator)
+    few = f"not told apart: this needs two infants or seeds, and two windows of {WINDOW_S:g} s besides those of any one"
+    if not isinstance(sample, Sample):
+        sample = Sample.of([measure_movement(recording) for recording in sample], f"{len(sample)} recordings")
+    notes = measured.notes if apart else (*measured.notes, few)
+    return MovementMeasures(measured.names, measured.infants, sample, apart, notes)
+
+
+def _told_apart(
+    windows: Windows, sample: Sample | Sequence[PointRecording], generator: np.random.Generator
+) -> ToldApart:
     if isinstance(sample, Sample):
-        apart = ToldApart(*_approximate(seen, generator)) if enough else None
-        return MovementMeasures(measured.names, measured.infants, sample, apart, notes)
-    others = Sample.of([measure_movement(recording) for recording in sample], f"{len(sample)} recordings")
-    apart = ToldApart(told_apart(windows_of(sample), windows_of(seen)), True) if enough else None
-    return MovementMeasures(measured.names, measured.infants, others, apart, notes)
-
-
-def _approximate(seen: Sequence[PointRecording], generator: np.random.Generator) -> tuple[float, bool, float]:
-    accuracy, deviation = told_from_real(windows_of(seen), generator)
-    return accuracy, False, deviation
-
-
-def _can_be_told_apart(recordings: Sequence[PointRecording]) -> bool:
-    return len(recordings) > 1 and min(one.frames / one.rate_hz for one in recordings) >= WINDOW_S
+        accuracy, deviation = told_from_real(windows, generator)
+        return ToldApart(accuracy, False, deviation)
+    return ToldApart(told_apart(windows_of(sample), windows), True)
 
 
 def _assumptions(recording: PointRecording) -> list[str]:

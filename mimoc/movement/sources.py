@@ -2,12 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
-from mimoc.base.errors import MimocError, MovementError
+from mimoc.base.errors import MovementError
+from mimoc.base.kinds import function_of
+from mimoc.motion import FORMATS
 from mimoc.motion.reading import read_points
 from mimoc.movement.filming import Filmed
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
+from mimoc.policies.policy import PolicyMaker
 
 POINTS = "points.npz"
 """The recorded points in a folder that `mimoc retarget` wrote."""
@@ -16,7 +20,7 @@ RECORDING, COHORT = "recording.json", "cohort.json"
 BUNDLE = "manifest.json"
 SPECS = ".yaml", ".yml"
 MOST = 1000
-"""Recordings in one folder."""
+"""Files in one folder."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +29,8 @@ class SourceOptions:
 
     rate_hz: float | None = None
     """Frames per second of recorded points, where the files do not say it."""
-    policy: str | None = None
-    """Policy of a bundle or a spec, which is simulated."""
+    policy: str | PolicyMaker | None = None
+    """Policy of a bundle or a spec, which is simulated: its name, or what makes it."""
     seeds: Sequence[int] = range(12)
     seconds: float = SECONDS
 
@@ -50,8 +54,8 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
         raise MovementError(f"{path}: an infant, not a recording; say how it moves with --policy, such as random")
     if options.policy and not is_infant:
         raise MovementError(f"{path}: --policy is for a bundle or a spec, which is simulated; leave it out")
-    if is_infant:
-        return [*film_policy(path, str(options.policy), options.seeds, options.seconds, progress)]
+    if options.policy:
+        return [*film_policy(path, options.policy, options.seeds, options.seconds, progress)]
     if not path.exists():
         raise MovementError(f"{path}: does not exist; name a recording, or the folder of one")
     return _recorded(path, options, progress)
@@ -67,31 +71,23 @@ def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Fi
         if not folders:
             raise MovementError(f"{path}: a cohort without recordings; its steps must record what is to be measured")
         return [film for folder in folders for film in film_recording(folder, progress)]
-    try:
+    if not path.is_dir() or _is_recognised(path):
         return [Filmed(read_points(path, rate_hz=options.rate_hz))]
-    except MimocError:
-        if not path.is_dir():
-            raise
-        inside = _first((item for item in path.iterdir() if not item.name.startswith(".")), path)
-        films = [Filmed(recording) for item in inside if (recording := _read(item, options))]
-        if not films:
-            raise
-        return films
+    inside = [item for item in _first(path.iterdir(), path) if _is_recognised(item)]
+    if not inside:
+        raise MovementError(f"{path}: nothing in this folder is a recording; name one, or a folder of several")
+    return [Filmed(read_points(item, rate_hz=options.rate_hz)) for item in inside]
 
 
-def _read(path: Path, options: SourceOptions):
-    """Return the points in something in a folder, or None if there are none."""
-    try:
-        return read_points(path, rate_hz=options.rate_hz)
-    except MimocError:
-        return None
+def _is_recognised(path: Path) -> bool:
+    """Return whether something looks like a recording of points."""
+    hidden = path.name.startswith(".")
+    return not hidden and any(function_of(kind.recognise, "recognise")(path) for kind in FORMATS.values())
 
 
 def _first(paths: Iterator[Path], folder: Path) -> list[Path]:
     """Return paths in their order, or raise a MovementError if there are too many."""
-    chosen = []
-    for path in paths:
-        chosen.append(path)
-        if len(chosen) > MOST:
-            raise MovementError(f"{folder}: more than {MOST} recordings are in this folder; divide it")
-    return sorted(chosen)
+    chosen = sorted(islice(paths, MOST + 1))
+    if len(chosen) > MOST:
+        raise MovementError(f"{folder}: more than {MOST} files are in this folder; divide it")
+    return chosen

@@ -81,11 +81,13 @@ DIMENSIONS = of_recording(
 
 def _of_both(part: str, parts: str) -> list[Quantity]:
     return [
-        of_recording(
-            name.format(part, parts), f"{(parts if '{1}' in name else part).capitalize()}: {label}", unit, about, source
-        )
+        of_recording(name.format(part, parts), f"{_title(name, part, parts)}: {label}", unit, about, source)
         for name, label, unit, about, source in _ENDS
     ]
+
+
+def _title(name: str, part: str, parts: str) -> str:
+    return (parts if "{1}" in name else part).capitalize()
 
 
 CORE = (*_of_both("hand", "hands"), *_of_both("foot", "feet"), KICKS, HAND_FOOT_TOGETHER, DIMENSIONS)

@@ -1,0 +1,81 @@
+"""`mimoc movement`."""
+
+import json
+
+import pytest
+
+SPEC = "mimoc: 1\nname: three\nage_months: 3\nsenses: {proprioception: {}}\nscene: {pose: supine}\n"
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch, folder):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "three.yaml").write_text(SPEC)
+    return tmp_path
+
+
+def test_a_recording_is_measured(invoke):
+    code, out, err = invoke("movement", "filmed/infant0.npz")
+    assert (code, err) == (0, "")
+    assert "Hand: speed, median [trunk/s]" in out
+    assert "distance" not in out
+    assert "Hands: distance" not in out
+
+
+def test_all_measures_are_printed_on_request(invoke):
+    assert "Hands: distance [trunk]" in invoke("movement", "filmed/infant0.npz", "--full").out
+
+
+def test_infants_are_compared_with_real_ones(invoke, place):
+    code, out, _ = invoke("movement", "filmed", "--against", "real", "--json", "out.json", "--plot", "out.png")
+    assert code == 0
+    assert "distance of the mean to 12 real infants (MINI-RGBD): " in out
+    assert "told apart in windows of 8 s: about " in out
+    assert out.endswith("out.json\nout.png\n")
+    assert json.loads((place / "out.json").read_text())["against"]["infants"] == 12
+
+
+def test_the_same_command_writes_the_same(invoke, place):
+    written = []
+    for name in ("a.json", "b.json"):
+        invoke("movement", "filmed", "--against", "real", "--json", name)
+        written.append((place / name).read_bytes())
+    assert written[0] == written[1]
+
+
+def test_infants_are_compared_with_recordings_of_ones_own(invoke):
+    out = invoke("movement", "filmed", "--against", "filmed").out
+    assert "distance of the mean to 3 recordings: 0.00" in out
+    assert "told apart in windows of 8 s: 0." in out
+
+
+def test_a_spec_is_simulated_and_drawn(invoke, place):
+    options = ("--policy", "random", "--seeds", "0:2", "--seconds", "3", "--gif", "two.gif", "--phase", "two.png")
+    code, out, _ = invoke("movement", "three.yaml", *options)
+    assert code == 0
+    assert "2 infants" in out
+    assert out.endswith("two.png\ntwo.gif\n")
+    assert (place / "two.gif").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("nowhere",), "nowhere: does not exist; name a recording"),
+        (("three.yaml",), "say how it moves with --policy"),
+        (("three.yaml", "--policy", "rnadom"), "rnadom"),
+        (("filmed", "--against", "nowhere"), "nowhere: does not exist; compare with `real`"),
+        (("filmed", "--against", "filmed/infant0.npz"), "one infant is no sample"),
+        (("filmed", "--plot", "a.txt"), "not a supported format for plots"),
+        (("filmed", "--gif", "a.txt"), "not a supported video format"),
+        (("filmed", "--json", "no/a.json"), "there is no folder no"),
+        (("filmed", "--phase", "a.png", "--json", "a.json"), "--phase needs angles"),
+        (("three.yaml", "--policy", "random", "--seeds", "2:1"), "is a range of 0 seeds"),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_nothing_is_written(invoke, place, arguments, message):
+    before = sorted(place.rglob("*"))
+    code, _, err = invoke("movement", *arguments)
+    assert (code, len(err.strip().splitlines())) == (2, 1), err
+    assert message in err
+    assert sorted(place.rglob("*")) == before
