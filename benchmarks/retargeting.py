@@ -108,6 +108,22 @@ def figures(model: mujoco.MjModel, qpos: np.ndarray, result: Retargeted) -> dict
     }
 
 
+GROUPS = ("shoulder", "elbow", "hand", "hip_", "hip", "knee", "foot", "head")
+"""Parts of names of hinges; a hinge belongs to the first that its name contains (`hip_` are the lumbar hinges)."""
+
+
+def errors_over_sd(rows: list[dict[str, Any]]) -> dict[str, list[float]]:
+    """Return the median and the 90th percentile of errors over their SD, by group of hinges; normal: .67 and 1.64."""
+    result: dict[str, list[np.ndarray]] = {}
+    for name, (off, sd) in (item for row in rows for item in row["angles"].items()):
+        group = next(part for part in GROUPS if part in name)
+        result.setdefault(group, []).append(np.abs(off) / sd)
+    return {
+        group: [round(float(np.quantile(np.concatenate(parts), level)), 2) for level in (0.5, 0.9)]
+        for group, parts in result.items()
+    }
+
+
 def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Return medians and shares over children."""
     hinges = sorted({name for row in rows for name in row["angles"]})
@@ -143,6 +159,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "height_inside": shown(float(np.mean(heights))) if heights else None,
         "beyond_limits_rad": shown(float(np.max([row["beyond_limits_rad"] for row in rows]))),
         "frames_per_s": [shown(float(f([row["frames_per_s"] for row in rows]))) for f in (np.min, np.median)],
+        "errors_over_sd_median_p90": errors_over_sd(rows),
         "hinges_deg_sd_inside": by_hinge,
     }
 

@@ -9,7 +9,7 @@ from mimoc.retargeting.result import QUANTILE, Account, Interval
 from mimoc.retargeting.setting import Setting, points_of
 from mimoc.retargeting.sizes import lengths_of
 from mimoc.retargeting.skeleton import ROOT
-from mimoc.retargeting.uncertainty import Uncertainty
+from mimoc.retargeting.uncertainty import Uncertainty, widened
 
 UNSEEN = 0.8
 """Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""
@@ -47,6 +47,7 @@ def account_of(
     by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
     joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
     factors = np.abs(hinges.factor)
+    wide = sure if problem.observed.tells_size else widened(sure, hinges.names)
     height_sd = float(np.sqrt(sure.shared_covariance[0, 0]))
     return Account(
         unit=recording.unit,
@@ -61,7 +62,7 @@ def account_of(
         lengths_m=_lengths(setting, sure),
         camera_height_m=_interval(state.height_m, height_sd) if recording.unit == "px" else None,
         joints=joints,
-        angle_sd_rad=sure.angle_sd_rad[:, hinges.column] * factors,
+        angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * factors,
         depth_sd_m=dict(zip(names, np.median(sure.depth_sd_m, axis=0).tolist(), strict=True)),
         unseen=_unseen(setting, sure),
         limits_touched=_touched(problem, state, hinges.names),

@@ -44,6 +44,7 @@ HELD = 0.003
 """Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
+CALIBRATED = "one camera sees no depth: standard deviations of angles are widened by factors from simulated motions"
 STRAIGHT = "the camera is taken to look straight down on a level floor"
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
@@ -115,6 +116,7 @@ class Setting:
             *([ASSUMED_CAMERA] if in_pixels and self.recording.camera is None else []),
             *([STRAIGHT] if in_pixels else []),
             *([] if self.size_is_known else [ASSUMED_SIZE]),
+            *([CALIBRATED] if in_pixels and self.recording.depth_m is None else []),
             *([] if self.start.lies else [NOT_LYING]),
         ]
 

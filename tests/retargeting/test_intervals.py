@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from support.retargeting import setting
 
 from mimoc.retargeting.banded import NormalEquations
 from mimoc.retargeting.prior import Usual, chain
 from mimoc.retargeting.result import QUANTILE, Interval
+from mimoc.retargeting.setting import CALIBRATED
+from mimoc.retargeting.uncertainty import WIDER, WIDER_REST, Uncertainty, widened
 
 FRAMES, RATE_HZ = 60, 15.0
 
@@ -39,3 +42,15 @@ def test_nine_of_ten_intervals_of_a_linear_model_contain_the_truth():
         shared_inside.append(Interval(shared[0], shared[0] - half, shared[0] + half).contains(offset))
     assert np.mean(inside) == pytest.approx(0.9, abs=0.03)
     assert np.mean(shared_inside) == pytest.approx(0.9, abs=0.07)
+
+
+def test_one_camera_has_wider_angles_and_says_so_but_neither_wider_lengths_nor_any_with_depth():
+    sure = Uncertainty((1.0,), np.ones((2, 4)), np.ones((2, 1)), np.eye(2))
+    names = [f"robot:{name}" for name in ("left_shoulder_horizontal", "left_shoulder_ad_ab", "hip_bend1", "head_tilt")]
+    wide = widened(sure, names)
+    assert wide.angle_sd_rad == pytest.approx(
+        np.tile([WIDER["shoulder_horizontal"], WIDER["shoulder"], WIDER["hip_"], WIDER_REST], (2, 1))
+    )
+    assert wide.shared_covariance is sure.shared_covariance
+    assert CALIBRATED in setting("pixels").notes
+    assert not any(CALIBRATED in setting(kind).notes for kind in ("depth", "space"))
