@@ -49,6 +49,7 @@ PAGES = (
     "docs/growth.md",
     "docs/from_mimo.md",
     "docs/filming.md",
+    "docs/movement_measures.md",
     "docs/replay.md",
 )
 """Those that are run here; test_docs.py has the others."""
