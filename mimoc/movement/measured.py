@@ -15,6 +15,14 @@ def measure_movement(recording: PointRecording) -> dict[str, float]:
 
     Raises:
         MovementError: If points are missing or never seen, or it is too slow or too short.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> still = env.model.key("supine").qpos[None].repeat(300, axis=0)
+        >>> mimoc.measure_movement(film(env.model, still, 30.0))["kicks_per_min"]
+        0.0
     """
     body = trunk_paths(recording)
     return {**core_of(body), **details_of(body), **joint_measures(recording)}
