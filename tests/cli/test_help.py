@@ -12,6 +12,7 @@ from support.full import FULL
 import mimoc
 from mimoc.cli import cohort, commands
 from mimoc.compiler.validation import who
+from mimoc.motion.body_points import film
 from mimoc.studies.experiments import growth
 from mimoc.training import settings
 from mimoc.training.settings import HYPERPARAMETERS
@@ -54,6 +55,8 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     (here / "config.yml").symlink_to(CONFIGS / "babybench.yml")
     for name in ("nine_months", "playroom", "reach"):
         assert invoke("new", f"{name}.yaml", "--like", name).code == 0
+    model = mimoc.make("nine_months.yaml").unwrapped.model
+    mimoc.write_points(film(model, model.key("supine").qpos[None].repeat(12, axis=0), 30.0), "keypoints.csv")
     for command in COMMANDS.values():
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
         done = invoke(*arguments)
@@ -63,6 +66,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "growth.png",
         "infant.html",
         "infant.schema.json",
+        "keypoints.csv",
         "kim.yaml",
         "nine_months.html",
         "nine_months.png",
