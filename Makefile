@@ -106,8 +106,8 @@ soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours 
 poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
 	PYTHONPATH=tests $(BIN)/python -m support.start_poses
 
-bench: $(TEST) ## Run the benchmarks that need no other code (minutes).
-	@set -e; for each in $$(grep -l __main__ benchmarks/*.py | xargs grep -L PATH_TO_MIMO); do echo "== $$each"; $(BIN)/python $$each; done
+bench: $(TEST) ## Run the benchmarks that need no code or recordings of others (minutes).
+	@set -e; for each in $$(grep -l __main__ benchmarks/*.py | xargs grep -LE "PATH_TO_MIMO|RECORDING"); do echo "== $$each"; $(BIN)/python $$each; done
 
 trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
 	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest -m "full or not full" tests/test_trainings_in_docs.py
