@@ -10,13 +10,12 @@ for each age. An episode takes two seconds.
 """
 
 import argparse
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from mimoc.motion.point_recording import MINI_RGBD_CAMERA, PointRecording
+from mimoc.motion.reading import read_points
 from mimoc.movement.classifier import told_apart, windows_of
 from mimoc.movement.filming import Filmed
 from mimoc.movement.real_infants import real_infants, told_from_real
@@ -73,7 +72,7 @@ def print_beside_real(films: Sequence[Filmed], folder: Path | None) -> None:
     about, spread = told_from_real(windows, np.random.default_rng(0))
     print(f"told from infants drawn from the real ones' aggregates: {about:.2f} ± {spread:.2f}")
     if folder:
-        real = windows_of([read(path) for path in sorted(folder.glob("1[01][0-9].csv"))])
+        real = windows_of([read_points(path, rate_hz=30) for path in sorted(folder.glob("1[01][0-9].csv"))])
         print(f"told from the real infants: {told_apart(real, windows):.3f}")
 
 
@@ -83,14 +82,6 @@ def print_ages(ages_months: Sequence[float], films: Sequence[Sequence[Filmed]]) 
     print(f"{'measure':32}" + "".join(f"{age:9g}" for age in ages_months))
     for name in BY_AGE:
         print(f"{name:32}" + "".join(f"{column.get(name, float('nan')):9.2f}" for column in columns))
-
-
-def read(path: Path) -> PointRecording:
-    """Return the 14 joints of a sequence of MINI-RGBD."""
-    with path.open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file, delimiter=";")
-    pixels = np.array([[[float(number) for number in cell.split(",")] for cell in row[1:]] for row in rows])
-    return PointRecording(path.stem, 30.0, tuple(header[1:]), pixels, np.ones(pixels.shape[:2]), MINI_RGBD_CAMERA)
 
 
 if __name__ == "__main__":

@@ -4,8 +4,6 @@ Between frames, places and angles follow cubic splines, and rotations of free jo
 acceleration (SciPy's `RotationSpline`); both pass through every frame.
 """
 
-import io
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,8 +16,10 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from mimoc.base.errors import MimocError
+from mimoc.base.errors import BundleError, MimocError
+from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.schema.base import Model
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -35,6 +35,14 @@ TURN = slice(3, 7)
 FIXED_ORDER = [1, 2, 3, 0]
 """From MuJoCo's order of a quaternion to SciPy's."""
 _ADVICE = "write it again with 'mimoc retarget'"
+
+
+class _About(Model):
+    """All of a motion but its numbers, as it stands in the file."""
+
+    rate_hz: float
+    joints: tuple[str, ...]
+    free: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,12 +158,9 @@ def _value(spline: Any, times_s: FloatArray, order: int) -> FloatArray:
 
 
 def pack_motion(motion: JointMotion) -> bytes:
-    """Return the content of a file that `numpy.load` reads, too."""
-    packed = io.BytesIO()
-    arrays = {"qpos": motion.qpos, "rate_hz": np.float64(motion.rate_hz)}
-    names = {"joints": np.array(motion.joints), "free": np.array(motion.free, dtype="U")}
-    np.savez(packed, allow_pickle=False, **arrays, **names)
-    return packed.getvalue()
+    """Return the content of a file: always the same bytes, and `numpy.load` reads its `qpos`, too."""
+    about = _About(rate_hz=motion.rate_hz, joints=motion.joints, free=motion.free).model_dump_json()
+    return pack_arrays({"about": np.frombuffer(about.encode(), np.uint8), "qpos": motion.qpos})
 
 
 def read_motion(path: Path) -> JointMotion:
@@ -165,37 +170,25 @@ def read_motion(path: Path) -> JointMotion:
         MimocError: If there is none, or it is damaged.
     """
     file = path / MOTION if path.is_dir() else path
-    arrays = load_arrays(file, _ADVICE)
-    try:
-        joints, free = (tuple(map(str, arrays[name].tolist())) for name in ("joints", "free"))
-        motion = JointMotion(float(arrays["rate_hz"]), joints, np.asarray(arrays["qpos"], np.float64), free)
-        sizes = sum(FREE if joint in free else HINGE for joint in joints)
-        if len(motion.qpos) < 2 or motion.qpos.shape != (len(motion.qpos), sizes) or not 0 < motion.rate_hz < 1e6:
-            raise ValueError
-        if not np.isfinite(motion.qpos).all() or len({*joints}) != len(joints):
-            raise ValueError
-    except (KeyError, ValueError, TypeError):
-        raise MimocError(f"{file}: this is not a motion, or is damaged; {_ADVICE}") from None
-    return motion
-
-
-def load_arrays(file: Path, advice: str) -> Mapping[str, npt.NDArray[Any]]:
-    """Return the arrays of numbers and text in a NumPy archive that no more is unpacked of than `MOST_BYTES`.
-
-    Raises:
-        MimocError: If there is none, or it is damaged; *advice* ends what it says.
-    """
     try:
         content = read_regular_file(file, MOST_BYTES)
     except UnusableFileError as error:
-        raise MimocError(f"{file}: {error}; {advice}") from None
+        raise MimocError(f"{file}: {error}; {_ADVICE}") from None
     if content is None:
-        raise MimocError(f"{file}: the file does not exist; {advice}")
+        raise MimocError(f"{file}: the file does not exist; {_ADVICE}")
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            if sum(member.file_size for member in archive.infolist()) > MOST_BYTES:
-                raise ValueError("it is too large")
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
-    except Exception:  # Whatever a stranger's archive makes the readers of ZIP and NPY raise.
-        raise MimocError(f"{file}: the file is damaged; {advice}") from None
+        return _checked(unpack_arrays(content))
+    except (BundleError, KeyError, ValueError, TypeError):
+        raise MimocError(f"{file}: this is not a motion, or is damaged; {_ADVICE}") from None
+
+
+def _checked(arrays: Mapping[str, npt.NDArray[Any]]) -> JointMotion:
+    """Return the motion in arrays, or raise a ValueError if they do not fit each other."""
+    about = _About.model_validate_json(arrays["about"].tobytes())
+    motion = JointMotion(about.rate_hz, about.joints, np.asarray(arrays["qpos"], np.float64), about.free)
+    sizes = sum(FREE if joint in motion.free else HINGE for joint in motion.joints)
+    if len(motion.qpos) < 2 or motion.qpos.shape != (len(motion.qpos), sizes) or not 0 < motion.rate_hz < 1e6:
+        raise ValueError("it has other numbers than its joints need")
+    if not np.isfinite(motion.qpos).all() or len({*motion.joints}) != len(motion.joints):
+        raise ValueError("it is not finite, or names a joint twice")
+    return motion

@@ -4,7 +4,7 @@ import math
 from array import array
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ def person(identity: str, numbers: Sequence[float | None], where: str) -> Person
     """
     try:
         try:
-            return Person(identity, array("d", numbers))  # type: ignore[arg-type]
+            return Person(identity, array("d", cast(Sequence[float], numbers)))  # Few have a None.
         except TypeError:
             return Person(identity, array("d", [math.nan if number is None else number for number in numbers]))
     except (TypeError, OverflowError):

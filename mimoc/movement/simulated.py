@@ -12,6 +12,7 @@ from mimoc.movement.filming import SETTLING_S, Film, Filmed
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.reading import read_recording
 from mimoc.recordings import replay_recording
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Run
 from mimoc.schema.infant import InfantSpec
 
@@ -68,12 +69,11 @@ def film_recording(folder: Path, progress: Progress = no_progress) -> Iterator[F
         RecordingError: If it is no whole recording.
         MovementError: If an episode does not come out again, or is too short.
     """
-    film = Film()
+    film, recording = Film(), read_recording(folder)
 
-    def watch(env: object, observation: object) -> None:
-        film.watch(env)  # pyright: ignore[reportArgumentType] - An InfantEnv.
+    def watch(env: InfantEnv, _observation: object) -> None:
+        film.watch(env)
 
-    recording = read_recording(folder)
     for replayed in replay_recording(recording, watch=watch, progress=progress):
         if replayed.difference is not None:
             raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")

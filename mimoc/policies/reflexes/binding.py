@@ -55,9 +55,9 @@ class Reflexes:
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Mapping[str, Any]) -> Any:
         """Return the actions, shape (k, n); each generator gives one number."""
-        self._bind(observations)
+        senses = self._bind(observations)
         chance = self._batch.draw([generator.random() for generator in generators])
-        sensed, balance = self._senses(observations, self._state[""], chance)  # pyright: ignore[reportOptionalCall]
+        sensed, balance = senses(observations, self._state[""], chance)
         state, total = {**self._state, "": balance}, dict[str, Any]()
         for name, gain in self.gains.items():
             drives, state[name] = self._reflexes[name].run(sensed, self._state[name])
@@ -103,14 +103,14 @@ class Reflexes:
             if name not in self.idle
         }
 
-    def _bind(self, observations: Mapping[str, Any]) -> None:
-        """Look again at what depends on the bodies and their ages, if any has changed."""
+    def _bind(self, observations: Mapping[str, Any]) -> Senses:
+        """Look again at what depends on the bodies and their ages, if any has changed; return the senses."""
         batch = self._batch
         bundles = tuple(infant.bundle for infant in batch.infants)
         if self._senses is not None and all(a is b for a, b in zip(bundles, self._bundles, strict=True)):
-            return
+            return self._senses
         self._bundles = bundles
-        self._senses = Senses(batch, observations["touch"].shape[-1] if "touch" in observations else 0)
+        self._senses = senses = Senses(batch, observations["touch"].shape[-1] if "touch" in observations else 0)
         self._rows = {name: batch.put(row[None]) for name, row in command_rows(batch).items()}
         low, high = batch.limits()
         self._low, self._high, self._rest = map(batch.put, (low, high, np.clip(0.0, low, high)))
@@ -120,6 +120,7 @@ class Reflexes:
         self._forget({name: self.gains.get(name, never) == 0 for name in gains})
         self.gains = {name: batch.put(gain) for name, gain in gains.items() if gain.any()}
         self._had |= self.gains.keys()
+        return senses
 
 
 class ReflexPolicy:

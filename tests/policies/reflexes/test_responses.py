@@ -77,8 +77,12 @@ def touch_foot_back(examiner):
 def tip(pitch: float = 0.0, roll: float = 0.0):
     def do(examiner):
         examiner.start("sitting", 0.05, is_held=True)
-        angle = lambda time_s: MOST_RAD * min(1.0, max(0.0, time_s - 0.2) / 0.5)  # noqa: E731
-        return lambda time_s: examiner.hold(pitch * angle(time_s), roll * angle(time_s))
+
+        def hold(time_s):
+            angle = MOST_RAD * min(1.0, max(0.0, time_s - 0.2) / 0.5)
+            return examiner.hold(pitch * angle, roll * angle)
+
+        return hold
 
     return do
 
