@@ -130,13 +130,19 @@ class PointRecording:
         What has fewer than two frames in each cycle of the cutoff is only filled.
         """
         whole = self.filled()
-        if self.rate_hz <= 2 * cutoff_hz or self.frames < 2:
-            return whole
-        sections: Any = butter(2, cutoff_hz, fs=self.rate_hz, output="sos")
-        padding = min(_PADDING, self.frames - 1)
-        depth_m = None if whole.depth_m is None else sosfiltfilt(sections, whole.depth_m, axis=0, padlen=padding)
-        positions = sosfiltfilt(sections, whole.positions, axis=0, padlen=padding)
-        return replace(whole, positions=positions, depth_m=depth_m)
+        depth_m = None if whole.depth_m is None else smooth(whole.depth_m, self.rate_hz, cutoff_hz)
+        return replace(whole, positions=smooth(whole.positions, self.rate_hz, cutoff_hz), depth_m=depth_m)
+
+
+def smooth(values: FloatArray, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> FloatArray:
+    """Return values, whose first axis is time, without what is faster than infants move, and without a delay.
+
+    Values that are fewer than two, or have fewer than two frames in each cycle of the cutoff, stay as they are.
+    """
+    if rate_hz <= 2 * cutoff_hz or len(values) < 2:
+        return values
+    sections: Any = butter(2, cutoff_hz, fs=rate_hz, output="sos")
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=min(_PADDING, len(values) - 1)))
 
 
 def _filled(values: FloatArray) -> FloatArray:

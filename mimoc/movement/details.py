@@ -1,16 +1,15 @@
 """Further measures of movement: units, pauses, places, bursts over limbs, the centroid of motion, kicks."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import Kick, kicks_of
-from mimoc.movement.measures import LIMB_POINTS, MOVING_TRUNK_S, STILL, correlation, leg_lengths, movement_units
+from mimoc.movement.measures import LIMB_POINTS, MOVING_TRUNK_S, STILL, correlation, leg_lengths, unit_spans
 from mimoc.movement.trunk_frame import TrunkPaths
 from mimoc.quantities.movement_details import CENTROID, DETAILS
 
@@ -40,14 +39,14 @@ def details_of(body: TrunkPaths) -> dict[str, float]:
 
 def _of_ends(body: TrunkPaths, part: str) -> dict[str, float]:
     both, rate_hz = body.both(part), body.rate_hz
-    units = [unit for speed in both for unit in _units(speed)]
+    units = [(speed, *span) for speed in both for span in unit_spans(speed)]
     moving = [length / rate_hz for speed in both for length in _runs(speed > MOVING_TRUNK_S)]
     still = [length / rate_hz for speed in both for length in _runs(speed <= MOVING_TRUNK_S)]
     every = max(1, round(rate_hz / PATH_HZ))
     dimensions = [path_dimension(path[::every]) for path in body.sides(part)]
     return {
-        f"{part}_unit_s": _median([frames / rate_hz for frames, _ in units]),
-        f"{part}_unit_peak_trunk_s": _median([peak for _, peak in units]),
+        f"{part}_unit_s": _median([(stop - start) / rate_hz for _, start, _, stop in units]),
+        f"{part}_unit_peak_trunk_s": _median([float(speed[peak]) for speed, _, peak, _ in units]),
         f"{part}_speed_max_trunk_s": float(both.max()),
         f"{part}_moving_mean_s": _mean(moving),
         f"{part}_moving_p90_s": _percentile(moving, 90),
@@ -75,15 +74,6 @@ def path_dimension(path: FloatArray) -> float:
 def _length(path: FloatArray, first: int, step: int) -> float:
     jumps = np.linalg.norm(np.diff(path[first::step], axis=0), axis=1)
     return float(jumps.sum() * (len(path) - 1) / (len(jumps) * step) / step)
-
-
-def _units(speed: FloatArray) -> Iterator[tuple[int, float]]:
-    """Yield the frames from minimum to minimum of each movement unit, and its peak speed, but for those cut off."""
-    minima = find_peaks(-speed)[0]
-    for peak in movement_units(speed):
-        after = int(np.searchsorted(minima, peak))
-        if 0 < after < len(minima):
-            yield int(minima[after] - minima[after - 1]), float(speed[peak])
 
 
 def _runs(mask: npt.NDArray[np.bool_]) -> list[int]:

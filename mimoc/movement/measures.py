@@ -55,6 +55,16 @@ def movement_units(speed: FloatArray) -> IntArray:
     return find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]
 
 
+def unit_spans(speed: FloatArray) -> list[tuple[int, int, int]]:
+    """Return the first, the fastest and the last frame of each movement unit, from minimum to minimum of the speed.
+
+    Units that the ends of the recording cut off are left out.
+    """
+    minima = find_peaks(-speed)[0]
+    afters = [(int(peak), int(np.searchsorted(minima, peak))) for peak in movement_units(speed)]
+    return [(int(minima[at - 1]), peak, int(minima[at])) for peak, at in afters if 0 < at < len(minima)]
+
+
 def sample_entropy(values: FloatArray, length: int = 2, tolerance: float = 0.2) -> float:
     """Return the sample entropy of a signal, [nats]: how unpredictable it is, given its last *length* values.
 

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.manifest import Manifest
 from mimoc.control.tracking import Body, Demand
 from mimoc.senses.sense import FloatArray
-
-GRAVITY_M_S2 = 9.81
-"""Of the body's weight."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """Moro reflex: when the head drops back, or all of the body falls, the arms spread and then come back."""
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.policies.reflexes.movements import SIDES
 from mimoc.policies.reflexes.reflex import Drives, State
-from mimoc.policies.reflexes.sensing import GRAVITY_M_S2, Sensed
+from mimoc.policies.reflexes.sensing import Sensed
 
 DROP_RAD = 0.26
 """Drop of the head that sets it off, 15 degrees; the examiner lets it drop by 20 to 30 degrees."""

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.base.units import ms_to_s
+from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.policies.batch import Batch
 from mimoc.policies.reflexes.movements import SIDES
 from mimoc.policies.reflexes.skin import AREAS, Area
 
-GRAVITY_M_S2 = 9.81
 GRAVITY_S = 0.5
 """Time constant with which the direction upwards follows the specific force; faster turns come from the gyroscope."""
 POSTURE_S = 1.0

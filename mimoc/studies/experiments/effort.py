@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.units import ms_to_s
+from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.body.poses import Pose, resting_state
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
@@ -18,7 +18,6 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.senses.sense import FloatArray
-from mimoc.studies.milestones.infant import GRAVITY_M_S2
 
 Model = Literal["torque", "muscle"]
 

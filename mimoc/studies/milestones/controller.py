@@ -17,10 +17,11 @@ import mujoco
 import numpy as np
 
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.measuring import ROOT
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
+from mimoc.studies.milestones.infant import TrialInfant
 
 LEAST_NM = 1e-9
 """Torque at full activation below which an actuator counts as powerless."""

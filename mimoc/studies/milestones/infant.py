@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import mujoco
 import numpy as np
 
-from mimoc.base.units import deg_to_rad, ms_to_s
+from mimoc.base.units import GRAVITY_M_S2, deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.measuring import ROOT, compile_infant, solid_extents
 from mimoc.compiler.variants import at_age_unchecked, errors_at
@@ -20,7 +20,6 @@ from mimoc.senses.sense import FloatArray, IntArray
 SIDES = ("left", "right")
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
-GRAVITY_M_S2 = 9.81
 SMALL_GAP_M = 1e-4
 """Penetration of the floor at the start, so that the first physics step already carries the infant."""
 

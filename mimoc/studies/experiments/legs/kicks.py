@@ -6,11 +6,11 @@ from statistics import fmean
 
 import mujoco
 import numpy as np
-from scipy.signal import butter, find_peaks, sosfiltfilt
+from scipy.signal import find_peaks
 
 from mimoc.motion.body_points import film, locate
-from mimoc.motion.point_recording import CUTOFF_HZ
-from mimoc.movement.measures import KICK_TRUNK, MOVING_TRUNK_S, correlation, leg_lengths
+from mimoc.motion.point_recording import smooth
+from mimoc.movement.measures import KICK_TRUNK, correlation, leg_lengths, unit_spans
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.senses.sense import FloatArray
 
@@ -67,7 +67,7 @@ def leg_motions(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> dict
         rate_hz: Frames per second.
     """
     lengths = leg_lengths(trunk_paths(film(model, qpos, rate_hz)))
-    ankles_m = _smooth(locate(model, qpos, [f"{side}_ankle" for side in SIDES]), rate_hz)
+    ankles_m = smooth(locate(model, qpos, [f"{side}_ankle" for side in SIDES]), rate_hz)
     velocity = np.gradient(ankles_m, axis=0) * rate_hz
     speed = np.linalg.norm(velocity, axis=-1) / trunk_m(model, qpos[0])
     acceleration = np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=-1)
@@ -112,15 +112,10 @@ def units_of(leg: LegMotion) -> list[tuple[float, float]]:
     A unit is a maximum of the ankle's speed, of the least height and prominence that `mimoc movement` asks for, from
     the minimum before it to the one after it.
     """
-    speed = leg.speed_trunk_s
-    lows = find_peaks(-speed)[0]
-    units = []
-    for top in find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]:
-        after = int(np.searchsorted(lows, top))
-        if 0 < after < len(lows):
-            start, stop = lows[after - 1], lows[after]
-            units.append(((stop - start) / leg.rate_hz, leg.acceleration_m_s2[start : stop + 1].max()))
-    return [(float(duration_s), float(peak_m_s2)) for duration_s, peak_m_s2 in units]
+    return [
+        ((stop - start) / leg.rate_hz, float(leg.acceleration_m_s2[start : stop + 1].max()))
+        for start, _, stop in unit_spans(leg.speed_trunk_s)
+    ]
 
 
 def summarise(legs: Mapping[str, LegMotion]) -> dict[str, float]:
@@ -174,9 +169,5 @@ def _kick(leg: LegMotion, peak: int, left_base: int, right_base: int, size_trunk
 def _angles_deg(model: mujoco.MjModel, qpos: FloatArray, side: str, rate_hz: float) -> dict[str, FloatArray]:
     addresses = {joint: model.joint(f"robot:{side}_{hinge}").qposadr[0] for joint, (hinge, _) in JOINTS.items()}
     return {
-        joint: JOINTS[joint][1] * _smooth(np.degrees(qpos[:, address]), rate_hz) for joint, address in addresses.items()
+        joint: JOINTS[joint][1] * smooth(np.degrees(qpos[:, address]), rate_hz) for joint, address in addresses.items()
     }
-
-
-def _smooth(values: FloatArray, rate_hz: float) -> FloatArray:
-    return np.asarray(sosfiltfilt(butter(2, CUTOFF_HZ, fs=rate_hz, output="sos"), values, axis=0))

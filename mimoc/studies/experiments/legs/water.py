@@ -3,9 +3,9 @@
 import mujoco
 import numpy as np
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.infants import legs_of
-from mimoc.studies.milestones.infant import GRAVITY_M_S2
 
 WATER_KG_M3 = 1000.0
 LIMB_KG_M3 = 1030.0

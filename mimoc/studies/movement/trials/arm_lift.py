@@ -6,11 +6,12 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.compiler.validation.measuring import ROOT
 from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.milestones.controller import Controller, servo
-from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 

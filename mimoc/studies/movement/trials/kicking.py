@@ -6,11 +6,11 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.base.units import deg_to_rad
+from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
 from mimoc.compiler.validation.measuring import ROOT
 from mimoc.quantities import Quantity
 from mimoc.senses.sense import FloatArray
-from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, all_but, angle_deg, has_joint, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 from mimoc.studies.movement.trials.stepping import with_weights

@@ -7,8 +7,9 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.quantities import Quantity
-from mimoc.studies.milestones.infant import GRAVITY_M_S2, TrialInfant
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, has_joint
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
