@@ -84,6 +84,7 @@ def _runs(mask: npt.NDArray[np.bool_]) -> list[int]:
 
 
 def _accelerations(body: TrunkPaths, part: str) -> FloatArray:
+    """Return how large the accelerations of a part on both sides are, shape (2, t), [trunk/s²]."""
     velocities = [body.velocities[f"{side}_{part}"] for side in SIDES]
     return np.linalg.norm([np.gradient(velocity, axis=0) * body.rate_hz for velocity in velocities], axis=-1)
 
@@ -131,6 +132,11 @@ def _legs(body: TrunkPaths) -> dict[str, float]:
     lengths, rate_hz = leg_lengths(body), body.rate_hz
     left, right = (kicks_of(length, rate_hz) for length in lengths)
     kicks = [*left, *right]
+    peaks = [
+        float(acceleration[kick.start : kick.stop + 1].max())
+        for acceleration, some in zip(_accelerations(body, "foot"), (left, right), strict=True)
+        for kick in some
+    ]
     together = [
         _has_one_near(kick, others, rate_hz) for some, others in ((left, right), (right, left)) for kick in some
     ]
@@ -143,6 +149,7 @@ def _legs(body: TrunkPaths) -> dict[str, float]:
         "kick_flexion_s": _mean([(kick.stop - kick.peak) / rate_hz for kick in kicks]),
         "kick_extension_rate_trunk_s": _mean([kick.extension_rate_trunk_s for kick in kicks]),
         "kick_flexion_rate_trunk_s": _mean([kick.flexion_rate_trunk_s for kick in kicks]),
+        "kick_acceleration_trunk_s2": _mean(peaks),
         "legs_together_r": correlation(*lengths),
         "kicks_together_share": _mean(together),
     }

@@ -1,4 +1,4 @@
-"""Angles of hips, knees and ankles of points whose places in space are known, and how they move together."""
+"""What legs do whose points are known in space: angles of joints, how they move together, kicks, leg movements."""
 
 import math
 from collections.abc import Mapping
@@ -8,9 +8,8 @@ import numpy as np
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation
+from mimoc.movement.measures import correlation, unit_spans
 from mimoc.movement.trunk_frame import stand_ins
-from mimoc.quantities.movement_details import FOOT_PEAK
 
 PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")
 LONGEST_LAG_S = 0.5
@@ -22,7 +21,7 @@ def joint_measures(recording: PointRecording) -> dict[str, float]:
     if places_m is None:
         return {}
     angles_deg = _angles(places_m)
-    values = _excursions(angles_deg, places_m, recording.rate_hz)
+    values = _of_kicks(angles_deg, places_m, recording.rate_hz) | _of_movements(places_m, recording.rate_hz)
     for first, second in PAIRS:
         if f"left_{second}" in angles_deg:
             pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in SIDES]
@@ -87,23 +86,50 @@ def _between(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.degrees(np.arctan2(across, (first * second).sum(axis=1)))
 
 
-def _excursions(
+def _of_kicks(
     angles_deg: Mapping[str, FloatArray], places_m: Mapping[str, FloatArray], rate_hz: float
 ) -> dict[str, float]:
-    """Return the median range of each angle over kicks, and the mean of the foot's largest acceleration in them."""
-    middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
-    trunk_m = float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
-    ranges: dict[str, list[float]] = {"hip": [], "knee": [], "ankle": []}
-    peaks: list[float] = []
+    """Return ranges of angles in kicks, how much angles move together in them, and the feet's largest acceleration."""
+    trunk_m = _trunk_m(places_m)
+    values: dict[str, list[float]] = {}
     for side in SIDES:
-        foot = places_m[f"{side}_foot"]
-        velocity = np.gradient(foot, axis=0) * rate_hz
-        acceleration = np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=1)
-        for kick in kicks_of(np.linalg.norm(foot - places_m[f"{side}_hip"], axis=1) / trunk_m, rate_hz):
-            span = slice(kick.start, kick.stop + 1)
-            peaks.append(float(acceleration[span].max()))
-            for joint, values in ranges.items():
-                if f"{side}_{joint}" in angles_deg:
-                    values.append(float(np.ptp(angles_deg[f"{side}_{joint}"][span])))
-    medians = {f"{joint}_excursion_deg": float(np.median(some)) for joint, some in ranges.items() if some}
-    return medians | ({FOOT_PEAK.name: float(np.mean(peaks))} if peaks else {})
+        foot, hip = places_m[f"{side}_foot"], places_m[f"{side}_hip"]
+        acceleration = _acceleration(foot, rate_hz)
+        angles = {joint: angles_deg.get(f"{side}_{joint}") for joint in ("hip", "knee", "ankle")}
+        for kick in kicks_of(np.linalg.norm(foot - hip, axis=1) / trunk_m, rate_hz):
+            part = slice(kick.start, kick.stop + 1)
+            inside = {joint: angle[part] for joint, angle in angles.items() if angle is not None}
+            one = {f"{joint}_excursion_deg": float(np.ptp(angle)) for joint, angle in inside.items()}
+            one |= {
+                f"kick_{first}_{second}_r": correlation(inside[first], inside[second])
+                for first, second in PAIRS[:2]
+                if second in inside
+            }
+            for name, value in (one | {"kick_foot_acceleration_m_s2": float(acceleration[part].max())}).items():
+                values.setdefault(name, []).append(value)
+    return {name: float(np.median(some) if name.endswith("deg") else np.mean(some)) for name, some in values.items()}
+
+
+def _of_movements(places_m: Mapping[str, FloatArray], rate_hz: float) -> dict[str, float]:
+    """Return how long the movements of ankles last, and the mean of their largest accelerations."""
+    trunk_m, lengths_s, peaks_m_s2 = _trunk_m(places_m), [], []
+    for side in SIDES:
+        ankle = places_m.get(f"{side}_ankle", places_m[f"{side}_foot"])
+        speed, acceleration = np.linalg.norm(np.gradient(ankle, axis=0), axis=1), _acceleration(ankle, rate_hz)
+        for start, _, stop in unit_spans(speed * rate_hz / trunk_m):
+            lengths_s.append((stop - start) / rate_hz)
+            peaks_m_s2.append(float(acceleration[start : stop + 1].max()))
+    if not lengths_s:
+        return {}
+    return {"leg_movement_s": float(np.mean(lengths_s)), "leg_movement_m_s2": float(np.mean(peaks_m_s2))}
+
+
+def _trunk_m(places_m: Mapping[str, FloatArray]) -> float:
+    middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
+    return float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
+
+
+def _acceleration(path_m: FloatArray, rate_hz: float) -> FloatArray:
+    """Return how large the acceleration on a path is, shape (t,), [m/s²]."""
+    velocity = np.gradient(path_m, axis=0) * rate_hz
+    return np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=1)

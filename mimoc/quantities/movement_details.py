@@ -9,6 +9,7 @@ from mimoc.quantities.quantity import Quantity
 ADDE = "Adde et al. 2009, Early Hum Dev 85: 541"
 HIGUCHI = "Higuchi 1988, Physica D 31: 277"
 THELEN = "Thelen & Fisher 1983, J Mot Behav 15: 353"
+TRUJILLO = "Trujillo-Priego & Smith 2017, J Rehabil Assist Technol Eng 4"
 VON_HOFSTEN = "von Hofsten & Rönnqvist 1993, Child Dev 64: 1046"
 
 
@@ -134,6 +135,12 @@ _LEGS = (
         "trunk/s",
         "mean over kicks of the largest rate at which it falls in the flexion phase",
     ),
+    (
+        "kick_acceleration_trunk_s2",
+        "Leg: peak acceleration of the foot in a kick",
+        "trunk/s²",
+        "mean over kicks of the largest acceleration of the foot, as seen",
+    ),
     ("legs_together_r", "Legs: left and right", "", "Pearson correlation of left and right distance from hip to foot"),
     (
         "kicks_together_share",
@@ -151,14 +158,24 @@ _JOINTS = (
     ("hip_ankle_r", "Leg: hip and ankle", "", "Pearson correlation of the angles of hip and ankle; mean of both legs"),
     ("hips_together_r", "Hips: left and right", "", "Pearson correlation of the angles of both hips"),
     ("hip_knee_lag_s", "Leg: knee after hip", "s", "lag of at most .5 s at which hip and knee correlate most; mean"),
+    ("kick_hip_knee_r", "Leg: hip and knee in a kick", "", "mean over kicks of the correlation of their angles in it"),
+    ("kick_knee_ankle_r", "Leg: knee and ankle in a kick", "", "mean over kicks of the correlation, likewise"),
+    (
+        "kick_foot_acceleration_m_s2",
+        "Foot: peak acceleration",
+        "m/s²",
+        "mean over kicks of the largest acceleration of the foot, in space",
+    ),
 )
-FOOT_PEAK = of_recording(
-    "kick_foot_acceleration_m_s2",
-    "Foot: peak acceleration",
-    "m/s²",
-    "mean over kicks of the largest acceleration of the foot, in space",
+_MOVEMENTS = (
+    (
+        "leg_movement_s",
+        "Leg: duration of a movement",
+        "s",
+        "mean time of the ankle's movement units, however small, in space",
+    ),
+    ("leg_movement_m_s2", "Leg: its peak acceleration", "m/s²", "mean of the ankle's largest acceleration in each"),
 )
-
 DETAILS = (
     *(*_of_end("hand"), *_of_end("foot")),
     *(item for part in ("hand", "foot", "elbow", "knee") for item in _of_joint(part, part in ("elbow", "knee"))),
@@ -168,7 +185,10 @@ DETAILS = (
     *(of_recording(*row, THELEN if row[0].startswith("kick_") else None) for row in _LEGS),
 )
 """What further is measured of any recording."""
-JOINTS = (*(of_recording(*row, THELEN) for row in _JOINTS), FOOT_PEAK)
+JOINTS = (
+    *(of_recording(*row, THELEN) for row in _JOINTS),
+    *(of_recording(*row, TRUJILLO) for row in _MOVEMENTS),
+)
 """What is measured where places in space are known: of simulated infants, of markers, with a depth camera. Angles are
 those between the lines of points: at the hip trunk and thigh, at the knee thigh and shank, at the ankle shank and
 foot."""

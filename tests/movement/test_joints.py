@@ -47,6 +47,24 @@ def test_hip_and_knee_that_bend_together_correlate():
     assert joint_measures(legs(120 + swing, 110 - swing))["hip_knee_r"] == pytest.approx(-1, abs=1e-3)
 
 
+def test_hip_and_knee_can_correlate_in_kicks_and_not_between_them():
+    beat = 0.5 * TIMES_S % 1.0
+    kick, apart = np.sin(4 * np.pi * beat) ** 2 * np.array([beat < 0.25, (beat > 0.5) & (beat < 0.75)])
+    values = joint_measures(legs(100 + 80 * kick + 60 * apart, 60 + 80 * kick - 30 * apart))
+    assert values["kick_hip_knee_r"] > 0.98
+    assert values["hip_knee_r"] < 0.6
+
+
+def test_a_leg_movement_lasts_from_stop_to_stop_and_has_the_acceleration_of_its_path():
+    """A shank of .1 m that swings by 20 degrees at 1 Hz: a movement each half of a second."""
+    swing = 20 * np.sin(2 * np.pi * TIMES_S)
+    values = joint_measures(legs(np.full(990, 120.0), 100 + swing))
+    rate = 2 * np.pi * np.radians(20)
+    along, inwards = 0.1 * 2 * np.pi * rate, 0.1 * rate**2
+    assert values["leg_movement_s"] == pytest.approx(0.5, rel=0.05)
+    assert values["leg_movement_m_s2"] == pytest.approx(max(along, inwards), rel=0.1)
+
+
 def test_a_knee_that_follows_has_a_lag():
     hip, knee = (np.sin(2 * np.pi * 0.5 * (TIMES_S - delay_s)) for delay_s in (0.0, 0.2))
     assert lag_s(hip, knee, 30.0) == pytest.approx(0.2)
