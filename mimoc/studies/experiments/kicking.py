@@ -5,14 +5,20 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mimoc.quantities import Quantity
+from mimoc.movement.filming import RATE_HZ, Filmed
+from mimoc.movement.joints import joint_angles
+from mimoc.movement.kicks import kicks_of
+from mimoc.movement.measures import leg_lengths
+from mimoc.movement.real_infants import real_infants
+from mimoc.movement.report import measure_all
+from mimoc.movement.trunk_frame import trunk_paths
+from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, open_infant
 from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test
-from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions, summarise
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -20,30 +26,11 @@ MONTHS: Sequence[float] = (0, 1, 3, 6)
 WEEKS: Sequence[float] = (6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (0, 3)
 QUICK_WEEKS: Sequence[float] = ()
-SHORT = {
-    "rate_per_min": "Kicks",
-    "size_trunk": "Size",
-    "hip_deg": "Hip",
-    "knee_deg": "Knee",
-    "ankle_deg": "Ankle",
-    "stretch_s": "Stretching",
-    "bend_s": "Bending",
-    "peak_m_s2": "Peak in a kick",
-    "unit_s": "Movement",
-    "unit_m_s2": "Peak in a movement",
-    "hip_knee_r": "Hip and knee",
-    "knee_ankle_r": "Knee and ankle",
-    "left_right_r": "Left and right",
-}
-"""Labels of measures in small plots."""
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 20.0
-SETTLING_S = 2.0
 SHOWN_SEED = 0
 SHOWN_S = 20.0
 """Time in which loops of hip and knee are drawn."""
-RARELY = 3
-"""Every third control step is drawn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,54 +43,75 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """What real infants do, by a measure of `summarise`."""
+    """What real infants do, by a measure of `mimoc movement`."""
 
-    measure: Quantity
-    low: float | None
-    """None for no end, as for `high`."""
-    high: float | None
-    until_months: float
+    measure: str
+    short: str
+    """Its label in a small plot."""
+    low: float | None = None
+    """None if only recordings of real infants tell."""
+    high: float | None = None
+    source: str = "-"
+    """With R for read in the paper or its abstract, M for from memory."""
+    until_months: float = 6
     """The oldest age that it is about."""
-    source: str
-    """With R for read in the paper or its abstract, M for from memory, F for measured on recordings."""
 
     @property
-    def range(self) -> str:
-        """What the table shows."""
+    def quantity(self) -> Quantity:
+        """What is measured."""
+        return QUANTITIES[self.measure]
+
+    @property
+    def range(self) -> tuple[float, float] | None:
+        """What is published, or else the real infants' mean ± 2 SD."""
+        if self.low is not None and self.high is not None:
+            return self.low, self.high
+        return recorded(self.measure)
+
+    @property
+    def text(self) -> str:
+        """What the table shows as published."""
         if self.low is None or self.high is None:
             return "-"
         return f"{self.low:g} to {self.high:g}" + (f" until {self.until_months:g} mo" if self.until_months < 6 else "")
 
     def verdict(self, age_months: float, value: Interval) -> str:
-        """Return whether a mean is inside, or nothing if nothing is known."""
-        if (self.low is None and self.high is None) or age_months > self.until_months:
+        """Return whether a mean is inside, near (from half to double of what is only remembered), or out."""
+        if self.range is None or age_months > self.until_months:
             return ""
-        return " in" if value.overlaps(self.low, self.high) else " **out**"
+        low, high = self.range
+        if value.overlaps(low, high):
+            return " in"
+        return " near" if "(M)" in self.source and value.overlaps(low / 2, high * 2) else " **out**"
 
 
-RATE = Quantity("rate_per_min", "Kicks of a leg", "1/min")
-HIP_KNEE = Quantity("hip_knee_r", "Hip and knee together", "r")
-KNEE_ANKLE = Quantity("knee_ankle_r", "Knee and ankle together", "r")
-KICK_PEAK = Quantity("peak_m_s2", "Peak acceleration of the ankle in a kick", "m/s²")
-LEFT_RIGHT = Quantity("left_right_r", "Left and right leg together", "r")
+def recorded(measure: str) -> tuple[float, float] | None:
+    """Return the mean ± 2 SD of the 12 real infants in a measure; None if a camera from above cannot know it."""
+    sample = real_infants()
+    if measure not in sample.means:
+        return None
+    mean, deviation = sample.means[measure], sample.deviations[measure]
+    return mean - 2 * deviation, mean + 2 * deviation
+
+
+RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
+SHARED = "Thelen; Fry-Hilderbrand 2022 (M)"
+NEWBORNS = "Thelen 1985; Fetters 2004, newborns (M)"
+TRUJILLO = "Trujillo-Priego & Smith 2017, 1-12 months (R)"
 PUBLISHED: Sequence[Published] = (
-    Published(RATE, 5, 15, 6, "Thelen; Rovee-Collier (M)"),
-    Published(
-        Quantity("size_trunk", "Size of a kick", "trunk"), 0.31, 0.55, 6, "12 infants up to 7 months, ± 2 SD (F)"
-    ),
-    Published(Quantity("hip_deg", "Range of the hip in a kick", "deg"), 30, 60, 6, "Thelen; Fry-Hilderbrand 2022 (M)"),
-    Published(Quantity("knee_deg", "Range of the knee in a kick", "deg"), 40, 70, 6, "as of the hip (M)"),
-    Published(Quantity("ankle_deg", "Range of the ankle in a kick", "deg"), 20, 40, 6, "as of the hip (M)"),
-    Published(
-        Quantity("stretch_s", "Stretching", "s"), 0.3, 0.4, 6, "Thelen et al. 1981 (M); 12 infants .37 ± .05 (F)"
-    ),
-    Published(Quantity("bend_s", "Bending", "s"), 0.3, 0.4, 6, "Thelen et al. 1981 (M); 12 infants .32 ± .07 (F)"),
-    Published(KICK_PEAK, 3.1, 11.1, 6, "12 infants up to 7 months, ± 2 SD, seen from above (F)"),
-    Published(Quantity("unit_s", "Leg movement", "s"), 0.23, 0.33, 6, "Trujillo-Priego & Smith 2017, 1-12 months (R)"),
-    Published(Quantity("unit_m_s2", "Its peak acceleration", "m/s²"), 3.1, 8.83, 6, "Trujillo-Priego & Smith 2017 (R)"),
-    Published(HIP_KNEE, 0.8, 0.9, 1, "Thelen 1985; Fetters 2004, newborns (M)"),
-    Published(KNEE_ANKLE, 0.5, 0.8, 1, "Thelen 1985; Fetters 2004, newborns (M)"),
-    Published(LEFT_RIGHT, -0.35, 0.77, 6, "12 infants up to 7 months, ± 2 SD (F)"),
+    Published(RATE, "Kicks", 5, 15, "Thelen; Rovee-Collier (M)"),
+    Published("kick_amplitude_trunk", "Size"),
+    Published("hip_excursion_deg", "Hip", 30, 60, SHARED),
+    Published("knee_excursion_deg", "Knee", 40, 70, SHARED),
+    Published("ankle_excursion_deg", "Ankle", 20, 40, SHARED),
+    Published("kick_extension_s", "Extending", 0.3, 0.4, "Thelen et al. 1981 (M)"),
+    Published("kick_flexion_s", "Flexing", 0.3, 0.4, "Thelen et al. 1981 (M)"),
+    Published("kick_acceleration_trunk_s2", "Peak in a kick"),
+    Published("leg_movement_s", "Movement", 0.23, 0.33, TRUJILLO),
+    Published("leg_movement_m_s2", "Peak in a movement", 3.1, 8.83, TRUJILLO),
+    Published(HIP_KNEE, "Hip and knee", 0.8, 0.9, NEWBORNS, 1),
+    Published(KNEE_ANKLE, "Knee and ankle", 0.5, 0.8, NEWBORNS, 1),
+    Published(LEGS, "Left and right"),
 )
 
 Seeds = Sequence[Mapping[str, float]]
@@ -150,20 +158,21 @@ def run(notebook: Notebook) -> Path:
 def kicking(case: Case, seed: int) -> Result:
     """Let an infant lie on its back and move by itself for a while, and measure its kicks."""
     with closing(open_infant(Setup(case.age_months))) as env:
-        mover = Mover(env, seed)
-        mover.move(SETTLING_S)
-        legs = leg_motions(env.model, mover.move(case.seconds), mover.rate_hz)
-    return Result(values=summarise(legs), traces=_shown(legs["left"]) if seed == SHOWN_SEED else {})
+        film = Mover(env, seed).film(case.seconds)
+    measured = measure_all([film]).infants[0]
+    values = {item.measure: measured[item.measure] for item in PUBLISHED if item.measure in measured}
+    return Result(values=values, traces=_shown(film) if seed == SHOWN_SEED else {})
 
 
-def _shown(leg: LegMotion) -> dict[str, tuple[float, ...]]:
-    """Return the angles of hip and knee in the part of the motion that has the most kicks."""
-    length = round(SHOWN_S * leg.rate_hz)
-    peaks = [kick.peak for kick in kicks_of(leg)]
-    starts = [max(0, min(peak - round(leg.rate_hz), len(leg.length_trunk) - length)) for peak in peaks] or [0]
+def _shown(film: Filmed) -> dict[str, tuple[float, ...]]:
+    """Return the angles of hip and knee of the left leg in the part of the motion that has the most kicks."""
+    leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
+    peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
+    starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
     start = max(starts, key=lambda first: sum(first <= peak < first + length for peak in peaks))
-    part = slice(start, start + length, RARELY)
-    return {joint: tuple(leg.angles_deg[joint][part].round(2).tolist()) for joint in ("hip", "knee")}
+    angles_deg = joint_angles(film.space or film.seen)
+    part = slice(start, start + length)
+    return {joint: tuple(angles_deg[f"left_{joint}"][part].round(2).tolist()) for joint in ("hip", "knee")}
 
 
 def _rows(by_age: Mapping[float, Seeds], seeds: Sequence[int]) -> Iterator[tuple[float, int, str, float]]:
@@ -181,13 +190,18 @@ def _of(values: Seeds, name: str) -> list[float]:
 def _table(by_age: Mapping[float, Seeds]) -> str:
     return table_rows(
         (
-            item.measure.heading,
-            *(_cell(item, age, _of(by_age[age], item.measure.name)) for age in by_age),
-            item.range,
+            item.quantity.heading,
+            *(_cell(item, age, _of(by_age[age], item.measure)) for age in by_age),
+            item.text,
             item.source,
+            _text(recorded(item.measure)),
         )
         for item in PUBLISHED
     )
+
+
+def _text(between: tuple[float, float] | None) -> str:
+    return f"{between[0]:.2g} to {between[1]:.2g}" if between else "-"
 
 
 def _cell(item: Published, age_months: float, values: Sequence[float]) -> str:
@@ -199,51 +213,48 @@ def _cell(item: Published, age_months: float, values: Sequence[float]) -> str:
 
 
 def _directions(by_age: Mapping[float, Seeds]) -> str:
-    """Return as sentences which measures fall with age, as published, over seeds."""
+    """Return as sentences which measures fall or rise with age, as published, over seeds."""
     ages = list(by_age)
     young, old = ages[0], ages[-1]
     six, eighteen = (min(ages, key=lambda age, week=week: abs(age - week * MONTHS_PER_WEEK)) for week in (6, 18))
     asked = (
-        ("kicks are slightly fewer (Geerdink et al. 1996, R)", RATE, six, eighteen),
-        ("hip and knee part (Chen 2020, S; Piek 1996, R)", HIP_KNEE, young, old),
-        ("knee and ankle part (Chen 2020, S)", KNEE_ANKLE, young, old),
+        ("kicks are slightly fewer (Geerdink et al. 1996, R)", RATE, "falls", six, eighteen),
+        ("hip and knee part (Chen 2020, S; Piek 1996, R)", HIP_KNEE, "falls", young, old),
+        ("knee and ankle part (Chen 2020, S)", KNEE_ANKLE, "falls", young, old),
+        ("legs alternate less (Thelen et al. 1983, R)", LEGS, "rises", young, old),
     )
-    return (
-        "\n".join(
-            f"- {text}, from {first:.2g} to {second:.2g} months: {_change(by_age, quantity, first, second)};"
-            for text, quantity, first, second in asked
-        ).removesuffix(";")
-        + "."
-    )
+    lines = [
+        f"- {text}, from {first:.2g} to {second:.2g} months: {_change(by_age, measure, way, first, second)}"
+        for text, measure, way, first, second in asked
+    ]
+    return ";\n".join(lines) + "."
 
 
-def _change(by_age: Mapping[float, Seeds], quantity: Quantity, first: float, second: float) -> str:
+def _change(by_age: Mapping[float, Seeds], name: str, way: str, first: float, second: float) -> str:
     pairs = zip(by_age[first], by_age[second], strict=True)
-    name = quantity.name
-    falls = [before[name] - after[name] for before, after in pairs if name in before and name in after]
-    if not falls:
+    changes = [after[name] - before[name] for before, after in pairs if name in before and name in after]
+    if not changes:
         return "not measured"
-    change = interval([-fall for fall in falls])
-    return f"{change.text()} {quantity.unit}, p = {sign_test(falls):.2g} that it falls by chance"
+    chance = sign_test([change if way == "rises" else -change for change in changes])
+    return f"{interval(changes).text()} {QUANTITIES[name].unit or 'r'}, p = {chance:.2g} that it {way} by chance"
 
 
 def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
     for item in PUBLISHED:
-        ages = [age for age in by_age if _of(by_age[age], item.measure.name)]
-        means = [interval(_of(by_age[age], item.measure.name)) for age in ages]
-        dots = [(age, value) for age in ages for value in _of(by_age[age], item.measure.name)]
+        ages = [age for age in by_age if _of(by_age[age], item.measure)]
+        means = [interval(_of(by_age[age], item.measure)) for age in ages]
+        dots = [(age, value) for age in ages for value in _of(by_age[age], item.measure)]
         bands = [Band(ages, [mean.low for mean in means], [mean.high for mean in means], "95 % interval", "band")]
-        if item.low is not None and item.high is not None:
-            end = min(item.until_months, max(by_age))
-            bands.append(Band([0, end], [item.low] * 2, [item.high] * 2, "published", "usual"))
+        if item.range:
+            end, (low, high) = min(item.until_months, max(by_age)), item.range
+            bands.append(Band([0, end], [low] * 2, [high] * 2, "real infants", "usual"))
         lines = (Line(ages, [mean.mean for mean in means], "mean", "median"),)
         points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
-        short = replace(item.measure, label=SHORT[item.measure.name])
-        yield Plot(AGE, short, lines, tuple(bands), points)
+        yield Plot(AGE, replace(item.quantity, label=item.short), lines, tuple(bands), points)
 
 
 def _loops(shown: Mapping[float, Result]) -> Iterator[Plot]:
-    hip, knee = Quantity("hip_deg", "Hip, bending", "deg"), Quantity("knee_deg", "Knee, bending", "deg")
+    hip, knee = Quantity("hip_deg", "Hip", "°"), Quantity("knee_deg", "Knee", "°")
     for age, result in shown.items():
         line = Line(result.traces["hip"], result.traces["knee"], "", "median")
-        yield Plot(hip, knee, (line,), title=f"{age:g} month{'s' * (age != 1)}", x_range=(0, 140), y_range=(0, 155))
+        yield Plot(hip, knee, (line,), title=f"{age:g} month{'s' * (age != 1)}", x_range=(40, 180), y_range=(25, 180))

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.movement.measures import correlation
+from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
+from mimoc.movement.joints import joint_angles
+from mimoc.movement.kicks import kicks_of
+from mimoc.movement.measures import correlation, leg_lengths
+from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
-from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import (
@@ -23,8 +26,7 @@ from mimoc.studies.experiments.legs.infants import (
     tie_ribbon,
 )
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
-from mimoc.studies.experiments.legs.kicks import LegMotion, kicks_of, leg_motions
-from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, RATE, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -76,11 +78,18 @@ class Case:
 class Session:
     """What an infant did under a mobile."""
 
-    legs: Mapping[str, LegMotion]
+    film: Filmed
     rewards_m_s: Sequence[float]
     """Mean speed of the mobile that it was tied to in each window, seen or not."""
     gains: FloatArray
     """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+
+    @property
+    def kicks_s(self) -> dict[str, FloatArray]:
+        """When each leg kicked, by side."""
+        lengths = leg_lengths(trunk_paths(self.film.seen))
+        peaks = ([kick.peak / RATE_HZ for kick in kicks_of(length, RATE_HZ)] for length in lengths)
+        return {side: np.array(times_s) for side, times_s in zip(SIDES, peaks, strict=True)}
 
 
 def run(notebook: Notebook) -> Path:
@@ -111,7 +120,6 @@ def run(notebook: Notebook) -> Path:
         compared=case.compared_s / 60.0,
         window=WINDOW_S,
         largest=np.exp(LARGEST),
-        rate=RATE,
         effort=EFFORT,
         forgetting=FORGETTING_S,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
@@ -131,7 +139,7 @@ def pair(case: Case, seed: int) -> Result:
     for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
         values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
         for side in SIDES:
-            traces[f"{name}_{side}"] = tuple(kick_rates(infant.legs[side], case.ends_s[-1]))
+            traces[f"{name}_{side}"] = tuple(_rates(infant.kicks_s[side], case.ends_s[-1]))
         traces |= {f"{name}_{limb}": tuple(infant.gains[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
     return Result(values=values, traces=traces)
 
@@ -151,50 +159,47 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
         mover, learner = Mover(env, seed), GainLearner()
         env.set_arousal(AROUSAL)
         tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
-        frames, rewards_m_s, gains = [], [], []
+        film, rewards_m_s, gains = Film(), [], []
+        for _ in mover.steps(SETTLING_S):
+            film.watch(env)
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, windows)):
             mover.set_gains(learner.gains, rates=True)
-            qpos, reward_m_s = _window(env, mover)
-            frames.append(qpos)
+            reward_m_s = _window(mover, film)
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
-            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_activity())
+            learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_movement())
             gains.append(learner.gains)
-        legs = leg_motions(env.model, np.concatenate(frames), mover.rate_hz)
-    return Session(legs, rewards_m_s, np.array(gains))
+    return Session(film.develop(f"seed {seed}"), rewards_m_s, np.array(gains))
 
 
-def kick_rates(leg: LegMotion, seconds: float) -> list[float]:
-    """Return the kicks a minute of a leg in each bin of some time."""
-    peaks_s = [kick.peak / leg.rate_hz for kick in kicks_of(leg)]
-    counts, _ = np.histogram(peaks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
+def _rates(kicks_s: FloatArray, seconds: float) -> list[float]:
+    """Return the kicks a minute in each bin of some time."""
+    counts, _ = np.histogram(kicks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
     return (60.0 * counts / BIN_S).tolist()
 
 
-def _window(env: InfantEnv, mover: Mover) -> tuple[FloatArray, float]:
-    """Return the configurations of one window, and how fast the mobile moves on average."""
-    frames, speeds_m_s = [], []
-    for data in mover.steps(WINDOW_S):
-        frames.append(data.qpos.copy())
-        speeds_m_s.append(mobile_speed_m_s(env))
-    return np.array(frames), float(np.mean(speeds_m_s))
+def _window(mover: Mover, film: Film) -> float:
+    """Film one window, and return how fast the mobile moves on average."""
+    speeds_m_s = []
+    for _ in mover.steps(WINDOW_S):
+        film.watch(mover.env)
+        speeds_m_s.append(mobile_speed_m_s(mover.env))
+    return float(np.mean(speeds_m_s))
 
 
 def _measures(case: Case, infant: Session) -> dict[str, float]:
     """Return rates at the end of each phase, ratios to that of the baseline, and the coupling of the tied leg."""
     last_s, values = case.compared_s, dict[str, float]()
-    for side in SIDES:
-        peaks_s = np.array([kick.peak / infant.legs[side].rate_hz for kick in kicks_of(infant.legs[side])])
-        counts = [int(((peaks_s >= end_s - last_s) & (peaks_s < end_s)).sum()) for end_s in case.ends_s]
+    for side, times_s in infant.kicks_s.items():
+        counts = [int(((times_s >= end_s - last_s) & (times_s < end_s)).sum()) for end_s in case.ends_s]
         values |= {f"{side}_{phase}": 60.0 * count / last_s for phase, count in zip(PHASES_S, counts, strict=True)}
         before = max(counts[0], 1)  # One kick at least: a ratio needs some.
         values |= {f"{side}_ratio": counts[1] / before, f"{side}_after": counts[2] / before}
-    tied = infant.legs["left"]
+    angles_deg = joint_angles(infant.film.space or infant.film.seen)
     for phase, end_s in zip(PHASES_S, case.ends_s, strict=True):
-        part = slice(round((end_s - last_s) * tied.rate_hz), round(end_s * tied.rate_hz))
-        hip, knee = (tied.angles_deg[joint][part] for joint in ("hip", "knee"))
-        values[f"hip_knee_{phase}"] = correlation(hip, knee)
+        part = slice(round((end_s - last_s) * RATE_HZ), round(end_s * RATE_HZ))
+        values[f"hip_knee_{phase}"] = correlation(angles_deg["left_hip"][part], angles_deg["left_knee"][part])
     return values
 
 

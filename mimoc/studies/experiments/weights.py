@@ -7,13 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.movement.filming import RATE_HZ
+from mimoc.movement.joints import joint_angles
+from mimoc.movement.kicks import kicks_of
+from mimoc.movement.measures import leg_lengths
+from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, SIDES, Setup, leg_kg, open_infant
 from mimoc.studies.experiments.legs.intervals import interval
-from mimoc.studies.experiments.legs.kicks import kicks_of, leg_motions
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
@@ -30,7 +34,6 @@ GAIN_WEEKS = 4
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
-SETTLING_S = 2.0
 LEAST = 0.1
 """Least change of the range of the hip that mass alone is asked for at six weeks."""
 STEP_LEAST = 0.2
@@ -42,11 +45,11 @@ PUBLISHED: Mapping[float, tuple[str, str]] = {
     26: ("same", "same"),
 }
 """What Vaal, van Soest & Hopkins 2000 report of the leg with the weight and the other, by weeks."""
-RATE = Quantity("rate_per_min", "Kicks", "1/min")
+KICKS = Quantity("rate_per_min", "Kicks", "1/min")
 MEASURES = (
-    RATE,
+    KICKS,
     Quantity("hip_deg", "Range of the hip", "deg"),
-    Quantity("speed_trunk_s", "Mean speed of the ankle", "trunk/s"),
+    Quantity("speed_trunk_s", "Mean speed of the foot", "trunk/s"),
 )
 STEP_MEASURES = (Quantity("rate_per_min", "Steps", "1/min"), Quantity("lift_cm", "Lift of the foot", "cm"))
 WEEK = Quantity("weeks", "Age", "weeks")
@@ -121,15 +124,14 @@ def kicking(case: Case, seed: int) -> Result:
     with closing(open_infant(setup)) as env:
         mover = Mover(env, seed)
         mover.set_gains(np.array([1.0 if limb.endswith("arm") else case.gain for limb in LIMBS]))
-        mover.move(SETTLING_S)
-        legs = leg_motions(env.model, mover.move(case.seconds), mover.rate_hz)
-    values = {}
-    for side in SIDES:
-        low, high = np.percentile(legs[side].angles_deg["hip"], [5.0, 95.0])
+        film = mover.film(case.seconds)
+    body, angles_deg, values = trunk_paths(film.seen), joint_angles(film.space or film.seen), {}
+    for side, length in zip(SIDES, leg_lengths(body), strict=True):
+        low, high = np.percentile(angles_deg[f"{side}_hip"], [5.0, 95.0])
         values |= {
-            f"{side}_rate_per_min": 60.0 * len(kicks_of(legs[side])) / case.seconds,
+            f"{side}_rate_per_min": len(kicks_of(length, RATE_HZ)) / body.minutes,
             f"{side}_hip_deg": float(high - low),
-            f"{side}_speed_trunk_s": float(legs[side].speed_trunk_s.mean()),
+            f"{side}_speed_trunk_s": float(body.speeds[f"{side}_foot"].mean()),
         }
     return Result(values=values)
 

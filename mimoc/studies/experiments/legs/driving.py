@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 import mujoco
 import numpy as np
 
+from mimoc.movement.filming import SETTLING_S, Film, Filmed
 from mimoc.policies.batch import batch_of_one
 from mimoc.policies.general_movements.binding import Moving
 from mimoc.policies.general_movements.joints import LIMBS as POLICY_LIMBS
@@ -41,11 +42,11 @@ class Mover:
         self._moving = None if maker else Moving(batch_of_one(env))
         self._policy: Policy = maker(env) if maker else self._move_itself
         self._generator, self._forces = np.random.default_rng(seed), forces
-        self._limbs = limb_of_actuators(env)
+        self._limbs, self._limbs_of_dofs = limb_of_actuators(env), limb_of_dofs(env.model)
         self._low, self._high = env.actuation.low, env.actuation.high
         self._rest = np.clip(0.0, self._low, self._high)
         self._gains = np.ones(len(LIMBS))
-        self._activity, self._since = np.zeros(len(LIMBS)), 0
+        self._movement, self._since = np.zeros(len(LIMBS)), 0
 
     def set_gains(self, gains: FloatArray, *, rates: bool = False) -> None:
         """Change the gain of the strength of each part of `LIMBS`, shape (6,), and perhaps of its rate as well."""
@@ -57,21 +58,28 @@ class Mover:
         """Let time pass; return the configurations after each control step, shape (t, nq)."""
         return np.array([data.qpos.copy() for data in self.steps(seconds)])
 
+    def film(self, seconds: float) -> Filmed:
+        """Let time pass, a second of it before the film begins; return what a camera above the infant saw."""
+        film = Film()
+        for _ in self.steps(SETTLING_S + seconds):
+            film.watch(self.env)
+        return film.develop(self.env.manifest.name)
+
     def steps(self, seconds: float) -> Iterator[mujoco.MjData]:
         """Yield the state after each control step of some time."""
         for _ in range(round(seconds * self.rate_hz)):
             if self._forces:
                 self._forces(self.env.data)
             action = self._policy(self._generator, self._observation)
-            self._count_activity(action)
             self._observation = self.env.step(self._scaled(action))[0]
+            self._movement, self._since = self._movement + self._limb_speeds(), self._since + 1
             yield self.env.data
 
-    def take_activity(self) -> FloatArray:
-        """Return the mean |c - r| of each part of `LIMBS` since this was last asked for, shape (6,)."""
-        activity = self._activity / max(self._since, 1)
-        self._activity, self._since = np.zeros(len(LIMBS)), 0
-        return activity
+    def take_movement(self) -> FloatArray:
+        """Return the mean joint speed of each part of `LIMBS` since this was last asked for, shape (6,), [rad/s]."""
+        movement = self._movement / max(self._since, 1)
+        self._movement, self._since = np.zeros(len(LIMBS)), 0
+        return movement
 
     @property
     def rate_hz(self) -> float:
@@ -88,10 +96,9 @@ class Mover:
         parts = [LIMBS.index(f"{side}_{name}") for name in PARTS.get(part, ())]
         return float(np.exp(np.log(self._gains[parts]).mean())) if parts else 1.0
 
-    def _count_activity(self, action: np.ndarray) -> None:
-        sizes = np.bincount(self._limbs + 1, np.abs(action - self._rest), len(LIMBS) + 1)
-        numbers = np.bincount(self._limbs + 1, minlength=len(LIMBS) + 1)
-        self._activity, self._since = self._activity + (sizes / np.maximum(numbers, 1))[1:], self._since + 1
+    def _limb_speeds(self) -> FloatArray:
+        sums = np.bincount(self._limbs_of_dofs + 1, np.abs(self.env.data.qvel), len(LIMBS) + 1)
+        return (sums / np.maximum(np.bincount(self._limbs_of_dofs + 1, minlength=len(LIMBS) + 1), 1))[1:]
 
     def _scaled(self, action: np.ndarray) -> np.ndarray:
         gains = np.append(self._gains, 1.0)[self._limbs]
@@ -102,6 +109,11 @@ def limb_of_actuators(env: InfantEnv) -> np.ndarray:
     """Return the place in `LIMBS` of the limb that each element of an action drives, shape (n,); -1 for none."""
     names = [env.model.actuator(int(index)).name.removeprefix("act:") for index in env.actuation.actuators]
     return np.array([_limb(name) for name in names])
+
+
+def limb_of_dofs(model: mujoco.MjModel) -> np.ndarray:
+    """Return the place in `LIMBS` of the limb that each degree of freedom belongs to, shape (nv,); -1 for none."""
+    return np.array([_limb(model.joint(int(joint)).name.removeprefix("robot:")) for joint in model.dof_jntid])
 
 
 def _limb(name: str) -> int:

@@ -1,4 +1,4 @@
-"""A learner that does more of what makes the world move: gains of limbs by how their activity predicts reward."""
+"""A learner that does more of what makes the world move: gains of limbs by how their movement predicts reward."""
 
 import numpy as np
 
@@ -6,15 +6,15 @@ from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS
 
 WINDOW_S = 2.0
-"""Time over which reward and activity are averaged; a guess."""
-RATE = 0.04
-"""Share of the error that is learnt of in a window, for an activity of one standard deviation; fitted."""
-EFFORT = 3.0
+"""Time over which reward and movement are averaged; a guess."""
+EXPECTED = len(LIMBS) ** -0.5
+"""Standard deviation of what one limb may predict, before any experience: that all of them together predict all."""
+FORGETTING_S = 200.0
+"""Time constant in which experience loses its worth; fitted."""
+EFFORT = 6.0
 """Logarithm of the gain of a limb that predicts reward fully; fitted."""
 MOST = 3.0
 """Standard deviations beyond which nothing counts more."""
-FORGETTING_S = 200.0
-"""Time constant in which gains go back to 1; fitted."""
 EXPECTING_S = 60.0
 """Time constant of the means and variances that are expected; a guess."""
 LARGEST = float(np.log(4.0))
@@ -42,40 +42,48 @@ class Expected:
 
 
 class GainLearner:
-    """Learns how much each limb moves the world, and drives those that do with a gain (Rescorla & Wagner 1972).
+    """Learns how much each limb moves the world, and drives those that do with a gain.
 
-    After each window, with z the standardised activity of each limb (the mean size of its commands, before gains) and R
-    the standardised reward, the strengths b by which activity predicts reward change by
+    After each window, with z the standardised movement of each limb and R the standardised reward, it estimates the
+    strengths b of R = b · z + noise by a Kalman filter (Dayan & Kakade 2001, *NIPS* 13: 451, whose b and their
+    covariance P do what the associations of Rescorla & Wagner 1972 do, and know how sure they are). Between windows the
+    world may change, k = exp(-window / forgetting):
 
-        b <- (1 - window / forgetting) b + rate (R - b · z) z,
+        b <- k b,  P <- k² P + (1 - k²) I / 6;  g = P z / (z · P z + 1),  b <- b + g (R - b · z),  P <- P - g z · P
 
-    and the gain of a limb is exp(effort b). Limbs compete: one that only moves together with another that moves the
-    world predicts nothing more. Where reward does not depend on what the infant does, b changes by chance alone. Its
-    own movement varies enough: no noise is added to explore.
+    The gain of a limb is exp(effort b |b|): b² is the share of the reward's variance that it alone explains. Limbs
+    compete: one that only moves together with another that moves the world predicts nothing more. Where reward does not
+    depend on what the infant does, b stays near 0, and its square nearer. Its own movement varies enough: no noise is
+    added to explore.
     """
 
-    def __init__(self, rate: float = RATE):
+    def __init__(self):
         """Begin without any experience."""
-        self._rate = rate
         self.strengths = np.zeros(len(LIMBS))
-        """How much the activity of each limb predicts reward, in standard deviations, shape (6,)."""
-        self._reward, self._activity = Expected(1), Expected(len(LIMBS))
+        """How much the movement of each limb predicts reward, in standard deviations, shape (6,)."""
+        self._covariance = EXPECTED**2 * np.eye(len(LIMBS))
+        self._reward, self._movement = Expected(1), Expected(len(LIMBS))
 
     @property
     def gains(self) -> FloatArray:
         """The gain of each limb, shape (6,)."""
-        return np.exp(np.clip(EFFORT * self.strengths, -LARGEST, LARGEST))
+        return np.exp(np.clip(EFFORT * self.strengths * np.abs(self.strengths), -LARGEST, LARGEST))
 
-    def feel(self, reward: float, activity: FloatArray) -> None:
+    def feel(self, reward: float, movement: FloatArray) -> None:
         """Learn from a window that has just ended.
 
         Args:
             reward: How fast what it sees has moved, [m/s]; next to 0 is nothing, of which nothing is learnt.
-            activity: Mean size of the commands to each limb, before gains, shape (6,).
+            movement: How fast each limb has moved, in any unit, shape (6,).
         """
-        self.strengths = (1.0 - WINDOW_S / FORGETTING_S) * self.strengths
-        active = np.clip(self._activity.standardised(activity), -MOST, MOST)
+        keep = np.exp(-WINDOW_S / FORGETTING_S)
+        self.strengths = keep * self.strengths
+        self._covariance = keep**2 * self._covariance + (1.0 - keep**2) * EXPECTED**2 * np.eye(len(LIMBS))
+        moved = np.clip(self._movement.standardised(movement), -MOST, MOST)
         if reward < SMALLEST_REWARD:
             return
         surprise = np.clip(self._reward.standardised(np.array([reward])), -MOST, MOST)
-        self.strengths = self.strengths + self._rate * (surprise - self.strengths @ active) * active
+        shared = self._covariance @ moved
+        share = shared / (moved @ shared + 1.0)
+        self.strengths = self.strengths + share * (surprise - self.strengths @ moved)
+        self._covariance = self._covariance - np.outer(share, shared)

@@ -6,7 +6,7 @@ import pytest
 
 from mimoc.policies.batch import batch_of_one
 from mimoc.policies.general_movements.binding import Moving
-from mimoc.policies.general_movements.joints import LIMBS as POLICY_LIMBS
+from mimoc.policies.general_movements.joints import ARM, LIMBS as POLICY_LIMBS
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover, limb_of_actuators
 from mimoc.studies.experiments.legs.infants import (
     MOBILE_N_M,
@@ -129,10 +129,10 @@ def test_a_leg_whose_bursts_begin_more_often_is_driven_more():
     assert same == pytest.approx(right)
 
 
-def test_activity_is_that_of_the_policy_without_gains():
+def test_movement_is_the_joint_speed_of_each_limb():
     env = open_infant(Setup(3.0))
-    mover = Mover(env, 0, lambda env: lambda generator, observation: np.full(env.action_space.shape, 0.2, np.float32))
-    mover.set_gains(np.full(len(LIMBS), 3.0))
-    mover.move(0.1)
-    assert mover.take_activity() == pytest.approx(np.full(len(LIMBS), 0.2))
-    assert mover.take_activity() == pytest.approx(np.zeros(len(LIMBS)))
+    mover = Mover(env, 0, still)
+    speeds = np.abs([data.qvel.copy() for data in mover.steps(0.1)]).mean(axis=0)
+    arm = [env.model.joint(f"robot:left_{name}").dofadr[0] for name in ARM]
+    assert mover.take_movement()[LIMBS.index("left_arm")] == pytest.approx(speeds[arm].mean())
+    assert mover.take_movement() == pytest.approx(np.zeros(len(LIMBS)))
