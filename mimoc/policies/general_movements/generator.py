@@ -146,7 +146,8 @@ class GeneralMovements:
         self._size = scaled["strength"] * (of["arms"] * scaled["arms"] + of["legs"] + of["trunk"] * law["trunk"])
         side = self._styles.side * state["style_side"] * (2.0 * of["left"] - of["arms"] - of["legs"])
         self._rate_hz = scaled["rate"] * xp.exp(side)
-        self._duration_s, self._swell, self._tone = scaled["duration"], scaled["swell"], scaled["tone"]
+        self._duration_s = scaled["duration"] * (of["legs"] * law["leg_duration"] + (1.0 - of["legs"]))
+        self._swell, self._tone = scaled["swell"], scaled["tone"]
         self._weight = self._of["weights"] * (1.0 - self._of["distal"] + law["distal"] * self._of["distal"])
         in_limbs = of["arms"] + of["legs"] + of["trunk"] * law["trunk"]
         self._scale = xp.take(in_limbs, self._limb, axis=1) * self._weight

@@ -43,7 +43,7 @@ LEG: Mapping[str, float] = {
 SPINE: Mapping[str, float] = {"hip_bend1": 1.0, "hip_lean1": 0.0, "hip_rot1": 0.0}
 NECK: Mapping[str, float] = {"head_tilt": 1.0, "head_tilt_side": 0.0, "head_swivel": 0.0}
 DISTAL = frozenset({"hand1", "hand2", "hand3", "fingers", "foot1", "foot2", "foot3", "toes", "big_toe"})
-WEIGHTS: Mapping[str, float] = {"hip1": 1.2, "knee": 0.7}
+WEIGHTS: Mapping[str, float] = {"hip1": 1.25, "knee": 0.62}
 """What bursts ask of a joint relative to others, 1 if it is not named here: so that hips turn by 30 to 60 degrees in a
 kick, as has been published (movement of legs is fitted with it)."""
 FINGERS = ("ff_", "mf_", "rf_", "lf_", "th_")

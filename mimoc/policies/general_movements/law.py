@@ -23,6 +23,8 @@ class Law:
     """Median duration of a burst."""
     duration_spread: float
     """Standard deviation of the logarithm of durations."""
+    leg_duration: float
+    """Duration of the bursts of legs, relative to those of others."""
     coherence: float
     """Correlation of what a burst asks of the joints of a limb with flexion or extension of all of it, from 0 to 1."""
     rebound: float
@@ -89,17 +91,18 @@ def _constant(value: float) -> tuple[float, ...]:
 
 
 COLUMNS: Mapping[str, tuple[float, ...]] = {
-    "rate_hz": (2.7, 2.8, 3.2, 4.3, 4.3, 3.6, 3.0, 2.6, 2.6),
-    "strength": (0.5, 0.54, 0.58, 0.55, 0.5, 0.38, 0.26, 0.2, 0.16),
-    "size_spread": _constant(0.85),
-    "duration_s": (0.25, 0.25, 0.24, 0.21, 0.21, 0.21, 0.21, 0.21, 0.21),
+    "rate_hz": (3.3, 3.4, 3.9, 5.2, 5.2, 4.3, 3.6, 3.2, 3.2),
+    "strength": (0.42, 0.44, 0.47, 0.44, 0.42, 0.37, 0.2, 0.14, 0.12),
+    "size_spread": _constant(0.65),
+    "duration_s": (0.22, 0.22, 0.21, 0.185, 0.185, 0.185, 0.185, 0.185, 0.185),
     "duration_spread": _constant(0.18),
+    "leg_duration": _constant(1.15),
     "coherence": (0.96, 0.97, 0.99, 0.7, 0.55, 0.45, 0.4, 0.4, 0.4),
-    "rebound": _constant(0.32),
-    "together": (0.35, 0.35, 0.45, 0.3, 0.3, 0.4, 0.45, 0.45, 0.45),
+    "rebound": _constant(0.4),
+    "together": (0.35, 0.35, 0.45, 0.3, 0.35, 0.65, 0.65, 0.6, 0.6),
     "whole": (0.1, 0.12, 0.2, 0.15, 0.12, 0.1, 0.1, 0.1, 0.1),
     "arms_in_phase": _constant(0.68),
-    "legs_in_phase": (-0.85, -0.7, -0.3, 0.26, 0.5, 0.85, 0.9, 0.9, 0.9),
+    "legs_in_phase": (-0.85, -0.7, -0.3, 0.26, 0.55, 0.95, 0.95, 0.95, 0.95),
     "swell": (1.1, 1.1, 1.1, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
     "swell_s": (5.0, 5.0, 4.0, 2.9, 2.9, 2.9, 2.9, 2.9, 2.9),
     "size_swell": _constant(0.5),
@@ -110,7 +113,7 @@ COLUMNS: Mapping[str, tuple[float, ...]] = {
     "fidget": (0.0, 0.01, 0.04, 0.09, 0.09, 0.04, 0.02, 0.02, 0.02),
     "fidget_hz": _constant(1.3),
     "tone": _constant(0.03),
-    "arms": (1.7, 1.7, 1.7, 1.7, 1.75, 2.0, 2.2, 2.4, 2.4),
+    "arms": (1.55, 1.55, 1.55, 1.55, 1.6, 1.8, 2.0, 2.2, 2.2),
     "trunk": _constant(0.5),
     "distal": _constant(0.6),
     "arms_up": _constant(0.08),
