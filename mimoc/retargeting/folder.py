@@ -77,11 +77,8 @@ def write_retargeted(
 
     Example:
         >>> import mimoc
-        >>> from mimoc.motion.body_points import film
-        >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
-        >>> folder = mimoc.write_retargeted(child, "filmed/child_1")
+        >>> child = mimoc.retarget(mimoc.read_points("filmed.npz"), age_months=9)
+        >>> folder = mimoc.write_retargeted(child, "retargeted/child")
         >>> sorted(path.name for path in folder.iterdir())[:4]
         ['README.md', 'account.json', 'bundles', 'child.yaml']
     """
@@ -156,12 +153,7 @@ def read_retargeted(folder: str | Path) -> RetargetedFolder:
 
     Example:
         >>> import mimoc
-        >>> from mimoc.motion.body_points import film
-        >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
-        >>> folder = mimoc.write_retargeted(child, "filmed/child_2")
-        >>> mimoc.read_retargeted(folder).motion.qpos.shape[0]
+        >>> mimoc.read_retargeted("retargeted/kim").motion.qpos.shape[0]
         12
     """
     path = Path(folder).expanduser()
@@ -218,7 +210,9 @@ mimoc to recorded points (median error {error:.1f} % of the trunk). This folder 
 whatever holds for that recording holds for this folder.
 
 - `mimoc view . -o page.html` shows it beside its points; `mimoc replay .` and `mimoc export .` read it as a recording.
-- `mimoc run . --policy motion` replays it physically, within the infant's strength.
+- `mimoc run . --policy motion` replays it physically, within the infant's strength. Take senses from such a run, with
+  `--record DIR`: the episode here is the motion itself, in which parts of the body may lie within each other, so what
+  its skin feels is no contact that the infant had.
 - `child.yaml` is its spec, `motion.npz` its joint angles, `points.npz` what was recorded, `fitted.npz` where its own
   points are, `account.json` how far all that can be trusted.
 """
