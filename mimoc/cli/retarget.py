@@ -33,7 +33,10 @@ CameraText = Annotated[
     str | None,
     typer.Option(metavar="FX,FY,CX,CY,W,H", help="Focal lengths, centre and size of its pictures, in pixels."),
 ]
-Height = Annotated[float | None, typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor.")]
+Height = Annotated[
+    float | None,
+    typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor, measured to millimetres."),
+]
 Infant = Annotated[str | None, typer.Option(metavar="ID", help="Which person is the infant; default: the largest.")]
 ViewName = Annotated[
     str,

@@ -44,7 +44,10 @@ HELD = 0.003
 """Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
-CALIBRATED = "one camera sees no depth: standard deviations of angles are widened by factors from simulated motions"
+CALIBRATED = (
+    "one camera sees no depth: standard deviations of angles and, if its height is given, of lengths are widened as"
+    " simulated motions ask for"
+)
 STRAIGHT = "the camera is taken to look straight down on a level floor"
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
