@@ -12,7 +12,6 @@
 
 import json
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name, write_file
+from mimoc.bundle.files import staged_folder, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
@@ -83,20 +82,8 @@ def write_retargeted(
         ['README.md', 'account.json', 'bundles', 'child.yaml']
     """
     target = check_writable(out, force)
-    place = Path(os.path.realpath(target))
-    prefix = f".{place.name}.retarget-"
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        remove_leftovers(place.parent, prefix)
-        staging = place.parent / unfinished_name(prefix)
-        staging.mkdir()
-        try:
-            _fill(staging, retargeted, progress)
-            _move(staging, place)
-        finally:
-            shutil.rmtree(staging, ignore_errors=True)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
+    with staged_folder(target, force=force) as staging:
+        _fill(staging, retargeted, progress)
     return target
 
 
@@ -216,13 +203,3 @@ whatever holds for that recording holds for this folder.
 - `child.yaml` is its spec, `motion.npz` its joint angles, `points.npz` what was recorded, `fitted.npz` where its own
   points are, `account.json` how far all that can be trusted.
 """
-
-
-def _move(staging: Path, place: Path) -> None:
-    """Put a complete folder in its place, where there is nothing, an empty folder, or one to be replaced."""
-    if place.is_dir() and any(place.iterdir()):
-        swap_folders(staging, place)
-        return
-    if place.is_dir():
-        place.rmdir()
-    os.rename(staging, place)

@@ -24,7 +24,7 @@ from mimoc.retargeting.sizes import (
     matched,
     shape_of,
 )
-from mimoc.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, matrix_of
+from mimoc.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, carrying, matrix_of
 from mimoc.retargeting.start import TRUNK, Start, start_of
 
 THIN_HZ = 7.5
@@ -266,12 +266,7 @@ def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column:
     """Return whether a size moves a point of the recording relative to others."""
     if np.abs(shape.points_m[:count, :, column]).max() > 1e-6:
         return True
-    bodies = set()
-    for point in points:
-        body = point.body
-        while body:
-            bodies.add(body)
-            body = int(model.body_parentid[body])
+    bodies = carrying(model, [point.body for point in points])
     return bool(np.abs(shape.bodies_m[sorted(bodies - {int(model.jnt_bodyid[0])}), :, column]).max() > 1e-6)
 
 
