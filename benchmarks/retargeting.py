@@ -1,6 +1,6 @@
 """Known motions of random children, filmed and fitted: errors, intervals and speed, against what was asked for.
 
-python benchmarks/retargeting.py [--children 20] [--seconds 10] [--first 0] [--points all] [--kind pixels|depth|space]
+python benchmarks/retargeting.py [--children 20] [--first 0] [--points all|mini] [--kind pixels|depth|space] [--height]
 """
 
 import argparse
@@ -32,13 +32,14 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--kind", choices=["pixels", "depth", "space"], nargs="*", default=["pixels", "depth", "space"])
     parser.add_argument("--points", choices=["mini", "all"], default="all")
+    parser.add_argument("--height", action="store_true", help="give the fit the camera's height")
     parser.add_argument("--each", action="store_true")
     options = parser.parse_args()
     names = ALL_POINTS if options.points == "all" else MINI_RGBD_POINTS
     for kind in options.kind:
         rows = []
         for seed in range(options.first, options.first + options.children):
-            rows.append(checked(kind, seed, options.seconds, names))
+            rows.append(checked(kind, seed, options.seconds, names, HEIGHT_M if options.height else None))
             if options.each:
                 print(seed, {key: shown(value) for key, value in rows[-1].items() if key != "angles"}, flush=True)
         print(kind, json.dumps(summary(rows)))
@@ -49,7 +50,9 @@ def shown(value: Any) -> Any:
     return float(f"{value:.3g}") if isinstance(value, float) else value
 
 
-def checked(kind: str, seed: int, seconds: float, names: tuple[str, ...] = ALL_POINTS) -> dict[str, Any]:
+def checked(
+    kind: str, seed: int, seconds: float, names: tuple[str, ...] = ALL_POINTS, height_m: float | None = None
+) -> dict[str, Any]:
     """Return the figures of one child."""
     draw = np.random.default_rng(seed)
     spec = random_child(draw)
@@ -59,7 +62,7 @@ def checked(kind: str, seed: int, seconds: float, names: tuple[str, ...] = ALL_P
         recording = in_space(model, qpos, draw, names=names)
     else:
         recording = recorded(model, qpos, draw, names, depth_noise_m=0.01 if kind == "depth" else None)
-    result = mimoc.retarget(recording, spec.age_months, average_like(spec))
+    result = mimoc.retarget(recording, spec.age_months, average_like(spec), camera_height_m=height_m)
     return {"age_months": spec.age_months, **figures(model, qpos, result)}
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from support import store
+from support.motions import moved, retargeted
 
 import mimoc
 from mimoc.base.errors import SpecError
@@ -26,6 +27,7 @@ vary: {age_months: [6, 9]}
 do: [build]
 measure: [length_cm]
 """
+KIM = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": {"proprioception": {}}, "scene": {"kind": "flat"}}
 BESIDES = (InfantSpec.with_, SpecError, ReadRecording, Curve)
 """What users meet besides the names of `mimoc` itself; the docstring of a spec's class is help on its keys."""
 
@@ -41,7 +43,7 @@ def examples() -> Iterator[doctest.DocTest]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Return a folder as a user has it after the tutorial: specs, a bundle, a study, a recording, a trained policy."""
+    """Return a folder as a user has it: specs, a bundle, a study, a recording, a trained policy, a filmed infant."""
     folder = tmp_path_factory.mktemp("user")
     for name in ("nine_months", "reach"):
         shutil.copy(CHECKOUT / "configs" / f"{name}.yaml", folder)
@@ -53,6 +55,10 @@ def folder(tmp_path_factory) -> Path:
             env.step(env.action_space.sample())
     short = {"n_steps": 64, "batch_size": 64}
     mimoc.train(folder / "reach.yaml", folder / "runs/reach", steps=64, envs=1, processes=False, hyper=short)
+    kim = store.built(KIM)
+    child = retargeted(kim, moved(kim, seconds=0.33))
+    mimoc.write_points(child.recording, folder / "filmed.npz")
+    mimoc.write_retargeted(child, folder / "retargeted/kim")
     return folder
 
 

@@ -8,7 +8,8 @@ import shutil
 import socket
 import sys
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
 
@@ -170,6 +171,37 @@ _RENAME_EXCHANGE = 2
 """Flag of renameat2 (Linux, include/uapi/linux/fs.h) and, as RENAME_SWAP, of renamex_np (macOS, sys/stdio.h)."""
 _UNSUPPORTED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
 """Errors of an operating or file system that cannot swap two folders atomically."""
+
+
+@contextmanager
+def staged_folder(target: Path, *, force: bool = False) -> Iterator[Path]:
+    """Yield an empty folder, which is put in place of a new or empty one if nothing goes wrong.
+
+    Args:
+        target: That place.
+        force: Put it in place of a folder that is not empty, too.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    place = Path(os.path.realpath(target))
+    prefix = f".{place.name}{_PREFIX}"
+    staging = place.parent / unfinished_name(prefix)
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        remove_leftovers(place.parent, prefix)
+        staging.mkdir()
+        yield staging
+        if force and place.is_dir() and any(place.iterdir()):
+            swap_folders(staging, place)
+        else:
+            if place.is_dir():
+                place.rmdir()
+            os.rename(staging, place)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
 
 
 def swap_folders(first: Path, second: Path) -> None:

@@ -33,8 +33,19 @@ CameraText = Annotated[
     str | None,
     typer.Option(metavar="FX,FY,CX,CY,W,H", help="Focal lengths, centre and size of its pictures, in pixels."),
 ]
-Height = Annotated[float | None, typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor.")]
+Height = Annotated[
+    float | None,
+    typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor, measured to millimetres."),
+]
 Infant = Annotated[str | None, typer.Option(metavar="ID", help="Which person is the infant; default: the largest.")]
+ViewName = Annotated[
+    str,
+    typer.Option(
+        metavar="VIEW",
+        help="What the camera sees: the infant's front; its back, if it lies on its belly; mirrored, if the picture is"
+        " or y counts upwards; swapped, if left is right.",
+    ),
+]
 
 
 def retarget(
@@ -47,6 +58,7 @@ def retarget(
     camera: CameraText = None,
     height: Height = None,
     infant: Infant = None,
+    view: ViewName = "front",
     senses: Annotated[
         str | None, typer.Option(help="Senses of the child, with commas between, such as proprioception,touch,vision.")
     ] = None,
@@ -65,7 +77,7 @@ def retarget(
 
     check_writable(out, force)
     start = load_spec(spec) if spec else None
-    options = {"format": format, "rate_hz": rate, "camera": camera_of(camera), "infant": infant}
+    options = {"format": format, "rate_hz": rate, "camera": camera_of(camera), "infant": infant, "view": view}
     points = read_points(recording, **options)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS
     with console.progress("fitting") as show:

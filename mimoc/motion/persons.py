@@ -85,13 +85,14 @@ def place_points(frames: Sequence[Frame], infant: int | str | None, points: int)
     numbers = _rows([(frame.where, person) for frame, person in several], 3 * points).reshape(-1, points, 3)
     seen = (numbers[..., 2] > 0) & np.isfinite(numbers).all(axis=-1)
     placed = np.where(seen[..., None], numbers[..., :2], np.nan)
-    low, high = (np.where(seen[..., None], numbers[..., :2], end).clip(-1e9, 1e9) for end in (np.inf, -np.inf))
+    bounded = placed.clip(-1e9, 1e9)
+    box = np.fmax.reduce(bounded, axis=1) - np.fmin.reduce(bounded, axis=1)
     people = _People(
         [person.identity for _, person in several],
         [frame.where for frame, _ in several],
         np.array([frame.place for frame, _ in several]),
         placed,
-        np.linalg.norm((high.max(axis=1) - low.min(axis=1)).clip(0), axis=-1),
+        np.linalg.norm(np.nan_to_num(box), axis=-1),
     )
     chosen, note = _choose(people, None if infant is None else str(infant))
     shape = frames[-1].place + 1, points
@@ -156,16 +157,16 @@ def _by_nearness(people: _People, infant: str | None, starts: Sequence[int]) -> 
 
 def _followed(points: FloatArray, spans: Sequence[tuple[int, int]], start: int) -> list[int]:
     """Return who of each frame is nearest to whom it was in the frame before; points may have changed meanwhile."""
-    last, followed = points[start], []
+    places = points.reshape(len(points), -1)
+    last, followed = places[start], []
     for first, stop in spans:
         nearest = first
         if stop - first > 1:
-            squares = np.square(points[first:stop] - last).sum(axis=-1)
+            squares = np.square(places[first:stop] - last)
             both = np.isfinite(squares)
-            shared = both.sum(axis=1)
-            totals = np.where(both, squares, 0.0).sum(axis=1)
+            shared, totals = both.sum(axis=1), squares.sum(axis=1, where=both)
             nearest += int(np.argmin(np.where(shared > 0, totals / np.maximum(shared, 1), np.inf)))
-        last = np.where(np.isfinite(points[nearest]), points[nearest], last)
+        last = np.where(np.isfinite(places[nearest]), places[nearest], last)
         followed.append(nearest)
     return followed
 

@@ -1,16 +1,14 @@
 """Recordings in the formats of others."""
 
 import os
-import secrets
-import shutil
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
+from mimoc.bundle.files import staged_folder
 from mimoc.exporters import EARLIER, EXPORTERS
 from mimoc.recording.description import description_in
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
@@ -59,7 +57,7 @@ def export_recording(
         if kind.is_uniform:
             _check_uniform(source)
     export = function_of(kind.run, "export")
-    with _staged(out) as staging:
+    with staged_folder(_new_folder(out)) as staging:
         lost = export(source, staging, progress) or ()
         lines = [*lost] if isinstance(lost, Iterable) and not isinstance(lost, str) else [lost]
         if not all(isinstance(line, str) for line in lines):
@@ -67,25 +65,14 @@ def export_recording(
     return (*notes, *lines)
 
 
-@contextmanager
-def _staged(out: str | Path) -> Iterator[Path]:
-    """Yield an empty folder, which is put in place of a new or empty one, and nothing else, if nothing goes wrong."""
+def _new_folder(out: str | Path) -> Path:
+    """Return the path of a new or empty folder, or raise an OutputError."""
     target = Path(out).expanduser()
     if os.path.lexists(target) and not target.is_dir():
         raise OutputError(f"{target}: this is a file; name a new folder")
     if target.is_dir() and any(target.iterdir()):
         raise OutputError(f"{target}: the folder is not empty; name a new one")
-    staging = target.absolute().parent / f".{target.name}.mimoc-{secrets.token_hex(8)}"
-    try:
-        staging.mkdir(parents=True)
-        yield staging
-        if target.is_dir():
-            target.rmdir()
-        os.rename(staging, target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+    return target
 
 
 def _check_uniform(recording: ReadRecording) -> None:

@@ -47,7 +47,7 @@ def account_of(
     by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
     joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
     factors = np.abs(hinges.factor)
-    wide = sure if problem.observed.tells_size else widened(sure, hinges.names)
+    wide = sure if problem.observed.tells_size else widened(sure, hinges.names, names, setting.size_is_known)
     height_sd = float(np.sqrt(sure.shared_covariance[0, 0]))
     return Account(
         unit=recording.unit,
@@ -59,7 +59,7 @@ def account_of(
         noise=problem.observed.noise * sure.noise[0],
         depth_noise_m=problem.observed.depth_noise_m * sure.noise[1] if len(sure.noise) > 1 else None,
         size_is_known=setting.size_is_known,
-        lengths_m=_lengths(setting, sure),
+        lengths_m=_lengths(setting, wide),
         camera_height_m=_interval(state.height_m, height_sd) if recording.unit == "px" else None,
         joints=joints,
         angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * factors,

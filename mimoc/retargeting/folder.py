@@ -12,7 +12,6 @@
 
 import json
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name, write_file
+from mimoc.bundle.files import staged_folder, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
@@ -77,29 +76,14 @@ def write_retargeted(
 
     Example:
         >>> import mimoc
-        >>> from mimoc.motion.body_points import film
-        >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
-        >>> folder = mimoc.write_retargeted(child, "filmed/child_1")
+        >>> child = mimoc.retarget(mimoc.read_points("filmed.npz"), age_months=9)
+        >>> folder = mimoc.write_retargeted(child, "retargeted/child")
         >>> sorted(path.name for path in folder.iterdir())[:4]
         ['README.md', 'account.json', 'bundles', 'child.yaml']
     """
     target = check_writable(out, force)
-    place = Path(os.path.realpath(target))
-    prefix = f".{place.name}.retarget-"
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        remove_leftovers(place.parent, prefix)
-        staging = place.parent / unfinished_name(prefix)
-        staging.mkdir()
-        try:
-            _fill(staging, retargeted, progress)
-            _move(staging, place)
-        finally:
-            shutil.rmtree(staging, ignore_errors=True)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
+    with staged_folder(target, force=force) as staging:
+        _fill(staging, retargeted, progress)
     return target
 
 
@@ -156,12 +140,7 @@ def read_retargeted(folder: str | Path) -> RetargetedFolder:
 
     Example:
         >>> import mimoc
-        >>> from mimoc.motion.body_points import film
-        >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> child = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
-        >>> folder = mimoc.write_retargeted(child, "filmed/child_2")
-        >>> mimoc.read_retargeted(folder).motion.qpos.shape[0]
+        >>> mimoc.read_retargeted("retargeted/kim").motion.qpos.shape[0]
         12
     """
     path = Path(folder).expanduser()
@@ -218,17 +197,9 @@ mimoc to recorded points (median error {error:.1f} % of the trunk). This folder 
 whatever holds for that recording holds for this folder.
 
 - `mimoc view . -o page.html` shows it beside its points; `mimoc replay .` and `mimoc export .` read it as a recording.
-- `mimoc run . --policy motion` replays it physically, within the infant's strength.
+- `mimoc run . --policy motion` replays it physically, within the infant's strength. Take senses from such a run, with
+  `--record DIR`: the episode here is the motion itself, in which parts of the body may lie within each other, so what
+  its skin feels is no contact that the infant had.
 - `child.yaml` is its spec, `motion.npz` its joint angles, `points.npz` what was recorded, `fitted.npz` where its own
   points are, `account.json` how far all that can be trusted.
 """
-
-
-def _move(staging: Path, place: Path) -> None:
-    """Put a complete folder in its place, where there is nothing, an empty folder, or one to be replaced."""
-    if place.is_dir() and any(place.iterdir()):
-        swap_folders(staging, place)
-        return
-    if place.is_dir():
-        place.rmdir()
-    os.rename(staging, place)

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.motion.body_points import BodyPoint
-from mimoc.retargeting.skeleton import Hinges
+from mimoc.retargeting.skeleton import Hinges, carrying
 
 NEVER = "eye", "fingers", "toe", "_ff_", "_mf_", "_rf_", "_lf_", "_th_"
 """Parts of names of hinges that no point tells of."""
@@ -17,18 +17,12 @@ def hinges_of(model: mujoco.MjModel, points: Sequence[BodyPoint]) -> Hinges:
 
     The lumbar hinges of two bodies that MIMo couples by tendons of (nearly) fixed length turn by one unknown.
     """
-    carrying = set()
-    for point in points:
-        body = point.body
-        while body:
-            carrying.add(body)
-            body = int(model.body_parentid[body])
-    followers = _followers(model)
+    bodies, followers = carrying(model, [point.body for point in points]), _followers(model)
     names, ids, columns, factors = [], [], [], []
     for joint in range(1, model.njnt):
         name = model.joint(joint).name
         hinge = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
-        if not hinge or int(model.jnt_bodyid[joint]) not in carrying or any(part in name for part in NEVER):
+        if not hinge or int(model.jnt_bodyid[joint]) not in bodies or any(part in name for part in NEVER):
             continue
         leader, factor = followers.get(joint, (joint, 1.0))
         if leader not in ids and leader != joint:

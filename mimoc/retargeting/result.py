@@ -63,8 +63,8 @@ class Account:
     joints: tuple[str, ...]
     """Hinges of the model that were fitted, j of them."""
     angle_sd_rad: FloatArray
-    """Standard deviation of each of their angles at each frame, shape (t, j); with one camera and no depth, widened by
-    factors that simulated motions gave (`uncertainty.WIDER`)."""
+    """Standard deviation of each of their angles at each frame, shape (t, j); with one camera and no depth, widened as
+    simulated motions ask for (`uncertainty.widened`)."""
     depth_sd_m: Mapping[str, float]
     """Standard deviation of the height of each point above the floor, median over frames."""
     unseen: tuple[str, ...]

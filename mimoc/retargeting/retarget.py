@@ -72,10 +72,7 @@ def retarget(
 
     Example:
         >>> import mimoc
-        >>> from mimoc.motion.body_points import film
-        >>> env = mimoc.make("nine_months.yaml").unwrapped
-        >>> still = env.model.key("supine").qpos[None].repeat(12, axis=0)
-        >>> result = mimoc.retarget(film(env.model, still, 30.0), age_months=9)
+        >>> result = mimoc.retarget(mimoc.read_points("filmed.npz"), age_months=9)
         >>> result.qpos.shape[0], result.account.error_share < 0.01
         (12, True)
     """

@@ -24,7 +24,7 @@ from mimoc.retargeting.sizes import (
     matched,
     shape_of,
 )
-from mimoc.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, matrix_of
+from mimoc.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, carrying, matrix_of
 from mimoc.retargeting.start import TRUNK, Start, start_of
 
 THIN_HZ = 7.5
@@ -44,7 +44,10 @@ HELD = 0.003
 """Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
-CALIBRATED = "one camera sees no depth: standard deviations of angles are widened by factors from simulated motions"
+CALIBRATED = (
+    "one camera sees no depth: standard deviations of angles and, if its height is given, of lengths are widened as"
+    " simulated motions ask for"
+)
 STRAIGHT = "the camera is taken to look straight down on a level floor"
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
@@ -263,12 +266,7 @@ def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column:
     """Return whether a size moves a point of the recording relative to others."""
     if np.abs(shape.points_m[:count, :, column]).max() > 1e-6:
         return True
-    bodies = set()
-    for point in points:
-        body = point.body
-        while body:
-            bodies.add(body)
-            body = int(model.body_parentid[body])
+    bodies = carrying(model, [point.body for point in points])
     return bool(np.abs(shape.bodies_m[sorted(bodies - {int(model.jnt_bodyid[0])}), :, column]).max() > 1e-6)
 
 

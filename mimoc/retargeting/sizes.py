@@ -22,7 +22,6 @@ STEP = 0.05
 """Change of a factor by which derivatives are computed; origins are linear in factors."""
 LEAST, MOST = 0.6, 1.7
 """Factors on parts that are tried, within those that a spec can have."""
-OVERALL = "overall"
 OVERALL_SD = 0.045
 """Standard deviation of the logarithm of a child's length: 3.5 % by WHO's standards up to two years, and the difference
 between these and the survey of the average child."""

@@ -1,6 +1,6 @@
 """Forward kinematics of an infant at many frames at once, with derivatives by its unknowns and by its sizes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +81,7 @@ class Skeleton:
         self.hinges, self.rest, self.turned = hinges, rest.copy(), turned
         self.point_bodies = np.array([point.body for point in points], dtype=np.intp)
         self._model, self._root = model, int(model.jnt_bodyid[0])
-        self._bodies = self._needed()
+        self._bodies = sorted(carrying(model, self.point_bodies.tolist()) - {self._root})
         self._pairs = self._moved()
 
     @property
@@ -164,15 +164,6 @@ class Skeleton:
         result[:, joints] = x[:, ROOT + self.hinges.column] * self.hinges.factor
         return result
 
-    def _needed(self) -> list[int]:
-        """Return the bodies below the root that points are on, and those between, parents first."""
-        needed = set()
-        for body in self.point_bodies.tolist():
-            while body not in (0, self._root):
-                needed.add(body)
-                body = int(self._model.body_parentid[body])
-        return sorted(needed)
-
     def _moved(self) -> list[tuple[IntArray, IntArray, IntArray, FloatArray]]:
         """Return which hinge moves which point, in groups without two hinges of one unknown: indices and factors."""
         groups: list[list[tuple[int, int, int, float]]] = [[], []]
@@ -190,6 +181,16 @@ class Skeleton:
         tables = [np.array(group) for group in groups if group]
         indices = [table[:, :3].astype(np.intp).T for table in tables]
         return [(index[0], index[1], index[2], table[:, 3]) for index, table in zip(indices, tables, strict=True)]
+
+
+def carrying(model: mujoco.MjModel, bodies: Iterable[int]) -> set[int]:
+    """Return some bodies and all that they hang on, but the world."""
+    result: set[int] = set()
+    for body in bodies:
+        while body:
+            result.add(body)
+            body = int(model.body_parentid[body])
+    return result
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -1,11 +1,12 @@
 import os
 import stat
 import threading
+from contextlib import suppress
 
 import pytest
 
 from mimoc.base.errors import OutputError
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import staged_folder, write_file
 
 
 def test_a_file_is_written_and_its_path_returned(tmp_path):
@@ -63,3 +64,14 @@ def test_readers_see_the_old_content_or_the_new(tmp_path):
     done.set()
     reader.join()
     assert seen <= set(contents)
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_staged_folder_takes_the_place_of_a_full_one_only_if_that_is_asked_for(force, tmp_path):
+    target = tmp_path / "out"
+    with suppress(OutputError), staged_folder(target, force=force) as staging:
+        (staging / "new").touch()
+        target.mkdir()  # Meanwhile.
+        (target / "old").touch()
+    assert [path.name for path in target.iterdir()] == ["new" if force else "old"]
+    assert list(tmp_path.iterdir()) == [target]

@@ -1,5 +1,7 @@
 """`mimoc retarget`, and what its folder is good for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.motions import moved
@@ -14,17 +16,22 @@ SPEC = {"mimoc": 1, "name": "kim", "age_months": 3, "scene": {"kind": "flat", "p
 
 @pytest.fixture(scope="module")
 def points(tmp_path_factory):
-    """Return the file of what a camera sees of a known motion."""
+    """Return the file of what a camera sees of a known motion, mirrored."""
     bundle = built({**SPEC, "senses": {"proprioception": {}}})
     motion, model = moved(bundle, 0.6), load_model(bundle)
-    place = tmp_path_factory.mktemp("points") / "kim.npz"
-    return mimoc.write_points(film(model, motion.qpos, motion.rate_hz), place)
+    seen = film(model, motion.qpos, motion.rate_hz)
+    mirrored = replace(seen, positions=seen.positions * [-1, 1] + [640, 0])
+    return mimoc.write_points(mirrored, tmp_path_factory.mktemp("points") / "kim.npz")
 
 
 @pytest.mark.slow
-def test_a_recording_becomes_a_child_that_moves(points, tmp_path, invoke):
+def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invoke):
     out = tmp_path / "kim"
-    code, output = invoke("retarget", str(points), "-o", str(out), "--age", "3")[:2]
+    arguments = ["retarget", str(points), "-o", str(out), "--age", "3"]
+    code, *texts = invoke(*arguments)
+    assert code == 2
+    assert "mirrored (view='mirrored')" in "".join(map(str, texts))
+    code, output = invoke(*arguments, "--view", "mirrored")[:2]
     assert code == 0, output
     assert "of the trunk" in output
     assert "overall size is known" in output
@@ -41,6 +48,7 @@ def test_a_recording_becomes_a_child_that_moves(points, tmp_path, invoke):
     [
         (["--camera", "1,2,3"], "is not a camera"),
         (["--format", "betamax"], "betamax"),
+        (["--view", "side"], "'side' is not a view; choose from back, front, mirrored, swapped"),
         (["--rate", "nan"], ""),
     ],
 )

@@ -49,6 +49,10 @@ def test_it_is_a_recording_that_comes_out_again(out, motion):
     assert np.sqrt((errors_deg**2).mean()) < 1.0
 
 
+def test_it_says_that_touch_in_it_is_not_physical(out):
+    assert "Take senses from such a run" in (out / "README.md").read_text()
+
+
 def test_its_child_can_be_made(out):
     assert mimoc.make(out).unwrapped.manifest.name == "kim"
 

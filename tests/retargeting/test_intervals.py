@@ -8,7 +8,15 @@ from mimoc.retargeting.banded import NormalEquations
 from mimoc.retargeting.prior import Usual, chain
 from mimoc.retargeting.result import QUANTILE, Interval
 from mimoc.retargeting.setting import CALIBRATED
-from mimoc.retargeting.uncertainty import WIDER, WIDER_REST, Uncertainty, widened
+from mimoc.retargeting.uncertainty import (
+    ADDED_DEG,
+    ENDS,
+    LENGTHS_WIDER,
+    WIDER,
+    WIDER_REST,
+    Uncertainty,
+    widened,
+)
 
 FRAMES, RATE_HZ = 60, 15.0
 
@@ -44,13 +52,28 @@ def test_nine_of_ten_intervals_of_a_linear_model_contain_the_truth():
     assert np.mean(shared_inside) == pytest.approx(0.9, abs=0.07)
 
 
-def test_one_camera_has_wider_angles_and_says_so_but_neither_wider_lengths_nor_any_with_depth():
-    sure = Uncertainty((1.0,), np.ones((2, 4)), np.ones((2, 1)), np.eye(2))
-    names = [f"robot:{name}" for name in ("left_shoulder_horizontal", "left_shoulder_ad_ab", "hip_bend1", "head_tilt")]
-    wide = widened(sure, names)
-    assert wide.angle_sd_rad == pytest.approx(
-        np.tile([WIDER["shoulder_horizontal"], WIDER["shoulder"], WIDER["hip_"], WIDER_REST], (2, 1))
-    )
-    assert wide.shared_covariance is sure.shared_covariance
+HINGES = [f"robot:{name}" for name in ("left_shoulder_horizontal", "right_knee", "hip_bend1", "head_tilt")]
+
+
+def wide(points=("right_ankle", "nose"), size_is_known=False) -> Uncertainty:
+    """Return what one camera leaves open of hinges whose SD is 1 degree."""
+    sure = Uncertainty((1.0,), np.radians(np.ones((2, 4))), np.ones((2, 1)), np.eye(3))
+    return widened(sure, HINGES, points, size_is_known)
+
+
+def test_one_camera_has_wider_angles_and_says_so_but_none_with_depth():
+    factors = [WIDER["shoulder_horizontal"], WIDER["knee"], WIDER["hip_"], WIDER_REST]
+    assert np.degrees(wide().angle_sd_rad) == pytest.approx(np.tile(factors, (2, 1)))
     assert CALIBRATED in setting("pixels").notes
     assert not any(CALIBRATED in setting(kind).notes for kind in ("depth", "space"))
+
+
+def test_the_sd_of_a_knee_without_an_ankle_and_of_a_head_without_a_face_has_a_least_value():
+    least = [ADDED_DEG["knee"], ADDED_DEG["head"]]
+    assert np.degrees(wide(points=("right_knee", "head")).angle_sd_rad[0, [1, 3]]) == pytest.approx(least, rel=0.01)
+    assert ADDED_DEG.keys() == ENDS.keys()
+
+
+def test_lengths_are_wider_only_where_the_height_of_one_camera_is_known():
+    assert np.diag(wide(size_is_known=True).shared_covariance) == pytest.approx([1.0, *[LENGTHS_WIDER**2] * 2])
+    assert np.array_equal(wide().shared_covariance, np.eye(3))

@@ -1,21 +1,18 @@
 """The search for the youngest age from which on a trial succeeds, and searches that an interruption leaves intact."""
 
-import hashlib
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mimoc.bundle.files import make_folder, remove, write_file
-from mimoc.bundle.regular_files import UnusableFileError, read_json_file
+from mimoc.bundle.files import remove
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
+from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import TRIALS
@@ -144,18 +141,14 @@ def _searched(
         for item in items:
             yield item, find(item, _try_at)
         return
-    pool = process_pool(processes)
+    with ThreadPoolExecutor(len(items) or 1) as threads, process_pool(processes) as pool:
 
-    def attempt(*arguments: Any) -> Outcome:
-        return pool.submit(_try_at, *arguments).result()
+        def attempt(*arguments: Any) -> Outcome:
+            return pool.submit(_try_at, *arguments).result()
 
-    with ThreadPoolExecutor(len(items) or 1) as threads:
-        try:
-            running = {threads.submit(find, item, attempt): item for item in items}
-            for future in as_completed(running):
-                yield running[future], future.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+        running = {threads.submit(find, item, attempt): item for item in items}
+        for future in as_completed(running):
+            yield running[future], future.result()
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
@@ -182,7 +175,7 @@ class Case:
 def run_searches(
     cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[], None]
 ) -> Mapping[Case, SearchResult]:
-    """Return what is found in each case; the searches that an earlier run has finished in this folder are not repeated.
+    """Return what is found in each case; of searches that the same software has finished in this folder, what it found.
 
     Args:
         cases: What to search for.
@@ -217,10 +210,7 @@ def _search(case: Case, attempt: AttemptAt) -> SearchResult:
 
 
 def _file(folder: Path, case: Case) -> Path:
-    """Return the file of a search, whose name tells cases and versions of the software apart."""
-    versions = [version(library) for library in ("mimoc", "mujoco", "numpy")]
-    digest = hashlib.sha256(json.dumps([asdict(case), versions], sort_keys=True).encode()).hexdigest()
-    return folder / FOLDER / f"{case.development}-{case.trial}-{digest[:12]}.json"
+    return kept_file(folder / FOLDER, f"{case.development}-{case.trial}", asdict(case))
 
 
 class _SearchFile(Model):
@@ -232,16 +222,10 @@ class _SearchFile(Model):
 
 
 def _write(folder: Path, case: Case, result: SearchResult) -> None:
-    path = _file(folder, case)
-    make_folder(path.parent, below=folder)
     data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
-    write_file(path, f"{data.model_dump_json(indent=1)}\n".encode(), below=folder)
+    keep(_file(folder, case), data, below=folder)
 
 
 def _read(folder: Path, case: Case) -> SearchResult | None:
-    """Return the result of a search; None if there is none, or it is damaged, so that it is done again."""
-    try:
-        file = read_json_file(_file(folder, case), _SearchFile, below=folder)
-    except UnusableFileError:
-        return None
+    file = read_kept(_file(folder, case), _SearchFile, below=folder)
     return None if file is None else SearchResult(file.youngest_months, dict(file.tried))

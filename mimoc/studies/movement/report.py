@@ -249,14 +249,11 @@ def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> 
             results[job] = try_movement(spec, *job)
             progress(len(results), len(jobs))
         return results
-    pool = process_pool(processes)
-    try:
+    with process_pool(processes) as pool:
         running = {pool.submit(try_movement, spec, *job): job for job in jobs}
         for future in as_completed(running):
             results[running[future]] = future.result()
             progress(len(results), len(jobs))
-    finally:
-        pool.shutdown(cancel_futures=True)
     return results
 
 

@@ -1,20 +1,17 @@
 """Trials by seed, side by side in several processes; what is finished outlives an interruption."""
 
-import hashlib
-import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.files import make_folder, remove, write_file
-from mimoc.bundle.regular_files import UnusableFileError, read_json_file
+from mimoc.bundle.files import remove
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.studies.experiments.notebook import Notebook
+from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.processes import process_pool
 
 FOLDER = "trials"
@@ -42,7 +39,7 @@ class Trial:
 
 
 def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
-    """Return what came of trials, in their order; those that an earlier run has finished are not repeated.
+    """Return what came of trials, in their order; those that an earlier run of the same software finished are kept.
 
     Quick experiments run in this process, others in as many as there are processors.
 
@@ -50,20 +47,21 @@ def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
         OutputError: If a result cannot be written.
     """
     folder, count = notebook.folder, notebook.counter(len(trials))
-    results = {slot: result for slot, trial in enumerate(trials) if (result := _read(folder, trial))}
+    files = [_file(folder, trial) for trial in trials]
+    results = {slot: result for slot, file in enumerate(files) if (result := read_kept(file, Result, below=folder))}
     for _ in results:
         count(None)
     waiting = [slot for slot in range(len(trials)) if slot not in results]
 
-    def keep(slot: int, result: Result) -> None:
-        _write(folder, trials[slot], result)
+    def finish(slot: int, result: Result) -> None:
+        keep(files[slot], result, below=folder)
         results[slot] = count(result)
 
     if notebook.quick:
         for slot in waiting:
-            keep(slot, _run(trials[slot]))
+            finish(slot, _run(trials[slot]))
     else:
-        _run_side_by_side(trials, waiting, keep)
+        _run_side_by_side(trials, waiting, finish)
     return [results[slot] for slot in range(len(trials))]
 
 
@@ -72,14 +70,11 @@ def forget_trials(notebook: Notebook) -> None:
     remove(notebook.folder / FOLDER)
 
 
-def _run_side_by_side(trials: Sequence[Trial], waiting: Sequence[int], keep: Callable[[int, Result], None]) -> None:
-    pool = process_pool(os.cpu_count() or 1)
-    try:
+def _run_side_by_side(trials: Sequence[Trial], waiting: Sequence[int], finish: Callable[[int, Result], None]) -> None:
+    with process_pool(os.cpu_count() or 1) as pool:
         running = {pool.submit(_run, trials[slot]): slot for slot in waiting}
         for future in as_completed(running):
-            keep(running[future], future.result())
-    finally:
-        pool.shutdown(cancel_futures=True)
+            finish(running[future], future.result())
 
 
 def _run(trial: Trial) -> Result:
@@ -87,23 +82,5 @@ def _run(trial: Trial) -> Result:
 
 
 def _file(folder: Path, trial: Trial) -> Path:
-    """Return the file of a trial, whose name tells trials and versions of the software apart."""
-    name = trial.run.__name__.strip("_")
-    versions = [version(library) for library in ("mimoc", "mujoco", "numpy")]
-    identity = [trial.run.__module__, name, asdict(trial.case), trial.seed, versions]
-    digest = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-    return folder / FOLDER / f"{name}-{digest[:16]}.json"
-
-
-def _write(folder: Path, trial: Trial, result: Result) -> None:
-    path = _file(folder, trial)
-    make_folder(path.parent, below=folder)
-    write_file(path, f"{result.model_dump_json()}\n".encode(), below=folder)
-
-
-def _read(folder: Path, trial: Trial) -> Result | None:
-    """Return what came of a trial; None if there is nothing, or it is damaged, so that it is done again."""
-    try:
-        return read_json_file(_file(folder, trial), Result, below=folder)
-    except UnusableFileError:
-        return None
+    function = trial.run
+    return kept_file(folder / FOLDER, function.__name__.strip("_"), function.__module__, asdict(trial.case), trial.seed)

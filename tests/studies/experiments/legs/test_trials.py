@@ -1,9 +1,11 @@
 """Trials by seed, which an interruption leaves intact, and what is said of their means."""
 
+import time
 from dataclasses import dataclass
 
 import pytest
 
+from mimoc.studies import kept_results
 from mimoc.studies.experiments.legs.changes import change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 from mimoc.studies.experiments.legs.trials import FOLDER, Result, Trial, forget_trials, run_trials
@@ -44,6 +46,41 @@ def test_what_was_finished_is_not_repeated_after_an_interruption(notebook):
         run_trials(notebook, trials((1, 2, 13)))
     run_trials(notebook, trials((1, 2, 3)))
     assert RUNS == [1, 2, 13, 3]
+
+
+def wait(case: Case, seed: int) -> Result:
+    time.sleep(seed)
+    return Result(values={"waited": seed})
+
+
+def test_an_interruption_ends_running_trials_within_seconds_and_keeps_finished_ones(tmp_path):
+    def interrupt(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    trials = [Trial(wait, Case(1.0), seed) for seed in (0, 600, 601)]
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        run_trials(open_notebook("toy", tmp_path, quick=False, progress=interrupt), trials)
+    assert time.monotonic() - begin < 30.0
+    assert len(list((tmp_path / FOLDER).iterdir())) == 1
+    counted: list[int] = []
+    again = open_notebook("toy", tmp_path, quick=False, progress=lambda done, total: counted.append(done))
+    assert run_trials(again, trials[:1])[0].values == {"waited": 0.0}
+    assert counted == [1]
+
+
+def test_a_trial_of_other_software_is_done_again(notebook, monkeypatch):
+    run_trials(notebook, trials((1,)))
+    changed = {**kept_results.software(), "studies/kept_results.py": "sha256:0"}
+    monkeypatch.setattr(kept_results, "software", lambda: changed)
+    run_trials(notebook, trials((1,)))
+    assert RUNS == [1, 1]
+
+
+def test_the_software_is_all_of_mimoc_and_its_tables():
+    software = kept_results.software()
+    assert {"mimoc", "mujoco", "numpy", "policies/__init__.py", "data/anthrokids.csv"} <= software.keys()
+    assert not [name for name in software if name.endswith(".pyc")]
 
 
 def test_another_case_is_another_trial(notebook):

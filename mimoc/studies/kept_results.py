@@ -1,0 +1,53 @@
+"""Results of parts of a study, which outlive an interruption: a later run of the same software goes on from them."""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, TypeVar
+
+from mimoc.bundle.files import make_folder, write_file
+from mimoc.bundle.io import digests
+from mimoc.bundle.regular_files import UnusableFileError, read_json_file
+from mimoc.fits.tables import data_files
+from mimoc.recording.folder import versions
+from mimoc.schema.base import Model
+
+Result = TypeVar("Result", bound=Model)
+
+
+@cache
+def software() -> Mapping[str, str]:
+    """Return what decides a result besides what is asked: digests of mimoc's own files, and versions of libraries."""
+    package = Path(__file__).resolve().parents[1]
+    files = {path.relative_to(package).as_posix(): path for path in package.rglob("*") if path.is_file()}
+    contents = {name: path.read_bytes() for name, path in files.items() if "__pycache__" not in name}
+    contents |= {f"data/{name}": table for name, table in data_files().items()}
+    return {**versions(), **digests(contents)}
+
+
+def kept_file(folder: Path, name: str, *what: Any) -> Path:
+    """Return the file of a result.
+
+    Args:
+        folder: Of the results of one kind.
+        name: What its name begins with.
+        what: All that decides the result besides the software, as plain data for JSON.
+    """
+    text = json.dumps([name, what, software()], sort_keys=True)
+    return folder / f"{name}-{sha256(text.encode()).hexdigest()[:16]}.json"
+
+
+def keep(path: Path, result: Model, *, below: Path) -> None:
+    """Write a result into the folder of a study, *below*; raise an OutputError if it cannot be written."""
+    make_folder(path.parent, below=below)
+    write_file(path, f"{result.model_dump_json()}\n".encode(), below=below)
+
+
+def read_kept(path: Path, kind: type[Result], *, below: Path) -> Result | None:
+    """Return the result in a file; None if there is none, or it is damaged, so that it is done again."""
+    try:
+        return read_json_file(path, kind, below=below)
+    except UnusableFileError:
+        return None
