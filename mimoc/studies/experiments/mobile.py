@@ -31,18 +31,17 @@ from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, 
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 AGE_MONTHS = 3.0
-PHASES_S: Mapping[str, float] = {"baseline": 120.0, "acquisition": 300.0, "extinction": 180.0}
+PHASES_S: Mapping[str, float] = {"baseline": 180.0, "acquisition": 360.0, "extinction": 180.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 30.0, "acquisition": 60.0, "extinction": 30.0}
-COMPARED_S = 120.0
+COMPARED_S = 180.0
 """The end of a phase, by which it is judged."""
 BIN_S = 30.0
 """Width of the bins of curves."""
 SEEDS, QUICK_SEEDS = range(20), range(2)
 TYING_S = 10.0
 """Time that the infant moves before the ribbon is tied: straight half of that time."""
-AROUSAL = 0.7
-"""Of an infant that lies quietly under a mobile: fitted, so that it kicks about 10 times a minute before, as published.
-"""
+AROUSAL = 0.9
+"""Of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as published."""
 PARTNER = 1000
 """Added to the seed of the infant that sees what another one did."""
 ENOUGH = 1.5
@@ -121,6 +120,7 @@ def run(notebook: Notebook) -> Path:
         window=WINDOW_S,
         largest=np.exp(LARGEST),
         effort=EFFORT,
+        arousal=AROUSAL,
         forgetting=FORGETTING_S,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),

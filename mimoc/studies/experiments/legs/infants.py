@@ -23,8 +23,8 @@ MONTHS_PER_WEEK = 12 / 52.1775
 MOBILE, RIBBON = "mobile", "ribbon"
 RING_M, HANGS_M = 0.5, 0.2
 """Height of the ring that the ribbon runs through, above the hips, and of the mobile below it; a guess."""
-MOBILE_KG, MOBILE_N_M, MOBILE_N_S_M = 0.05, 5.0, 0.05
-"""Mass of the mobile, stiffness of the arm that it hangs on, and its damping: 1.6 Hz, damping ratio .05; a guess."""
+MOBILE_KG, MOBILE_N_M, MOBILE_N_S_M = 0.05, 5.0, 0.2
+"""Mass of the mobile, stiffness of the arm that it hangs on, and its damping: 1.6 Hz, damping ratio .2; a guess."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ WINDOW_S = 2.0
 """Time over which reward and movement are averaged; a guess."""
 EXPECTED = len(LIMBS) ** -0.5
 """Standard deviation of what one limb may predict, before any experience: that all of them together predict all."""
-FORGETTING_S = 200.0
+FORGETTING_S = 300.0
 """Time constant in which experience loses its worth; fitted."""
-EFFORT = 6.0
+EFFORT = 10.0
 """Logarithm of the gain of a limb that predicts reward fully; fitted."""
 MOST = 3.0
 """Standard deviations beyond which nothing counts more."""
