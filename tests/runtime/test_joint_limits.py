@@ -5,7 +5,7 @@ finger by 30 degrees in a single step.
 
 600 children are drawn, average ones and individuals between percentiles 1 and 99 of the WHO, of any age, with mittens
 and five fingers, torques, muscles and servos. Commands at the ends of their ranges change at random, or all at once, up
-to 50 times a second to and fro.
+to 50 times a second to and fro; each child is tried with two of five durations.
 """
 
 import sys
@@ -56,7 +56,7 @@ def test_no_joint_of_a_drawn_child_goes_far_beyond_its_range(chunk):
         spec = drawn_child(number)
         bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
         model, generator = load_model(bundle), np.random.default_rng(number)
-        for steps in HELD_STEPS:
+        for steps in (HELD_STEPS[number % 5], HELD_STEPS[(number + 2) % 5]):
             for at_random in (True, False):
                 data = mujoco.MjData(model)
                 mujoco.mj_resetDataKeyframe(model, data, model.key(spec["scene"]["pose"]).id)
