@@ -120,7 +120,7 @@ def test_three_month_olds_move_like_real_infants():
 @pytest.mark.full
 def test_amplitude_falls_and_continuity_rises_at_three_months():
     """From writhing to fidgety movements."""
-    writhing, fidgety = (measure_all(films(age, 6)).means for age in (1, 3))
+    writhing, fidgety = (measure_all(films(age, 8)).means for age in (1, 3))
     assert fidgety["hip_excursion_deg"] < 0.9 * writhing["hip_excursion_deg"]
     assert fidgety["foot_unit_peak_trunk_s"] < writhing["foot_unit_peak_trunk_s"]
     assert fidgety["foot_moving_share"] > writhing["foot_moving_share"]
