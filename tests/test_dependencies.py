@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -36,19 +37,21 @@ def imported(folder: Path) -> set[str]:
     return {name.partition(".")[0] for name in names} - sys.stdlib_module_names - {"mimoc"}
 
 
-HERE = imported(Path(mimoc.__file__).parent)
+@cache
+def imported_here() -> set[str]:
+    return imported(Path(mimoc.__file__).parent)
 
 
 def test_everything_that_the_core_needs_is_imported():
-    assert modules(PROJECT["dependencies"]) <= HERE
+    assert modules(PROJECT["dependencies"]) <= imported_here()
 
 
 @pytest.mark.parametrize("extra", EXTRAS)
 def test_everything_that_an_extra_needs_is_imported(extra):
-    assert modules(EXTRAS[extra]) <= HERE
+    assert modules(EXTRAS[extra]) <= imported_here()
 
 
 def test_everything_that_is_imported_is_asked_for():
     asked_for = modules([*PROJECT["dependencies"], *(need for needs in EXTRAS.values() for need in needs)])
-    assert asked_for >= HERE - BROUGHT_ALONG.keys()
+    assert asked_for >= imported_here() - BROUGHT_ALONG.keys()
     assert modules([*BROUGHT_ALONG.values()]) <= asked_for

@@ -98,6 +98,8 @@ def _json(data: Any, levels: int, margin: str = "\n") -> str:
         if not math.isfinite(data):
             raise ValueError(f"{data} is not JSON compliant")
         return repr(float(num(data)))
+    if type(data) is int:  # Most of what a build writes.
+        return repr(data)
     if levels == 0:
         margin, inner, between = "", "", ", "
     else:

@@ -88,7 +88,7 @@ class Builder:
     @cached_property
     def _inhabitant(self) -> bytes:
         """The MJCF of the infant as it is in its scenes."""
-        return printing.render_inhabitant(self.infant)
+        return printing.render_inhabitant(self.infant) if self.infant.skin else self.files[printing.INFANT]
 
     @cached_property
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:

@@ -11,11 +11,13 @@ from mimoc.base.rounding import num
 from mimoc.mjcf.scene import SceneTree
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
+INFANT = "infant.xml"
 
 
 def render_scene(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of a scene, by path in the bundle."""
-    return {**render_infant(scene), **render_world(scene, render_inhabitant(scene))}
+    files = render_infant(scene)
+    return {**files, **render_world(scene, render_inhabitant(scene) if scene.skin else files[INFANT])}
 
 
 def render_infant(scene: SceneTree) -> dict[str, bytes]:
@@ -24,7 +26,7 @@ def render_infant(scene: SceneTree) -> dict[str, bytes]:
     MuJoCo attaches skins to other models from 3.17 on, and dm_control includes and copies none.
     """
     skin = scene.skin.files if scene.skin else {}
-    return {"infant.xml": render_inhabitant(scene.without_skin), **scene.appearance.assets, **skin}
+    return {INFANT: render_inhabitant(scene.without_skin), **scene.appearance.assets, **skin}
 
 
 def render_inhabitant(scene: SceneTree) -> bytes:

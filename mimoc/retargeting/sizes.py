@@ -10,6 +10,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.compiler.pipeline import build
+from mimoc.compiler.validation.measuring import compile_infant
 from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
@@ -122,9 +123,8 @@ def shape_of(child: Child, points: PointsOf, sizes: Sequence[Size]) -> Shape:
     base = _vectors(child.model, points)
     columns = [base, base]
     for size in sizes:
-        larger = load_model(build(resized(child.spec, {size.name: 1 + STEP})))
-        changed = _vectors(larger, points)
-        columns.append(tuple((new - old) / STEP for new, old in zip(changed, base, strict=True)))
+        changed = _vectors(compile_infant(resized(child.spec, {size.name: 1 + STEP})), points)
+        columns.append(tuple(_slope(new, old) for new, old in zip(changed, base, strict=True)))
     bodies, anchors, offsets = (np.stack(arrays, axis=-1) for arrays in zip(*columns, strict=True))
     return Shape(bodies, anchors, offsets)
 
@@ -185,6 +185,13 @@ def matched(spec: InfantSpec, wanted: Mapping[str, float], length_cm: float | No
 def _vectors(model: mujoco.MjModel, points: PointsOf) -> tuple[FloatArray, ...]:
     """Return origins of bodies, anchors of joints, and points."""
     return model.body_pos.copy(), model.jnt_pos.copy(), np.array([point.offset_m for point in points(model)])
+
+
+def _slope(new: FloatArray, old: FloatArray) -> FloatArray:
+    """Return the change of vectors by that of a factor; what comes after the infant in its scene does not change."""
+    slope = np.zeros_like(old)
+    slope[: len(new)] = (new - old[: len(new)]) / STEP
+    return slope
 
 
 def _scaled(array: FloatArray, logs: FloatArray) -> FloatArray:

@@ -90,6 +90,8 @@ COMMANDS: Mapping[str, Callable[[mujoco.MjModel, np.random.Generator, float], It
 def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, root: str) -> Flailing:
     """Run a one-second trial, with one command per control step, and return its result.
 
+    It ends with the control step in which MuJoCo warns: a body that has exploded takes long to simulate.
+
     Args:
         data: Initial state, which is modified.
         commands: Controls of all actuators.
@@ -109,6 +111,8 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
             np.minimum(least, qpos, out=least)  # What is not a number stays so.
             np.maximum(most, qpos, out=most)
             energy_j = max(energy_j, math.inf if math.isnan(energy[1]) else float(energy[1]))
+        if simulation_warnings(data):
+            break
     beyond = np.nan_to_num(np.maximum(low - least[addresses], most[addresses] - high), nan=np.inf)
     furthest_rad = float(beyond.max(initial=0.0))
     return Flailing(

@@ -53,7 +53,7 @@ def who(indicator: str, percentile: float, age_months: float, sex: str) -> float
     return load_tables().who[indicator].value(NormalDist().inv_cdf(percentile / 100), age_months, sex)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(
     age_months=st.floats(0, 24),
     sex=st.sampled_from(SEXES),

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_tree
@@ -18,6 +18,7 @@ angles_rad = st.floats(-1.5, 1.5)
 directions = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1)
 
 
+@settings(max_examples=40)
 @given(hands=HANDS, data=st.data())
 def test_parts_are_where_mujoco_has_them(hands, data, infant_at):
     model, tree = infant_at(9, hands).model, TREES[hands]

@@ -12,7 +12,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
@@ -146,6 +146,7 @@ def test_the_standing_height_is_that_of_the_body(age_months, hands):
     assert standing_height(measure(age_months, "published")) == pytest.approx(crown_m - sole_m, abs=3e-6)
 
 
+@settings(max_examples=15)
 @given(st.floats(0, 24), st.sampled_from(HANDS))
 def test_masses_follow_volumes_and_joints_do_not_grow(age_months, hands):
     anatomy = assemble(hands, True, "published")

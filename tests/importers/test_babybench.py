@@ -5,7 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError, UnknownNameError
@@ -337,6 +337,7 @@ SETTINGS = {
 }
 
 
+@settings(max_examples=40)
 @given(
     st.fixed_dictionaries({}, optional={key: st.sampled_from(values) for key, values in SETTINGS.items()}).filter(bool)
 )

@@ -20,14 +20,14 @@ def same(first: dict[str, float], second: dict[str, float]) -> bool:
     return all(first[name] == pytest.approx(second[name], rel=1e-6, abs=1e-6) for name in first)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(SEEDS, st.floats(0.2, 5.0))
 def test_size_and_distance_do_not_matter(seed, scale):
     recording = restless(seed, 12.0)
     assert same(measure_movement(recording), measure_movement(placed(recording, scale * recording.positions)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(SEEDS, st.floats(-np.pi, np.pi))
 def test_how_the_camera_is_turned_does_not_matter(seed, angle_rad):
     recording = restless(seed, 12.0)
@@ -36,7 +36,7 @@ def test_how_the_camera_is_turned_does_not_matter(seed, angle_rad):
     assert same(measure_movement(recording), measure_movement(placed(recording, turned)))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(SEEDS, st.floats(-300, 300), st.floats(-50, 50), st.floats(0, 1))
 def test_where_an_infant_lies_and_travels_does_not_matter(seed, away, speed, rate_hz):
     recording = restless(seed, 12.0)
@@ -46,7 +46,7 @@ def test_where_an_infant_lies_and_travels_does_not_matter(seed, away, speed, rat
     assert same(measure_movement(recording), measure_movement(travelled))
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(SEEDS)
 def test_the_mirror_image_with_sides_exchanged_moves_alike(seed):
     recording = restless(seed, 12.0)

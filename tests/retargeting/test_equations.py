@@ -15,10 +15,10 @@ STEP = 1e-6
 NO_CONTACTS = Contacts(0, np.zeros(0), (), (), ())
 
 
-def differences(problem: Problem, state: State, outlier: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return half the derivatives of the cost by differences: of one unknown in all frames, and of what is shared."""
+def differences(problem: Problem, state: State, outlier: float, columns: range) -> tuple[np.ndarray, np.ndarray]:
+    """Return half the derivatives of the cost by differences: of some unknowns in all frames, and of what is shared."""
     frame, shared = [], []
-    for column in range(state.x.shape[1]):
+    for column in columns:
         step = STEP * np.eye(state.x.shape[1])[column]
         ends = [problem.equations(replace(state, x=state.x + sign * step), outlier)[1] for sign in (1, -1)]
         frame.append((ends[0] - ends[1]) / (4 * STEP))
@@ -30,14 +30,16 @@ def differences(problem: Problem, state: State, outlier: float) -> tuple[np.ndar
     return np.array(frame), np.array(shared)
 
 
-@pytest.mark.parametrize("kind", ["pixels", "depth", "space"])
-def test_the_gradient_is_that_of_the_cost(kind):
-    """With robust weights, contacts, limits, priors, and what one camera holds."""
+@pytest.mark.parametrize(("kind", "first"), [("pixels", 0), ("depth", 1), ("space", 2)])
+def test_the_gradient_is_that_of_the_cost(kind, first):
+    """With robust weights, contacts, limits, priors, and what one camera holds; each by a third of the unknowns."""
     problem, state = problem_and_state(kind)
     system, _ = problem.equations(state, 8.0)
-    frame, shared = differences(problem, state, 8.0)
+    columns = range(first, state.x.shape[1], 3)
+    frame, shared = differences(problem, state, 8.0, columns)
+    gradient = system.g.sum(axis=0)
+    assert gradient[columns] == pytest.approx(frame, abs=1e-5 * np.abs(gradient).max())
     scale = np.abs(frame).max()
-    assert system.g.sum(axis=0) == pytest.approx(frame, abs=1e-5 * scale)
     assert system.h == pytest.approx(shared, abs=1e-5 * max(scale, np.abs(shared).max()))
 
 
@@ -87,7 +89,7 @@ def test_without_contacts_and_far_from_outliers_the_system_is_that_of_all_residu
 def test_a_prior_is_a_stationary_process_of_its_spread():
     usual = [Usual(0.5, 0.05, 1.0), Usual(0.2, 0.1, 0.8)]
     for rate_hz in (15.0, 30.0):
-        frames = int(60 * rate_hz)
+        frames = int(30 * rate_hz)
         diagonals = chain(usual, frames, rate_hz)
         for index, item in enumerate(usual):
             matrix = sum(

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from support.retargeting import child, problem_and_state, setting
 
+from mimoc.compiler.validation.measuring import compile_infant
 from mimoc.motion.body_points import body_points
 from mimoc.retargeting.hinges import combined_limits, hinges_of
 from mimoc.retargeting.sizes import SIZES, at_sizes, compile_child, lengths_of, resized
@@ -69,7 +70,7 @@ def test_sizes_move_points_as_in_a_child_that_is_compiled_with_them():
 def test_every_size_changes_the_length_of_its_name():
     before = lengths_of(child().model)
     for size in SIZES:
-        after = lengths_of(compile_child(resized(child().spec, {size.name: 1.1})).model)
+        after = lengths_of(compile_infant(resized(child().spec, {size.name: 1.1})))
         assert after[size.name] / before[size.name] == pytest.approx(1.1, abs=0.01), size.name
 
 

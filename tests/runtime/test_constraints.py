@@ -88,7 +88,7 @@ def joints_of_actuators() -> set[str]:
 
 
 @given(regions=st.sets(st.sampled_from(STRENGTH_GROUPS)), locked=st.sets(st.sampled_from(SINGLE)))
-@settings(max_examples=12)
+@settings(max_examples=6)
 def test_commands_go_to_the_regions_that_are_not_locked(regions, locked):
     data = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": {"regions": sorted(regions)}}
     free = InfantSpec.model_validate(data)

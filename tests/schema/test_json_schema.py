@@ -5,7 +5,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from support.any_specs import specs
 from support.bad_specs import HEAD, SPECS
 
@@ -46,6 +46,7 @@ def test_specs_that_mimoc_refuses_are_refused_by_the_schema_unless_keys_contradi
     assert accepted == BEYOND_SCHEMAS
 
 
+@settings(max_examples=40)
 @given(specs())
 def test_specs_that_mimoc_accepts_are_accepted_by_the_schema(spec):
     SPEC.validate(to_data(spec))

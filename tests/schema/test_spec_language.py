@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 from pydantic import ValidationError
 from support.any_specs import LEAST, specs
 
@@ -93,6 +93,7 @@ def test_configs_cover_the_first_two_years():
     assert {0, 6, 9, 18, 24} <= ages
 
 
+@settings(max_examples=40)
 @given(specs())
 def test_a_spec_reads_back_as_an_equal_one(spec):
     text = dump(to_data(spec))

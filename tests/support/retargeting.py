@@ -52,6 +52,7 @@ def problem_and_state(kind: str, hands: str = "mitten", shift: float = 0.05) -> 
     return problem, State(x, state.height_m + 0.02, 0.05 * draw.normal(size=state.logs.shape))
 
 
+@cache
 def known(seed: int, frames: int = 90, **options) -> tuple[InfantSpec, np.ndarray, object, object]:
     """Return a random child, its motion, its model and a recording of it."""
     draw = np.random.default_rng(seed)

@@ -182,10 +182,9 @@ def test_a_stimulus_gives_the_response_inside_the_window_of_ages(trial, model):
 
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: f"{trial.reflex}-{trial.do.__name__}")
 def test_a_stimulus_gives_nothing_outside_the_window_of_ages(trial):
-    examiner = examiner_of(trial.outside_months, "muscle")
-    still = examine(trial, examiner, "zero")
-    moved = examine(trial, examiner, only(trial.reflex))
-    assert moved["actions"].tobytes() == still["actions"].tobytes()
+    moved = examine(trial, examiner_of(trial.outside_months, "muscle"), only(trial.reflex))
+    assert moved["actions"].size
+    assert not moved["actions"].any()
 
 
 def test_five_fingers_close_and_servos_too():
@@ -215,5 +214,5 @@ def test_the_other_hand_does_not_close():
 def test_an_infant_that_moves_by_itself_does_not_startle_itself():
     examiner = examiner_of(3, "muscle")
     examiner.start()
-    examiner.watch("general_movements+reflexes", 15.0)
+    examiner.watch("general_movements+reflexes", 10.0)
     assert examiner.policy.metrics()["moro_share"] == 0

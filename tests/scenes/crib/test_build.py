@@ -4,7 +4,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, WorldGeom
 from mimoc.scenes.crib.build import LEGS_M, Crib, crib
@@ -85,6 +85,7 @@ def test_no_head_fits_between_the_bars_and_no_hand_is_stuck(length):
             assert 0.045 <= apart - half_extent(first)[axis] - half_extent(second)[axis] <= 0.065
 
 
+@settings(max_examples=40)
 @given(LENGTHS)
 def test_what_can_be_held_is_round_and_thin(length):
     for each in [*geoms(crib(length), "crib_bar"), *geoms(crib(length), "crib_rail")]:

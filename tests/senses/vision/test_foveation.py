@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from mimoc.senses.vision.foveation import RADII, foveate, source_weights, to_source
 
@@ -71,6 +71,7 @@ def test_weights_are_the_areas_of_a_pixels_source(size_px, strength, radius):
 
 
 @pytest.mark.parametrize("radius", RADII)
+@settings(max_examples=30)
 @given(size_px=sizes_px, strength=st.floats(0.01, 1000))
 def test_pixels_average_their_source_and_without_one_are_black(size_px, strength, radius):
     sums = source_weights(*size_px, strength, radius).sum(axis=1)

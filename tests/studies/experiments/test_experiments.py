@@ -4,6 +4,7 @@ import re
 import sys
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -26,10 +27,10 @@ SMALL = {
     "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
     "delays": {
         TRAIN: SHORT_ROUNDS,
-        "QUICK_STEPS": 1024,
+        "QUICK_STEPS": 512,
         "QUICK_SEEDS": (1,),
         "DELAYS_MS": (0, 50),
-        "EPISODES": 2,
+        "EPISODES": 1,
         "SHOWN": 1,
         "MONTHS": (4, 9),
         "QUICK_REACHES": 1,
@@ -45,26 +46,27 @@ SMALL = {
         "QUICK_MONTHS": (0, 18),
         "QUICK_SITTING_MONTHS": (0,),
         "VARIED_NAMES": ("no_head_lag",),
+        "mimoc.studies.milestones.infant.BISECTIONS": 6,
     },
     "growing": {
         TRAIN: partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
         "AGES_MONTHS": (6, 6.5),
         "EPISODE_STEPS": 20,
-        "QUICK_STEPS": 512,
-        "QUICK_CHECKPOINT_EVERY": 256,
+        "QUICK_STEPS": 256,
+        "QUICK_CHECKPOINT_EVERY": 128,
         "QUICK_SEEDS": (1,),
         "QUICK_BALLS": 2,
         "QUICK_CHECK_BALLS": 1,
     },
-    "kicking": {"QUICK_SECONDS": 4.0},
-    "weights": {"QUICK_SECONDS": 4.0},
+    "kicking": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
+    "weights": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
     "mobile": {
         "QUICK_SEEDS": range(1),
         "QUICK_PHASES_S": {"baseline": 4.0, "acquisition": 8.0, "extinction": 4.0},
         "TYING_S": 1.0,
         "BIN_S": 4.0,
     },
-    "stepping": {"QUICK_SECONDS": 3.0},
+    "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
 }
 """What makes an experiment small, by name."""
 
@@ -77,16 +79,32 @@ def make_small(name: str, patch: pytest.MonkeyPatch) -> None:
         patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
 
 
+@pytest.fixture(scope="module")
+def folder_of(tmp_path_factory):
+    """Return what gives the folder with the results of a small run of an experiment by a law; it makes each once."""
+    folders = {}
+
+    def give(name: str, law: str | None = None) -> Path:
+        law = None if law == DEVELOPMENTS.get(name) else law
+        if (name, law) not in folders:
+            folders[name, law] = tmp_path_factory.mktemp(name) / "out"
+            with pytest.MonkeyPatch.context() as patch:
+                make_small(name, patch)
+                run_experiment(name, folders[name, law], quick=True, development=law)
+        return folders[name, law]
+
+    return give
+
+
 @pytest.fixture(scope="module", params=full_but(QUICK, list(EXPERIMENTS)))
-def made(request, tmp_path_factory):
+def made(request, tmp_path_factory, folder_of):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []
-    folders = [tmp_path_factory.mktemp(name), tmp_path_factory.mktemp(name)]
+    folder = tmp_path_factory.mktemp(name)
     with pytest.MonkeyPatch.context() as patch:
         make_small(name, patch)
-        run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
-        run_experiment(name, folders[1], quick=True)
-    return name, folders, told
+        run_experiment(name, folder, quick=True, progress=lambda *done: told.append(done))
+    return name, [folder, folder_of(name)], told
 
 
 @pytest.mark.parametrize(
@@ -163,20 +181,18 @@ OTHER = {"published": "maturing", "maturing": "published"}
 
 
 @pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
-def test_it_works_by_the_other_law_too(name, tmp_path, monkeypatch):
+def test_it_works_by_the_other_law_too(name, folder_of):
     """That of the tests above is the one that it has unless another is asked for."""
-    make_small(name, monkeypatch)
     law = OTHER[DEVELOPMENTS[name]]
-    page = run_experiment(name, tmp_path / "out", quick=True, development=law).read_text()
+    page = (folder_of(name, law) / f"{name}.md").read_text()
     assert f"`development: {law}`" in page
     assert f"mimoc experiment {name} -o out --development {law} --quick" in page
     assert ("### The paper's figures beside ours" in page) == (law == "published")
 
 
 @pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
-def test_the_papers_figures_stand_beside_ours_with_how_they_are_known(name, tmp_path, monkeypatch):
-    make_small(name, monkeypatch)
-    page = run_experiment(name, tmp_path, quick=True, development="published").read_text()
+def test_the_papers_figures_stand_beside_ours_with_how_they_are_known(name, folder_of):
+    page = (folder_of(name, "published") / f"{name}.md").read_text()
     rows = page.partition("### The paper's figures beside ours")[2].partition("\n\nS: ")[0].splitlines()
     known = [figure for figure in figures_of(name) if any(row.startswith(f"| {figure.quantity} | ") for row in rows)]
     assert known

@@ -1,5 +1,7 @@
 """What a report on movement says, and of what."""
 
+from dataclasses import replace
+
 import pytest
 
 import mimoc
@@ -88,8 +90,11 @@ def test_an_infant_without_the_limb_is_not_tried_and_the_reason_is_named():
         ("five_finger", "left_thbase", set()),
     ],
 )
-def test_only_the_trials_that_need_a_part_are_not_tried_without_it(hands, removed, untried):
+def test_only_the_trials_that_need_a_part_are_not_tried_without_it(hands, removed, untried, monkeypatch):
     names = ["pendulum", "damping", "recoil", "grip", "stepping"]
+    for name in names:
+        measured = dict.fromkeys((measure.name for measure in TRIALS[name].measures), 1.0)
+        monkeypatch.setitem(TRIALS, name, replace(TRIALS[name], measure=lambda subject, values=measured: values))
     spec = CHILD.with_(body={"hands": hands, "remove": [removed]})
     rows = mimoc.validate_movement(spec, names=names, ages=[1]).rows
     assert {one.trial for one in rows if one.verdict == "not tried"} == untried

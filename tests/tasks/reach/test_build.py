@@ -16,7 +16,7 @@ def reach(age_months: float, hands: str = "mitten", **keys) -> mimoc.InfantSpec:
 
 
 @given(age_months=st.floats(0, 24), hands=st.sampled_from(["mitten", "five_finger"]))
-@settings(max_examples=20)
+@settings(max_examples=10)
 def test_the_ball_is_farther_the_longer_the_arm(age_months, hands):
     """Between a half and the whole of an arm's length away: what a hand can touch without going through the body."""
     env = mimoc.InfantEnv(mimoc.build(reach(age_months, hands)))

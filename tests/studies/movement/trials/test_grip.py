@@ -13,6 +13,7 @@ from mimoc.studies.milestones import Conditions, compile_at
 from mimoc.studies.milestones.infant import grown_to
 from mimoc.studies.movement.drive import QUIET, angle_deg, floating, run
 from mimoc.studies.movement.rod import ROD, gripping, hand_of, with_rod
+from mimoc.studies.movement.trials import grip as trial
 from mimoc.studies.movement.trials.grip import _close, _held, grip
 
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0, body={"hands": "five_finger"})
@@ -31,6 +32,13 @@ def hand_with_rod(age_months=0.0, model="torque", child=""):
     return with_rod(spec, hand), hand
 
 
+@pytest.fixture
+def few_pulls(monkeypatch):
+    """Pull at the rod with few of the usual forces."""
+    monkeypatch.setattr(trial, "PULLS_N", (4.0, 10.0, 16.0))
+
+
+@pytest.mark.usefixtures("few_pulls")
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 @pytest.mark.parametrize("age_months", [0.0, 3.0])
 def test_five_fingers_hold_ten_newtons_in_every_direction(age_months, model):
@@ -40,6 +48,7 @@ def test_five_fingers_hold_ten_newtons_in_every_direction(age_months, model):
     assert forces_n["along"] >= 16, forces_n
 
 
+@pytest.mark.usefixtures("few_pulls")
 @pytest.mark.parametrize("child", ["girl", "boy"])
 def test_thicker_fingers_have_room_for_the_rod(child):
     forces_n = grip(*hand_with_rod(child=child))

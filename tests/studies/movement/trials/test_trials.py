@@ -121,8 +121,9 @@ def test_a_rod_is_put_into_the_hand_without_touching_it(hands):
 
 
 @pytest.mark.parametrize(("hands", "strengths"), [("mitten", (0.4, 1.0)), ("five_finger", (1.0, 3.0))])
-def test_a_stronger_hand_holds_more_along_the_fingers(hands, strengths):
+def test_a_stronger_hand_holds_more_along_the_fingers(hands, strengths, monkeypatch):
     """Up to some strength: a mitten of much more than a newborn's squeezes the rod out."""
+    monkeypatch.setattr("mimoc.studies.movement.trials.grip.PULLS_N", (1.0, 3.0, 6.0, 12.0, 20.0, 28.0))
     forces = []
     for strength in strengths:
         spec = grown_to(CHILD.with_(body={"hands": hands}), 1.0, Conditions(strength=strength))
