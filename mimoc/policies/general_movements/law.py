@@ -91,8 +91,8 @@ def _constant(value: float) -> tuple[float, ...]:
 
 
 COLUMNS: Mapping[str, tuple[float, ...]] = {
-    "rate_hz": (3.3, 3.4, 3.9, 5.2, 5.2, 4.3, 3.6, 3.2, 3.2),
-    "strength": (0.42, 0.44, 0.47, 0.44, 0.42, 0.37, 0.2, 0.14, 0.12),
+    "rate_hz": (3.3, 3.4, 3.9, 5.2, 4.6, 4.3, 3.6, 3.2, 3.2),
+    "strength": (0.42, 0.44, 0.47, 0.44, 0.39, 0.37, 0.2, 0.14, 0.12),
     "size_spread": _constant(0.65),
     "duration_s": (0.22, 0.22, 0.21, 0.185, 0.185, 0.185, 0.185, 0.185, 0.185),
     "duration_spread": _constant(0.18),

@@ -48,6 +48,8 @@ ENOUGH = 1.5
 """Ratio of the rate of kicks that is asked for."""
 CONDITIONS = ("contingent", "yoked")
 LEGS = {"left": "tied leg", "right": "other leg"}
+FREE = ("contingent_right", "yoked_left", "yoked_right")
+"""Legs that move nothing that is seen."""
 MINUTES = Quantity("minute", "Time", "min")
 RATE_PER_MIN = Quantity("rate_per_min", "Kicks", "1/min")
 GAIN = Quantity("gain", "Learnt gain of the drive")
@@ -189,13 +191,16 @@ def _window(mover: Mover, film: Film) -> float:
 
 
 def _measures(case: Case, infant: Session) -> dict[str, float]:
-    """Return rates at the end of each phase, ratios to that of the baseline, and the coupling of the tied leg."""
+    """Return rates at the end of each phase, ratios to the baseline, gains learnt, and the coupling of the tied leg."""
     last_s, values = case.compared_s, dict[str, float]()
+    learnt = slice(round((case.ends_s[1] - last_s) / WINDOW_S), round(case.ends_s[1] / WINDOW_S))
     for side, times_s in infant.kicks_s.items():
         counts = [int(((times_s >= end_s - last_s) & (times_s < end_s)).sum()) for end_s in case.ends_s]
         values |= {f"{side}_{phase}": 60.0 * count / last_s for phase, count in zip(PHASES_S, counts, strict=True)}
         before = max(counts[0], 1)  # One kick at least: a ratio needs some.
         values |= {f"{side}_ratio": counts[1] / before, f"{side}_after": counts[2] / before}
+        gains = infant.gains[learnt][:, [LIMBS.index(f"{side}_hip"), LIMBS.index(f"{side}_knee")]]
+        values[f"{side}_gain"] = float(np.exp(np.log(gains).mean()))
     angles_deg = joint_angles(infant.film.space or infant.film.seen)
     for phase, end_s in zip(PHASES_S, case.ends_s, strict=True):
         part = slice(round((end_s - last_s) * RATE_HZ), round(end_s * RATE_HZ))
@@ -215,7 +220,8 @@ def _table(results: Sequence[Result]) -> str:
             ratios = _of(results, f"{condition}_{side}_ratio")
             enough = sum(ratio >= ENOUGH for ratio in ratios)
             ratio = f"{interval(ratios).text()}, median {np.median(ratios):.2f}"
-            rows.append((condition, label, *rates, ratio, f"{enough} of {len(ratios)}"))
+            gain = interval(_of(results, f"{condition}_{side}_gain")).text()
+            rows.append((condition, label, *rates, ratio, f"{enough} of {len(ratios)}", gain))
     return table_rows(rows)
 
 
@@ -226,10 +232,12 @@ def _answer(results: Sequence[Result]) -> str:
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
     overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
+    free = [ratio >= ENOUGH for leg in FREE for ratio in _of(results, f"{leg}_ratio")]
     return (
         f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of 3 "
         f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds, the rate of the tied leg "
-        f"rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}."
+        f"rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}. Of all legs that move nothing "
+        f"that is seen, {sum(free)} of {len(free)} do by chance: kicks come in bouts, and few are counted before."
     )
 
 
@@ -242,11 +250,13 @@ def _predictions(results: Sequence[Result]) -> str:
     """Return each prediction, with how many seeds it holds in."""
     tied, other = (_of(results, f"contingent_{side}_ratio") for side in SIDES)
     yoked = _of(results, "yoked_left_ratio")
+    gain, others = (_of(results, f"{condition}_left_gain") for condition in CONDITIONS)
     late, after = (_of(results, f"contingent_left_{phase}") for phase in ("acquisition", "extinction"))
     coupled, looser = (_of(results, f"contingent_hip_knee_{phase}") for phase in ("baseline", "acquisition"))
     asked = {
         "more than the yoked partner": [a - b for a, b in zip(tied, yoked, strict=True)],
         "the tied leg more than the other": [a - b for a, b in zip(tied, other, strict=True)],
+        "a gain of the tied leg above the partner's": [a - b for a, b in zip(gain, others, strict=True)],
         "fewer kicks again in extinction": [a - b for a, b in zip(late, after, strict=True)],
         "hip and knee of the tied leg looser": [a - b for a, b in zip(coupled, looser, strict=True)],
     }
