@@ -174,7 +174,12 @@ _MOVEMENTS = (
         "s",
         "mean time of the ankle's movement units, however small, in space",
     ),
-    ("leg_movement_m_s2", "Leg: peak acceleration in a movement", "m/s²", "mean of the ankle's largest acceleration in each"),
+    (
+        "leg_movement_m_s2",
+        "Leg: peak acceleration in a movement",
+        "m/s²",
+        "mean of the ankle's largest acceleration in each",
+    ),
 )
 DETAILS = (
     *(*_of_end("hand"), *_of_end("foot")),
