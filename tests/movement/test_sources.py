@@ -54,6 +54,16 @@ def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_pa
     assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
 
 
+def test_a_folder_is_also_what_mimoc_wrote_in_it(tmp_path):
+    recorded(tmp_path / "run")
+    (tmp_path / "child").mkdir()
+    (tmp_path / "child" / "recording.json").write_text("{}")
+    write_points(restless(0, 10.0), tmp_path / "child" / "points.npz")
+    retargeted, run = films_in(tmp_path)
+    assert retargeted.space is None
+    assert run.seen.name == "run"
+
+
 def test_a_recording_of_mimoc_is_simulated_again_and_filmed(tmp_path):
     folder, done = recorded(tmp_path / "run", range(2)), []
     films = films_in(folder, progress=lambda *steps: done.append(steps))
