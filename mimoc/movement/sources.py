@@ -70,8 +70,9 @@ def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Fi
     if (path / COHORT).is_file():
         folders = [mark.parent for mark in _first(path.rglob(RECORDING), path)]
         if not folders:
-            raise MovementError(f"{path}: a cohort without recordings; its steps must record what is to be measured")
-        return [film for folder in folders for film in film_recording(folder, progress)]
+            raise MovementError(f"{path}: a cohort without recordings; give its step 'run' the option record: true")
+        named = [(folder, folder.relative_to(path).as_posix()) for folder in folders]
+        return [film for folder, name in named for film in film_recording(folder, progress, name)]
     if not path.is_dir() or _is_recognised(path):
         return [Filmed(read_points(path, **options.reading))]
     inside = [item for item in _first(path.iterdir(), path) if (item / RECORDING).is_file() or _is_recognised(item)]

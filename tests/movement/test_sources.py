@@ -78,7 +78,7 @@ def test_a_cohort_is_all_recordings_in_it(tmp_path):
     for name in ("first", "second"):
         (tmp_path / "runs" / name).mkdir(parents=True)
         recorded(tmp_path / "runs" / name / "recording")
-    assert len(films_in(tmp_path)) == 2
+    assert [film.seen.name for film in films_in(tmp_path)] == ["runs/first/recording", "runs/second/recording"]
 
 
 def test_a_bundle_is_simulated_under_a_policy(tmp_path):
@@ -95,7 +95,7 @@ def test_a_bundle_is_simulated_under_a_policy(tmp_path):
         ("nowhere", None, "nowhere: does not exist; name a recording"),
         ("three.yaml", None, r"three\.yaml: an infant, not a recording; say how it moves with --policy"),
         ("empty", None, "empty: nothing in this folder is a recording"),
-        ("cohort", None, "cohort: a cohort without recordings"),
+        ("cohort", None, "cohort: a cohort without recordings; give its step 'run' the option record: true"),
         ("empty", SourceOptions(policy="random"), "empty: --policy is for a bundle or a spec"),
     ],
 )
