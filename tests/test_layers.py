@@ -129,7 +129,7 @@ LAYERS = {
     ),
     "cohorts": layer(
         "cohorts",
-        f"{BUILDING} compiler {RUNNING} rollout policies training studies",
+        f"{BUILDING} compiler {RUNNING} rollout policies recording training studies",
         "pyarrow submitit ray",
     ),
     "reporting": layer(

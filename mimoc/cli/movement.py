@@ -1,5 +1,6 @@
 """`mimoc movement`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,18 +9,20 @@ import typer
 import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.cli.pictures import parse_seeds
+from mimoc.cli.points import Infant, Rate, ViewName, options_in_messages
 from mimoc.cli.run import POLICY_NAMES
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
     from mimoc.movement.filming import Filmed
+    from mimoc.movement.sources import SourceOptions
 
 Source = Annotated[
     Path,
     typer.Argument(
         metavar="RECORDING|RUN|COHORT|INFANT",
-        help="Recorded points of a filmed infant, or a folder of such; a folder written with --record, by `mimoc "
-        "retarget`, or by `mimoc cohort run`; or a bundle or a spec, with --policy.",
+        help="Recorded points of a filmed infant; a folder written with --record or by `mimoc retarget`; a folder of "
+        "such, or of a cohort whose steps record; or a bundle or a spec, with --policy.",
     ),
 ]
 REAL = "real"
@@ -39,13 +42,15 @@ def movement(
     ] = None,
     seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
     seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
-    fps: Annotated[
-        float | None, typer.Option(min=1, max=1000, help="Frames per second of points, if their files do not say it.")
-    ] = None,
+    rate: Rate = None,
+    infant: Infant = None,
+    view: ViewName = "front",
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
-    phase: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if simulated.")] = None,
+    phase: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")
+    ] = None,
     gif: Annotated[Path | None, typer.Option(metavar="FILE", help="Animate stick figures: .gif or .mp4.")] = None,
 ) -> None:
     """Measure how infants move, real or simulated, and compare them with real infants or with others."""
@@ -57,10 +62,11 @@ def movement(
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
-    options = sources.SourceOptions(fps, chosen, parse_seeds(seeds), seconds)
-    with console.progress("simulating") as show:
+    reading = {"rate_hz": rate, "infant": infant, "view": view}
+    options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
+    with console.progress("simulating") as show, options_in_messages():
         films = sources.films_in(source, options, show)
-    others = _recordings(against, fps) if against and against != REAL else []
+    others = _recordings(against, options) if against and against != REAL else []
     measured = _measured(films, against, others)
     print_movement(measured, full)
     _write(measured, films, others, (json, plot, phase, gif))
@@ -78,12 +84,12 @@ def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]"
     return compare(films, sample, np.random.default_rng(0))
 
 
-def _recordings(path: str, fps: float | None) -> "list[Filmed]":
+def _recordings(path: str, options: "SourceOptions") -> "list[Filmed]":
     from mimoc.cli import console
     from mimoc.movement import sources
 
-    with console.progress("reading") as show:
-        others = sources.films_in(Path(path), sources.SourceOptions(fps), show)
+    with console.progress("reading") as show, options_in_messages():
+        others = sources.films_in(Path(path), replace(options, policy=None), show)
     if len(others) < 2:
         raise MimocError(f"{path}: one infant is no sample; name a folder with recordings of two or more")
     return others

@@ -9,6 +9,7 @@ import typer
 from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import load_spec
+from mimoc.cli.points import Infant, Rate, ViewName, options_in_messages
 from mimoc.cli.terminal import printable
 from mimoc.motion import FORMATS
 
@@ -27,7 +28,6 @@ _FORMATS = ", ".join((*FORMATS, *announced("mimoc.motion")))
 PointsPath = Annotated[
     Path, typer.Argument(metavar="RECORDING", help="File or folder of points on a filmed infant; see `--format`.")
 ]
-Rate = Annotated[float | None, typer.Option(metavar="HZ", min=0.1, help="Frames per second, if the files lack it.")]
 Format = Annotated[str | None, typer.Option(help=f"Format of the recording, if it is not recognised: {_FORMATS}.")]
 CameraText = Annotated[
     str | None,
@@ -36,15 +36,6 @@ CameraText = Annotated[
 Height = Annotated[
     float | None,
     typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor, measured to millimetres."),
-]
-Infant = Annotated[str | None, typer.Option(metavar="ID", help="Which person is the infant; default: the largest.")]
-ViewName = Annotated[
-    str,
-    typer.Option(
-        metavar="VIEW",
-        help="What the camera sees: the infant's front; its back, if it lies on its belly; mirrored, if the picture is"
-        " or y counts upwards; swapped, if left is right.",
-    ),
 ]
 
 
@@ -78,7 +69,8 @@ def retarget(
     check_writable(out, force)
     start = load_spec(spec) if spec else None
     options = {"format": format, "rate_hz": rate, "camera": camera_of(camera), "infant": infant, "view": view}
-    points = read_points(recording, **options)
+    with options_in_messages():
+        points = read_points(recording, **options)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS
     with console.progress("fitting") as show:
         fitted = fit(points, age_months, start, camera_height_m=height, progress=show)

@@ -99,6 +99,8 @@ def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None
     for item in cohort.do:
         name, chosen = step_of(item)
         options = chosen.model_dump(mode="json")
+        if options.get("record") is False:
+            del options["record"]  # Older cohorts, which do not know of it, keep their results.
         for seed in options.pop("seeds", (None,)):
             yield name, options, seed
 

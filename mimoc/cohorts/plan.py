@@ -107,13 +107,16 @@ def _planned(step: str, jobs: Sequence[Job], store: Store) -> StepPlan:
         trials = _trials(missing[0], missing[-1])
         results = try_out(trials, trial, TRIAL_S)
         size = size_bytes(trial.folder) - size_bytes(trial.folder / ASSETS)
+        recorded = _recorded_bytes(missing[-1], trials, trial)
     finally:
         shutil.rmtree(place, ignore_errors=True)
     finished = [result for result in results if result]
     at_least = len(finished) < len(trials)
     seconds = TRIAL_S if at_least else _seconds(missing[-1], trials, finished)
     error = next((result.error for result in finished if not result.ok), "")
-    return StepPlan(step, len(jobs), len(jobs) - len(missing), seconds, at_least, size / max(len(finished), 1), error)
+    return StepPlan(
+        step, len(jobs), len(jobs) - len(missing), seconds, at_least, size / max(len(finished), 1) + recorded, error
+    )
 
 
 def _trials(first: Job, job: Job) -> list[Job]:
@@ -137,6 +140,15 @@ def _seconds(job: Job, trials: Sequence[Job], results: Sequence[Result]) -> floa
     *_, short, long = (trial.options["steps"] for trial in trials)
     rate = max(results[-1].seconds - results[-2].seconds, 0.0) / (long - short)
     return results[1].seconds + rate * (job.options["steps"] - short)
+
+
+def _recorded_bytes(job: Job, trials: Sequence[Job], store: Store) -> float:
+    """Return how much larger the recording of a job is than those of its trials on average, if they had fewer steps."""
+    if len(trials) <= 2 or not job.options.get("record"):
+        return 0.0
+    steps = [trial.options["steps"] for trial in trials]
+    short, long = (size_bytes(store.runs(trial)) for trial in trials[-2:])
+    return (long - short) / (steps[-1] - steps[-2]) * (job.options["steps"] - sum(steps) / len(steps))
 
 
 def _rollouts(job: Job) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache, partial
 from hashlib import sha256
@@ -101,7 +101,11 @@ def check(work: JobContext) -> Measures:
 def run(work: JobContext) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
-    with closing(InfantEnv(work.bundle)) as env:
+    with closing(InfantEnv(work.bundle)) as env, ExitStack() as recorded:
+        if options.get("record"):
+            from mimoc.recording.recorder import Recording
+
+            recorded.enter_context(Recording([env], work.folder / "recording"))
         load = partial(_load_trained, folder=work.job.folder)
         rollout = Run(env, partial(policy_of, policy=options["policy"], load=load), work.seed)
         for _ in range(options["steps"]):

@@ -9,6 +9,7 @@ from mimoc.base.errors import MovementError
 from mimoc.motion.body_points import locate
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
 from mimoc.motion.points import MINI_RGBD_POINTS, SIDES
+from mimoc.movement.trunk_frame import LEAST_S
 from mimoc.runtime.env import InfantEnv
 
 RATE_HZ = 30.0
@@ -52,13 +53,15 @@ class Film:
         """Return what the camera saw, without the first second.
 
         Raises:
-            MovementError: If the infant is filmed for less than that.
+            MovementError: If what is left is too short to measure.
         """
         self._locate()
         times_s = np.array(self.times_s)
         times_s -= times_s[0] if len(times_s) else 0.0
-        if len(times_s) < 2 or times_s[-1] <= SETTLING_S + 1 / RATE_HZ:
-            raise MovementError(f"{name}: ends within {SETTLING_S:g} s; record longer")
+        least_s = SETTLING_S + LEAST_S
+        if not len(times_s) or times_s[-1] < least_s - 1e-6:
+            reason = f"record at least {least_s:g} s, since the first {SETTLING_S:g} s is not measured"
+            raise MovementError(f"{name}: too short to measure movement; {reason}")
         return film_places(name, times_s, np.concatenate(self.places_m), SETTLING_S)
 
     def _locate(self) -> None:

@@ -12,7 +12,7 @@ from mimoc.quantities.movement import CORE
 from mimoc.render.plots.file import write_sheet
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 
-COLUMNS, PANEL_PX = 7, (330, 300)
+COLUMNS, PANEL_PX = 7, (390, 300)
 PHASE_PX = 420, 400
 MOST_PHASES = 12
 """Infants with a phase plot each."""

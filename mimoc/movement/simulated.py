@@ -62,14 +62,19 @@ def film_policy(
             yield film.develop(f"{label}, seed {seed}")
 
 
-def film_recording(folder: Path, progress: Progress = no_progress) -> Iterator[Filmed]:
+def film_recording(folder: Path, progress: Progress = no_progress, name: str = "") -> Iterator[Filmed]:
     """Simulate the episodes of a recording again, and film each; the first second of each is left out.
+
+    Args:
+        folder: The recording.
+        progress: As of `film_policy`.
+        name: What to call it; by default as its folder.
 
     Raises:
         RecordingError: If it is no whole recording.
         MovementError: If an episode does not come out again, or is too short.
     """
-    film, recording = Film(), read_recording(folder)
+    film, recording, called = Film(), read_recording(folder), name or folder.name
 
     def watch(env: InfantEnv, _observation: object) -> None:
         film.watch(env)
@@ -78,5 +83,5 @@ def film_recording(folder: Path, progress: Progress = no_progress) -> Iterator[F
         if replayed.difference is not None:
             raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")
         which = f"infant {replayed.episode.infant}, episode {replayed.episode.number}"
-        yield film.develop(f"{folder.name}, {which}" if len(recording) > 1 else folder.name)
+        yield film.develop(f"{called}, {which}" if len(recording) > 1 else called)
         film = Film()

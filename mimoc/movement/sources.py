@@ -1,9 +1,10 @@
 """The infants whose movement is measured: in recordings of points, in mimoc's recordings, or simulated for it."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
@@ -27,21 +28,21 @@ MOST = 1000
 class SourceOptions:
     """What is said of a source besides its path."""
 
-    rate_hz: float | None = None
-    """Frames per second of recorded points, where the files do not say it."""
     policy: str | PolicyMaker | None = None
     """Policy of a bundle or a spec, which is simulated: its name, or what makes it."""
     seeds: Sequence[int] = range(12)
     seconds: float = SECONDS
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    """Arguments of `read_points` for recorded points, such as `rate_hz`, where the files do not say it."""
 
 
 def films_in(path: Path, options: SourceOptions | None = None, progress: Progress = no_progress) -> list[Filmed]:
     """Return the infants that a path stands for.
 
     Args:
-        path: A recording of points, or a folder of such; a recording of mimoc's, whose episodes are simulated again; a
-            folder that `mimoc retarget` wrote; a cohort's folder, with all recordings in it; or, with a policy, a
-            bundle or a spec.
+        path: A recording of points; a recording of mimoc's, whose episodes are simulated again; a folder that
+            `mimoc retarget` wrote; a folder of such; a cohort's folder, with all recordings in it; or, with a policy,
+            a bundle or a spec.
         options: What else is said of them.
         progress: Called with the number of control steps done and their total, while something is simulated.
 
@@ -69,14 +70,15 @@ def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Fi
     if (path / COHORT).is_file():
         folders = [mark.parent for mark in _first(path.rglob(RECORDING), path)]
         if not folders:
-            raise MovementError(f"{path}: a cohort without recordings; its steps must record what is to be measured")
-        return [film for folder in folders for film in film_recording(folder, progress)]
+            raise MovementError(f"{path}: a cohort without recordings; give its step 'run' the option record: true")
+        named = [(folder, folder.relative_to(path).as_posix()) for folder in folders]
+        return [film for folder, name in named for film in film_recording(folder, progress, name)]
     if not path.is_dir() or _is_recognised(path):
-        return [Filmed(read_points(path, rate_hz=options.rate_hz))]
-    inside = [item for item in _first(path.iterdir(), path) if _is_recognised(item)]
+        return [Filmed(read_points(path, **options.reading))]
+    inside = [item for item in _first(path.iterdir(), path) if (item / RECORDING).is_file() or _is_recognised(item)]
     if not inside:
         raise MovementError(f"{path}: nothing in this folder is a recording; name one, or a folder of several")
-    return [Filmed(read_points(item, rate_hz=options.rate_hz)) for item in inside]
+    return [film for item in inside for film in _recorded(item, options, progress)]
 
 
 def _is_recognised(path: Path) -> bool:

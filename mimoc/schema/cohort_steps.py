@@ -100,6 +100,8 @@ class RunStep(Model):
     """Control steps."""
     seeds: Seeds = (0,)
     """Seeds of policy and episodes; each is a job."""
+    record: bool = False
+    """Record all that it does and senses, as `mimoc run --record` does."""
 
 
 class TrainStep(Model):

@@ -30,7 +30,7 @@ def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invok
     arguments = ["retarget", str(points), "-o", str(out), "--age", "3"]
     code, *texts = invoke(*arguments)
     assert code == 2
-    assert "mirrored (view='mirrored')" in "".join(map(str, texts))
+    assert "mirrored (--view mirrored)" in "".join(map(str, texts))
     code, output = invoke(*arguments, "--view", "mirrored")[:2]
     assert code == 0, output
     assert "of the trunk" in output

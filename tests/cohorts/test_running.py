@@ -78,6 +78,25 @@ def test_every_job_leaves_a_row_with_its_factors_measures_and_versions(cohort, h
     assert rows[0]["length_percentile"] == rows[3]["length_percentile"]
 
 
+def test_a_run_is_recorded_if_asked_and_has_the_key_of_old_if_not(cohort, here, tmp_path):
+    def runs(**options):
+        return cohort(do=[{"run": {"steps": 5, "seeds": "0:2", **options}}])
+
+    assert "record" not in runs(record=False).jobs()[0].options
+    study = runs(record=True)
+    study.run(tmp_path / "out", here)
+    recordings = [mimoc.read_recording(mark.parent) for mark in (tmp_path / "out" / "runs").rglob("recording.json")]
+    assert [episode.steps for recording in recordings for episode in recording] == [5, 5]
+
+
+def test_a_plan_counts_what_recordings_of_all_steps_take(cohort, tmp_path):
+    sizes = [
+        plan(cohort(do=[{"run": {"steps": steps, "record": True}}]), tmp_path / "out").steps[0].bytes
+        for steps in (1000, 4000)
+    ]
+    assert sizes[1] > 1.5 * sizes[0]
+
+
 def test_a_check_says_whether_the_infant_is_stable(cohort, here, tmp_path):
     study = cohort(do=["check"])
     study.run(tmp_path / "out", here)

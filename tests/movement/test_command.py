@@ -1,8 +1,13 @@
 """`mimoc movement`."""
 
 import json
+import re
+from dataclasses import replace
 
 import pytest
+from support.moving import restless
+
+from mimoc.motion.writing import write_points
 
 SPEC = "mimoc: 1\nname: three\nage_months: 3\nsenses: {proprioception: {}}\nscene: {pose: supine}\n"
 
@@ -20,6 +25,15 @@ def test_a_recording_is_measured(invoke):
     assert "Hand: speed, median [trunk/s]" in out
     assert "distance" not in out
     assert "Hands: distance" not in out
+
+
+def test_what_files_do_not_say_is_an_option_that_messages_name(invoke, place):
+    seen = restless(0, 4.0)
+    table = write_points(replace(seen, positions=seen.positions * [-1, 1]), place / "film.csv").read_text()
+    (place / "film.csv").write_text(re.sub("^([^,]*),[^,]*,", r"\1,", table, flags=re.MULTILINE))  # Without times.
+    assert invoke("movement", "film.csv").err.endswith("say how many frames a second the camera took: --rate 30\n")
+    assert "give --view back, if" in invoke("movement", "film.csv", "--rate", "30").err
+    assert invoke("movement", "film.csv", "--rate", "30", "--view", "mirrored").code == 0
 
 
 def test_all_measures_are_printed_on_request(invoke):

@@ -79,6 +79,13 @@ def test_measures_are_plotted_with_and_without_a_sample(tmp_path, generator):
     assert (tmp_path / "alone.png").stat().st_size > 10_000
 
 
+def test_titles_of_measures_end_within_their_plots(tmp_path):
+    write_measures(measure_all([Filmed(restless(0, 10.0))]), tmp_path / "alone.png")
+    with Image.open(tmp_path / "alone.png") as image:
+        picture = np.asarray(image.convert("L")).astype(int)
+    assert picture[:, -8:].min() == 255
+
+
 def test_phases_need_places_in_space(tmp_path):
     space = in_space(90, MINI_RGBD_POINTS)
     write_phases([Filmed(restless(0, 3.0), space)], tmp_path / "phase.png")

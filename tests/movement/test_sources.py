@@ -54,6 +54,16 @@ def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_pa
     assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
 
 
+def test_a_folder_is_also_what_mimoc_wrote_in_it(tmp_path):
+    recorded(tmp_path / "run")
+    (tmp_path / "child").mkdir()
+    (tmp_path / "child" / "recording.json").write_text("{}")
+    write_points(restless(0, 10.0), tmp_path / "child" / "points.npz")
+    retargeted, run = films_in(tmp_path)
+    assert retargeted.space is None
+    assert run.seen.name == "run"
+
+
 def test_a_recording_of_mimoc_is_simulated_again_and_filmed(tmp_path):
     folder, done = recorded(tmp_path / "run", range(2)), []
     films = films_in(folder, progress=lambda *steps: done.append(steps))
@@ -68,7 +78,7 @@ def test_a_cohort_is_all_recordings_in_it(tmp_path):
     for name in ("first", "second"):
         (tmp_path / "runs" / name).mkdir(parents=True)
         recorded(tmp_path / "runs" / name / "recording")
-    assert len(films_in(tmp_path)) == 2
+    assert [film.seen.name for film in films_in(tmp_path)] == ["runs/first/recording", "runs/second/recording"]
 
 
 def test_a_bundle_is_simulated_under_a_policy(tmp_path):
@@ -85,7 +95,7 @@ def test_a_bundle_is_simulated_under_a_policy(tmp_path):
         ("nowhere", None, "nowhere: does not exist; name a recording"),
         ("three.yaml", None, r"three\.yaml: an infant, not a recording; say how it moves with --policy"),
         ("empty", None, "empty: nothing in this folder is a recording"),
-        ("cohort", None, "cohort: a cohort without recordings"),
+        ("cohort", None, "cohort: a cohort without recordings; give its step 'run' the option record: true"),
         ("empty", SourceOptions(policy="random"), "empty: --policy is for a bundle or a spec"),
     ],
 )
