@@ -179,7 +179,7 @@ def read_motion(path: Path) -> JointMotion:
     try:
         return _checked(unpack_arrays(content))
     except (BundleError, KeyError, ValueError, TypeError):
-        raise MimocError(f"{file}: this is not a motion, or is damaged; {_ADVICE}") from None
+        raise MimocError(f"{file}: not a motion, or damaged; give the folder that 'mimoc retarget' wrote") from None
 
 
 def _checked(arrays: Mapping[str, npt.NDArray[Any]]) -> JointMotion:

@@ -20,7 +20,12 @@ BODY_25 = (
     *("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"),
 )
 """Order of the points (OpenPose's documentation, `output.md`)."""
-_LABELS = {3 * len(labels): labels for labels in (BODY_25, _COCO_18)}
+_NECK = "Neck (middle of the shoulders)"
+"""What OpenPose calls the neck was learnt from the middle of the shoulders (its maintainers, issue 1537): a label that
+means no point, so that the neck is put where COCO's is."""
+_LABELS = {
+    3 * len(labels): tuple(_NECK if label == "Neck" else label for label in labels) for labels in (BODY_25, _COCO_18)
+}
 _POINTS = "pose_keypoints_2d"
 
 

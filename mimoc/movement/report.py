@@ -150,7 +150,8 @@ def _told_apart(
 
 def _assumptions(recording: PointRecording) -> list[str]:
     """Return what has to be known to read the measures of a recording."""
-    notes = [f"{present} stands in for {absent}" for absent, present in stand_ins(recording.names).items()]
+    less = "and moves less: its speeds come out lower"
+    notes = [f"{present} stands in for {absent}, {less}" for absent, present in stand_ins(recording.names).items()]
     if recording.unit == "m":
         notes.append("points in space are measured as from straight above, by x and y")
     return notes

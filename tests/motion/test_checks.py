@@ -264,10 +264,11 @@ def two(body_25, tmp_path, **options):
 @pytest.mark.parametrize("options", [{}, {"infant": 0}, {"infant": "0"}])
 def test_of_several_persons_the_largest_is_taken_or_the_one_that_is_asked_for(options, body_25, tmp_path):
     read, expected = two(body_25, tmp_path, **options)
+    read, expected = (filmed.without_neck(recording) for recording in (read, expected))
     assert np.allclose(read.positions, expected.select(read.names).positions, rtol=0, atol=1e-3)
     who = "number 0" if options else "the largest"
     first = f"film_{0:012d}_keypoints.json"
-    assert read.notes == (f"the infant is taken to be {who} of 2 persons in {first}, and is followed from there",)
+    assert read.notes[0] == f"the infant is taken to be {who} of 2 persons in {first}, and is followed from there"
 
 
 def test_a_person_that_is_not_there(body_25, tmp_path):

@@ -66,7 +66,7 @@ def to_c3d(recording, folder: Path) -> Path:
 
 
 WRITERS = [
-    (to_openpose, SEEN, 1e-3),
+    (to_openpose, filmed.without_neck(SEEN), 1e-3),
     (to_coco, SEEN.select(COCO_17), 1e-3),
     (to_coco_file, SEEN.select(COCO_17), 1e-3),
     (to_mini_rgbd, PIXELS, 0.0),

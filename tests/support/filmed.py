@@ -41,6 +41,11 @@ def kicking(frames: int, seed: int = 0) -> FloatArray:
     return qpos
 
 
+def without_neck(recording: PointRecording) -> PointRecording:
+    """Return what pose estimators see: what they call a neck is the middle of the shoulders, or nothing."""
+    return recording.select([name for name in recording.names if name != "neck"])
+
+
 SUPINE = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
 """How the root is turned of an infant on its back, as a quaternion."""
 
