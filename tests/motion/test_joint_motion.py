@@ -56,7 +56,7 @@ def test_a_motion_reads_back_equal(tmp_path):
 @pytest.mark.parametrize("content", [b"", b"PK", pack_motion(JointMotion(30.0, ("a", "b"), np.zeros((4, 1))))])
 def test_a_damaged_motion_is_one_line(tmp_path, content):
     (tmp_path / "motion.npz").write_bytes(content)
-    with pytest.raises(MimocError, match=r"damaged; write it again") as caught:
+    with pytest.raises(MimocError, match=r"damaged; give the folder") as caught:
         read_motion(tmp_path)
     assert "\n" not in str(caught.value)
 
