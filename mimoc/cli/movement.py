@@ -9,7 +9,7 @@ import typer
 import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.cli.pictures import parse_seeds
-from mimoc.cli.points import Infant, Rate, ViewName, options_in_messages
+from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
 from mimoc.cli.run import POLICY_NAMES
 from mimoc.cli.terminal import printable
 
@@ -45,6 +45,7 @@ def movement(
     rate: Rate = None,
     infant: Infant = None,
     view: ViewName = "front",
+    name: Names = None,
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
@@ -62,7 +63,7 @@ def movement(
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
-    reading = {"rate_hz": rate, "infant": infant, "view": view}
+    reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name)}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
     with console.progress("simulating") as show, options_in_messages():
         films = sources.films_in(source, options, show)

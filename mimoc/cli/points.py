@@ -1,13 +1,13 @@
 """Options of commands that read recorded points, and messages that name them."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated
 
 import typer
 
-from mimoc.base.errors import RecordingError
+from mimoc.base.errors import MimocError, RecordingError
 
 Rate = Annotated[
     float | None,
@@ -22,8 +22,31 @@ ViewName = Annotated[
         " or y counts upwards; swapped, if left is right.",
     ),
 ]
-_OPTIONS = (r"\brate_hz=(\S+)", r"--rate \1"), (r"\bview='(\w+)'", r"--view \1")
+Names = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--name", metavar="LABEL=POINT", help="Which point a label is, if mimoc does not know it; may be repeated."
+    ),
+]
+_OPTIONS = (
+    (r"\brate_hz=(\S+)", r"--rate \1"),
+    (r"\bview='(\w+)'", r"--view \1"),
+    (r"\bnames=\{'label': '(\w+)'\}", r"--name label=\1"),
+)
 """Arguments of `read_points` in messages, and the options that stand for them."""
+
+
+def names_of(texts: Sequence[str] | None) -> dict[str, str] | None:
+    """Return the names of points by label in texts such as `p7=left_foot`, or None for none.
+
+    Raises:
+        MimocError: If one is not of this form.
+    """
+    pairs = [text.rpartition("=") for text in texts or ()]
+    for label, _, point in pairs:
+        if not label or not point:
+            raise MimocError(f"--name: '{label or point}' is no label with its point; write it as p7=left_foot")
+    return {label: point for label, _, point in pairs} or None
 
 
 @contextmanager

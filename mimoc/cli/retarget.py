@@ -9,7 +9,7 @@ import typer
 from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import load_spec
-from mimoc.cli.points import Infant, Rate, ViewName, options_in_messages
+from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
 from mimoc.cli.terminal import printable
 from mimoc.motion import FORMATS
 
@@ -50,6 +50,7 @@ def retarget(
     height: Height = None,
     infant: Infant = None,
     view: ViewName = "front",
+    name: Names = None,
     senses: Annotated[
         str | None, typer.Option(help="Senses of the child, with commas between, such as proprioception,touch,vision.")
     ] = None,
@@ -69,6 +70,7 @@ def retarget(
     check_writable(out, force)
     start = load_spec(spec) if spec else None
     options = {"format": format, "rate_hz": rate, "camera": camera_of(camera), "infant": infant, "view": view}
+    options["names"] = names_of(name)
     with options_in_messages():
         points = read_points(recording, **options)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS

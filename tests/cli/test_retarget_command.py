@@ -50,6 +50,8 @@ def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invok
         (["--format", "betamax"], "betamax"),
         (["--view", "side"], "'side' is not a view; choose from back, front, mirrored, swapped"),
         (["--rate", "nan"], ""),
+        (["--name", "left_knee"], "'left_knee' is no label with its point; write it as p7=left_foot"),
+        (["--name", "p7=tail"], "'tail' is not a point"),
     ],
 )
 def test_bad_options_are_refused_and_nothing_is_written(points, tmp_path, invoke, arguments, message):

@@ -36,6 +36,14 @@ def test_what_files_do_not_say_is_an_option_that_messages_name(invoke, place):
     assert invoke("movement", "film.csv", "--rate", "30", "--view", "mirrored").code == 0
 
 
+def test_a_label_that_says_nothing_is_named_by_an_option(invoke, place):
+    table = write_points(restless(0, 4.0), place / "film.csv").read_text()
+    (place / "film.csv").write_text(table.replace("left_hip_", "p7_"))
+    assert "name its points: --name label=left_hip" in invoke("movement", "film.csv").err
+    assert invoke("movement", "film.csv", "--name", "p7=left_hip").code == 0
+    assert invoke("movement", "film.csv", "--name", "p7").err.endswith("write it as p7=left_foot\n")
+
+
 def test_all_measures_are_printed_on_request(invoke):
     assert "Hands: distance [trunk]" in invoke("movement", "filmed/infant0.npz", "--full").out
 
