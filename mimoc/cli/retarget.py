@@ -69,10 +69,9 @@ def retarget(
 
     check_writable(out, force)
     start = load_spec(spec) if spec else None
-    options = {"format": format, "rate_hz": rate, "camera": camera_of(camera), "infant": infant, "view": view}
-    options["names"] = names_of(name)
+    who = {"infant": infant, "view": view, "names": names_of(name)}
     with options_in_messages():
-        points = read_points(recording, **options)
+        points = read_points(recording, format=format, rate_hz=rate, camera=camera_of(camera), **who)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS
     with console.progress("fitting") as show:
         fitted = fit(points, age_months, start, camera_height_m=height, progress=show)

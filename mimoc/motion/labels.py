@@ -43,8 +43,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
     """Return a recording whose points have mimoc's names, in their order in `POINTS`.
 
     What several labels name, such as two markers at a wrist, is in their middle; markers count where no label is the
-    name itself. Points of no name that mimoc knows
-    are left out; a neck that is missing is put above the shoulders.
+    name itself. Points of no name that mimoc knows are left out; a neck that is missing is put above the shoulders.
 
     Args:
         recording: Its `names` are labels of a file.

@@ -21,7 +21,10 @@ def joint_measures(recording: PointRecording) -> dict[str, float]:
     if places_m is None:
         return {}
     angles_deg = _angles(places_m)
-    values = _of_kicks(angles_deg, places_m, recording.rate_hz) | _of_movements(places_m, recording.rate_hz)
+    middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
+    trunk_m = float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
+    values = _of_kicks(angles_deg, places_m, trunk_m, recording.rate_hz)
+    values |= _of_movements(places_m, trunk_m, recording.rate_hz)
     for first, second in PAIRS:
         if f"left_{second}" in angles_deg:
             pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in SIDES]
@@ -87,10 +90,9 @@ def _between(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def _of_kicks(
-    angles_deg: Mapping[str, FloatArray], places_m: Mapping[str, FloatArray], rate_hz: float
+    angles_deg: Mapping[str, FloatArray], places_m: Mapping[str, FloatArray], trunk_m: float, rate_hz: float
 ) -> dict[str, float]:
     """Return ranges of angles in kicks, how much angles move together in them, and the feet's largest acceleration."""
-    trunk_m = _trunk_m(places_m)
     values: dict[str, list[float]] = {}
     for side in SIDES:
         foot, hip = places_m[f"{side}_foot"], places_m[f"{side}_hip"]
@@ -110,9 +112,9 @@ def _of_kicks(
     return {name: float(np.median(some) if name.endswith("deg") else np.mean(some)) for name, some in values.items()}
 
 
-def _of_movements(places_m: Mapping[str, FloatArray], rate_hz: float) -> dict[str, float]:
+def _of_movements(places_m: Mapping[str, FloatArray], trunk_m: float, rate_hz: float) -> dict[str, float]:
     """Return how long the movements of ankles last, and the mean of their largest accelerations."""
-    trunk_m, lengths_s, peaks_m_s2 = _trunk_m(places_m), [], []
+    lengths_s, peaks_m_s2 = [], []
     for side in SIDES:
         ankle = places_m.get(f"{side}_ankle", places_m[f"{side}_foot"])
         speed, acceleration = np.linalg.norm(np.gradient(ankle, axis=0), axis=1), _acceleration(ankle, rate_hz)
@@ -122,11 +124,6 @@ def _of_movements(places_m: Mapping[str, FloatArray], rate_hz: float) -> dict[st
     if not lengths_s:
         return {}
     return {"leg_movement_s": float(np.mean(lengths_s)), "leg_movement_m_s2": float(np.mean(peaks_m_s2))}
-
-
-def _trunk_m(places_m: Mapping[str, FloatArray]) -> float:
-    middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
-    return float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
 
 
 def _acceleration(path_m: FloatArray, rate_hz: float) -> FloatArray:

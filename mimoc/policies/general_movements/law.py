@@ -129,6 +129,7 @@ COLUMNS: Mapping[str, tuple[float, ...]] = {
 
 Those at 3 months are fitted to aggregates of 12 real infants (MINI-RGBD; mean and standard deviation of 21 measures of
 movement and of further figures), with muscles. At other ages, directions follow Prechtl 1990, Einspieler & Prechtl
-2005, Thelen 1985, Thelen, Ridley-Johnson & Fisher 1983, Piek 1996, Chen 2020 and Lew & Butterworth 1997; `strength` and
-the postures keep kicks near published rates and excursions; sizes are otherwise ours (docs/general_movements.md).
+2005, Thelen 1985, Thelen, Ridley-Johnson & Fisher 1983, Piek 1996, Chen 2020 and Lew & Butterworth 1997; `rate_hz`,
+`strength` and the postures keep kicks near published rates and excursions; sizes are otherwise ours
+(docs/general_movements.md).
 """

@@ -95,15 +95,15 @@ def recorded(measure: str) -> tuple[float, float] | None:
 
 
 RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
-SHARED = "Thelen; Fry-Hilderbrand 2022 (M)"
+RANGES = "Thelen; Fry-Hilderbrand 2022 (M)"
 NEWBORNS = "Thelen 1985; Fetters 2004, newborns (M)"
 TRUJILLO = "Trujillo-Priego & Smith 2017, 1-12 months (R)"
 PUBLISHED: Sequence[Published] = (
     Published(RATE, "Kicks", 5, 15, "Thelen; Rovee-Collier (M)"),
     Published("kick_amplitude_trunk", "Size"),
-    Published("hip_excursion_deg", "Hip", 30, 60, SHARED),
-    Published("knee_excursion_deg", "Knee", 40, 70, SHARED),
-    Published("ankle_excursion_deg", "Ankle", 20, 40, SHARED),
+    Published("hip_excursion_deg", "Hip", 30, 60, RANGES),
+    Published("knee_excursion_deg", "Knee", 40, 70, RANGES),
+    Published("ankle_excursion_deg", "Ankle", 20, 40, RANGES),
     Published("kick_extension_s", "Extending", 0.3, 0.4, "Thelen et al. 1981 (M)"),
     Published("kick_flexion_s", "Flexing", 0.3, 0.4, "Thelen et al. 1981 (M)"),
     Published("kick_acceleration_trunk_s2", "Peak in a kick"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
 from mimoc.movement.joints import joint_angles
 from mimoc.movement.kicks import kicks_of
@@ -18,7 +19,6 @@ from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import (
-    SIDES,
     Setup,
     mobile_speed_m_s,
     open_infant,

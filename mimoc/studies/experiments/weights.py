@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ
 from mimoc.movement.joints import joint_angles
 from mimoc.movement.kicks import kicks_of
@@ -16,7 +17,7 @@ from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, SIDES, Setup, leg_kg, open_infant
+from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, leg_kg, open_infant
 from mimoc.studies.experiments.legs.intervals import interval
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials

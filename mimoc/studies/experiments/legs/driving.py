@@ -28,7 +28,7 @@ Forces = Callable[[mujoco.MjData], None]
 
 
 class Mover:
-    """Moves an infant by a policy, and counts its control steps.
+    """Moves an infant by a policy, and measures how fast its limbs move.
 
     With the command c of the policy, the command at rest r = clip(0, low, high), and the gain g of an actuator's part,
     the infant is commanded clip(r + g (c - r), low, high). Without a policy of the caller's, it is `general_movements`,

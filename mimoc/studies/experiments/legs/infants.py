@@ -11,10 +11,10 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import mjcf_of, prepare
 from mimoc.bundle.variants import Variant
 from mimoc.compiler import pipeline
+from mimoc.motion.points import SIDES
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 
-SIDES = ("left", "right")
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 HELD_ARMATURE = 1e9
 """Armature of degrees of freedom that are held, in [kg] and [kg m²]: an infant of 5 kg sinks by .1 mm in a minute."""
