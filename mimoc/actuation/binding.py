@@ -37,6 +37,8 @@ class Actuation:
     """`drive(worlds)` returns what each actuator is driven by now, shape (k, n)."""
     drive_name: str = "command"
     """What `drive` is, such as `activation`."""
+    bandwidth_hz: float | None = None
+    """Cut-off of each of the two low-pass filters that commands pass; None for no limit."""
     command: Term | None = None
     """`command(worlds, actions)` returns the controls that actions mean, shape (k, n) each; None: they are controls."""
 
@@ -68,7 +70,8 @@ class Actuation:
 
 def bind_actuation(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
     """Return the commanded actuators of *entry* in *model*."""
-    return function_of(ACTUATIONS[entry.model].run, "bind")(entry, model)
+    bound: Actuation = function_of(ACTUATIONS[entry.model].run, "bind")(entry, model)
+    return replace(bound, bandwidth_hz=entry.bandwidth_hz)
 
 
 def numbers_of(actions: npt.ArrayLike) -> npt.NDArray[Any]:

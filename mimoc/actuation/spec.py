@@ -30,6 +30,9 @@ class ActuationSpec(Model):
     """Actuation model."""
     arousal: Annotated[Real, Field(ge=0, le=2)] = 1.0
     """How awake the infant is: its muscle tone is in proportion to it. 1 is quiet, 0 slack. `published` has no tone."""
+    bandwidth_hz: Annotated[Real, Field(ge=0.1, le=100)] | None = None
+    """Frequency above which commands hardly reach the muscles: they pass two low-pass filters of first order with this
+    cut-off, one after the other. By default no limit, and 5 Hz in the tasks that are skills."""
     strength_age_months: Age | None = None
     """Age for which strength is computed; by default that of the infant."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(
@@ -91,9 +94,12 @@ class ActuationEntry(Model):
     """Actuation model."""
     arousal: Number = 1.0
     """Arousal that the model is written for."""
+    bandwidth_hz: Annotated[Number, Field(ge=0.1, le=1000)] | None = None
+    """Cut-off of each of the two low-pass filters that commands pass; None for no limit."""
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""
 
     @model_serializer(mode="wrap")
-    def _without_usual_arousal(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "arousal" or value != 1}
+    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        usual = {"arousal": 1, "bandwidth_hz": None}
+        return {key: value for key, value in serialize(self).items() if key not in usual or value != usual[key]}

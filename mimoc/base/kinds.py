@@ -120,6 +120,8 @@ class TaskKind:
     """Values of `scene.pose` it can start from: none where it has a start of its own; None is all."""
     step_ms: float = 10.0
     """Control step, unless the spec gives one."""
+    defaults: Mapping[tuple[str, str], Any] = field(default_factory=dict)
+    """Values of other sections by section and key, such as `("scene", "pose")`, unless the spec gives them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,14 +249,18 @@ class Kinds(Mapping[str, K]):
     what: str
     """What they are, in the singular, such as `sense`."""
     builtin: Mapping[str, K | str]
-    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named."""
+    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named, or
+    what a module names otherwise, as `module:NAME`."""
     _added: dict[str, tuple[K, str]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> K:
         if name not in self.builtin:
             return self._added[name][0]
         record: Any = self.builtin[name]
-        return import_module(record).KIND if isinstance(record, str) else record
+        if not isinstance(record, str):
+            return record
+        module, _, attribute = record.partition(":")
+        return getattr(import_module(module), attribute or "KIND")
 
     def __iter__(self) -> Iterator[str]:
         yield from self.builtin

@@ -159,6 +159,7 @@ def _actuation(spec: ActuationSpec, actuators: Iterable[Actuator], commanded: Co
     return ActuationEntry(
         model=spec.model,
         arousal=spec.arousal,
+        bandwidth_hz=spec.bandwidth_hz,
         actuators=tuple(
             ActuatorEntry(
                 name=actuator.name,

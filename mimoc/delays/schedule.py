@@ -18,7 +18,7 @@ from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.timing import Commands, Samples, Timing
-from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, noise_of
+from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 
 Item = TypeVar("Item")
@@ -122,7 +122,7 @@ class Schedule:
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
         self._motor_noise: NoisyMotors | None = None
-        if timing.noise.motor:
+        if is_disturbed(timing.noise, actuation):
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timestep_s, actuation, streams)
         self._jittered = [

@@ -228,15 +228,46 @@ class MotorNoise(Noise):
         return xp.minimum(xp.maximum(sample, self.low), self.high) * (1 + self.share * state), state
 
 
-def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise:
+@dataclass(frozen=True)
+class BandLimited(Noise):
+    """Commands that pass two low-pass filters of first order, one after the other, and then have their noise.
+
+    So a command at a frequency f arrives with the share 1 / (1 + (f / cut-off)²) of its amplitude.
+    """
+
+    noise: MotorNoise
+    cut_off_rad_s: FloatArray
+    """Of each filter, shape (1,)."""
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return the controls, shape (k, n), and the state: of the noise, and of each filter, shape (k, 3 n)."""
+        xp, count = draw.xp, sample.shape[1]
+        first = second = xp.minimum(xp.maximum(sample, self.noise.low), self.noise.high)
+        if state is not None:
+            kept = xp.exp(-draw.elapsed_s * self.cut_off_rad_s)
+            first = kept * state[:, count : 2 * count] + (1 - kept) * first
+            second = kept * state[:, 2 * count :] + (1 - kept) * first
+        controls, noise = self.noise(draw, second, None if state is None else state[:, :count])
+        return controls, xp.concat([noise, first, second], axis=1)
+
+
+def is_disturbed(entry: NoiseEntry, actuation: Actuation) -> bool:
+    """Return whether commands have noise or a limited bandwidth, so that they change at each physics step."""
+    return bool(entry.motor) or actuation.bandwidth_hz is not None
+
+
+def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise | BandLimited:
     """Return the noise of all commanded actuators; its amount may be 0."""
-    return MotorNoise(np.array([entry.motor]), actuation.low, actuation.high, LowPass(ms_to_s(entry.low_pass_ms)))
+    noise = MotorNoise(np.array([entry.motor]), actuation.low, actuation.high, LowPass(ms_to_s(entry.low_pass_ms)))
+    if actuation.bandwidth_hz is None:
+        return noise
+    return BandLimited(noise, np.array([2 * math.pi * actuation.bandwidth_hz]))
 
 
 class NoisyMotors:
     """The commands of one infant, and the noise with which they drive its actuators."""
 
-    def __init__(self, noise: MotorNoise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
+    def __init__(self, noise: Noise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
         self._noise, self._timestep_s = SignalNoise(noise, "motor", streams), timestep_s
         self._actuators = actuation.actuators
 

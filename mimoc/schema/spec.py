@@ -105,6 +105,15 @@ class InfantKeys(FileModel):
     """The task; by default, none."""
 
     @model_validator(mode="after")
+    def _takes_what_its_task_begins_with(self) -> Self:
+        for (section, key), value in (TASKS[self.task.kind].defaults if self.task else {}).items():
+            given = getattr(self, section)
+            if key not in given.model_fields_set:
+                completed = type(given).model_construct(given.model_fields_set, **{**dict(given), key: value})
+                object.__setattr__(self, section, completed)
+        return self
+
+    @model_validator(mode="after")
     def _senses_have_their_organs(self) -> Self:
         for name, _ in self.senses:
             needed = SENSES[name].organs

@@ -18,14 +18,18 @@ from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.senses.sense import FloatArray, IntArray, Observation
 from mimoc.tasks import TASKS
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
+FORCES = "xfrc_applied"
+"""The field of the state with a force and a torque on each body, which is 0 at each reset, among what a term changes."""
+
+
 class Change(NamedTuple):
-    """New values of a field of the model, which the task's `model_fields` must declare."""
+    """New values of a field of the model, which the task's `model_fields` must declare, or forces on `forced`."""
 
     where: Any
     """For which of k infants the field changes, shape (k,)."""
@@ -118,6 +122,8 @@ class Task:
     """Judges: `term(worlds, action, memory) -> Judgement` of k infants; None if `judge` does otherwise."""
     _rows: Mapping[str, np.ndarray] = NOTHING
     """What is remembered, with a leading axis of one infant."""
+    forced: IntArray = np.array([], np.intp)
+    """The bodies on which `judge` sets forces and torques, by a change of `FORCES`, shape (n,)."""
     _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
 
     def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
@@ -191,7 +197,9 @@ class Task:
             self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
         for name, change in judgement.changes.items():
             if change.where[0]:
-                array, rows = getattr(data.model, name), rows_by_name(self.model_fields)[name]
+                is_force = name == FORCES
+                array = getattr(data if is_force else data.model, name)
+                rows = self.forced if is_force else rows_by_name(self.model_fields)[name]
                 array[rows if change.column is None else (rows, change.column)] = change.values()[0]
         return judgement.of_one()
 

@@ -19,7 +19,7 @@ from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
-from mimoc.tasks.task import NO_REWARD, Change, CustomTask, Judgement, Task
+from mimoc.tasks.task import FORCES, NO_REWARD, Change, CustomTask, Judgement, Task
 
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""
@@ -93,6 +93,7 @@ class DeviceTask:
         for name in self.observed:
             if name not in self.memory:
                 raise DeviceError(f"the task observes '{name}' without remembering it; do, or leave out device")
+        self._forced = put(first.task.forced)
         self._rows = {name: put(rows) for name, rows in rows_by_name(first.task.model_fields).items()}
 
     def judge(self, worlds: Worlds, model: mjw.Model, actions: torch.Tensor) -> Judgement:
@@ -102,7 +103,9 @@ class DeviceTask:
         for name, values in judgement.memory.items():
             self.memory[name].copy_(values)
         for name, change in judgement.changes.items():
-            if name in BATCHED:  # MuJoCo Warp does not read others.
+            if name == FORCES:
+                _change(worlds.xfrc_applied, self._forced, change)
+            elif name in BATCHED:  # MuJoCo Warp does not read others.
                 _change(wp.to_torch(getattr(model, name)), self._rows[name], change)
         return judgement
 

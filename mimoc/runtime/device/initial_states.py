@@ -17,9 +17,9 @@ from mimoc.runtime.device.bodies import BATCHED
 from mimoc.runtime.device.vision.reader import VISION
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import IntArray
-from mimoc.tasks.task import NOTHING
+from mimoc.tasks.task import FORCES, NOTHING
 
-STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
+STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 BITS_32 = 2**32 - 1
 

@@ -12,7 +12,7 @@ import torch
 import warp as wp
 
 from mimoc.delays.spec import MOTOR
-from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, noise_amount
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, is_disturbed, noise_amount
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.device.arrays import term_of_worlds, where_worlds
 from mimoc.runtime.env import InfantEnv
@@ -85,8 +85,11 @@ def noise_of(
             return bind_motor_noise(entry, infant.actuation)
         return bind_noise(signal, infant.senses[signal], entry)
 
-    entries = [infant.manifest.noise for infant in infants]
-    if not any(entry.motor if signal == MOTOR else noise_amount(signal, entry) for entry in entries):
+    def is_noisy(infant: InfantEnv) -> bool:
+        entry = infant.manifest.noise
+        return is_disturbed(entry, infant.actuation) if signal == MOTOR else bool(noise_amount(signal, entry))
+
+    if not any(map(is_noisy, infants)):
         return None
     return DeviceNoise(signal, [bind(infant) for infant in infants], body, chance)
 
