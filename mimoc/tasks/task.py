@@ -25,7 +25,7 @@ NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 FORCES = "xfrc_applied"
-"""The field of the state with a force and a torque on each body, which is 0 at each reset, among what a term changes."""
+"""The field of the state with a force and a torque on each body, which is 0 after a reset, among a term's changes."""
 
 
 class Change(NamedTuple):

@@ -19,12 +19,12 @@ from mimoc.tasks.spec_base import TaskEntry, TaskSpec
 Measure = Literal[
     "upright", "prone", "supine", "turned", "head_height", "hip_height", "facing", "speed", "near", "in_posture", "kept"
 ]
-"""What a skill is judged by: `upright`, `prone` and `supine` are the least of hip and chest, from -1 to 1, of their
-long axes upwards and of their fronts downwards or upwards; `turned`, from 0 on the back to 1 on the belly, is in proportion to the angle, a
-mean of both; heights are shares of those of the same child standing straight; `facing` is the cosine of the angle
-between where it faces and faced at first; `speed` is along the way, in [m/s]; `near` is minus the distance of an object
-to the hand, in [m]; `in_posture` is 1 if the posture is the wanted one, and else 0; `kept` is the share of the time for
-which it is to be kept."""
+"""What a skill is judged by. `upright`, `prone` and `supine` are the least of hip and chest, from -1 to 1, of their
+long axes upwards and of their fronts downwards or upwards; `turned`, from 0 on the back to 1 on the belly, is in ratio
+to the angle, a mean of both; heights are shares of those of the same child standing straight; `facing` is the cosine
+of the angle between where it faces and faced at first; `speed` is along the way, in [m/s]; `near` is minus the distance
+of an object to the fingers, in [m]; `in_posture` is 1 if the posture is the wanted one, and else 0; `kept` is the share
+of the time for which it is to be kept."""
 
 
 class BoundEntry(Model):

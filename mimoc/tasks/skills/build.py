@@ -7,17 +7,17 @@ Heights, distances and forces follow the child's body. The bounds are of the pos
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import sin
-from typing import Any
+from typing import Any, Literal
 
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad, ms_to_s
 from mimoc.body.kinematics import frames
 from mimoc.body.poses import standing_height
 from mimoc.body.tree import BodyTree
 from mimoc.tasks.build_setup import TaskSetup, require
-from mimoc.tasks.skills import STEP_MS, BoundEntry, RewardEntry, ShareEntry, SkillEntry, SkillSpec
+from mimoc.tasks.skills import STEP_MS, BoundEntry, Measure, RewardEntry, ShareEntry, SkillEntry, SkillSpec
 from mimoc.tasks.skills.build_starts import Begin, Start, at_rail, at_table, holding, lying, on_hands_and_knees
 
-Shares = Mapping[str, tuple[float, float]]
+Shares = Mapping[Measure, tuple[float, float]]
 """Of a term of the reward, by measure: the values at which the share is 0 and 1."""
 
 
@@ -27,7 +27,7 @@ class Skill:
 
     duration_s: float
     """Of an episode."""
-    posture: Mapping[str, float]
+    posture: Mapping[Measure, float]
     """The least of each measure in a posture that counts."""
     reward: Mapping[str, tuple[float, Shares]]
     """Weight and shares of each term of the reward, by its name."""
@@ -37,10 +37,10 @@ class Skill:
     """Groups of bodies that press on nothing in such a posture."""
     kept_s: float = 0.0
     way_m: float = 0.0
-    fall: Mapping[str, float] = field(default_factory=dict)
+    fall: Mapping[Measure, float] = field(default_factory=dict)
     """The least of each measure with which the episode goes on."""
-    way: str = "forward"
-    forward_axis: int = 0
+    way: Literal["forward", "left"] = "forward"
+    forward_axis: Literal[0, 2] = 0
 
 
 ROLLED = sin(deg_to_rad(60.0))
@@ -53,12 +53,12 @@ ALL_BUT_FEET = (*TRUNK, *HEAD, *ARMS, *HANDS, *LEGS)
 STANDING: Mapping[str, tuple[float, Shares]] = {
     "standing": (1.0, {"hip_height": (0.4, 0.95), "upright": (0.2, 0.95)}),
 }
-FALLEN = {"head_height": 0.6}
+FALLEN: Mapping[Measure, float] = {"head_height": 0.6}
 """With the head lower than that, who stands or walks has fallen."""
 
-_STAND = {"upright": 0.8, "head_height": 0.85}
-_ON_BELLY = {"turn": (1.0, {"turned": (0.0, 1.0)})}
-_ON_BACK = {"turn": (1.0, {"turned": (1.0, 0.0)})}
+_STAND: Mapping[Measure, float] = {"upright": 0.8, "head_height": 0.85}
+_ON_BELLY: Mapping[str, tuple[float, Shares]] = {"turn": (1.0, {"turned": (0.0, 1.0)})}
+_ON_BACK: Mapping[str, tuple[float, Shares]] = {"turn": (1.0, {"turned": (1.0, 0.0)})}
 
 
 def _sit_up(start: str) -> Skill:
@@ -196,7 +196,7 @@ def build(task: SkillSpec, tree: BodyTree) -> TaskSetup:
 
 
 def _help(task: SkillSpec, begin: Start, weight_n: float) -> dict[str, Any]:
-    """Return the keys of an entry that say what is pushed or carried: the chest, or for a moment what is in the hand."""
+    """Return the keys of an entry that say what is pushed or carried: the chest, or at first what is in the hand."""
     if begin.object:
         thing_n = GRAVITY_M_S2 * sum(thing.mass_kg for thing in begin.setup.objects)
         return {"helped": begin.object, "support_n": (thing_n, thing_n), "support_s": OFFERED_S}
@@ -204,7 +204,7 @@ def _help(task: SkillSpec, begin: Start, weight_n: float) -> dict[str, Any]:
     return {"helped": "upper_body", "support_n": (0.0, task.support * weight_n)} if is_helped else {}
 
 
-def _bounds(least: Mapping[str, float]) -> tuple[BoundEntry, ...]:
+def _bounds(least: Mapping[Measure, float]) -> tuple[BoundEntry, ...]:
     return tuple(BoundEntry(measure=name, least=value) for name, value in least.items())
 
 

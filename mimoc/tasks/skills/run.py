@@ -103,13 +103,14 @@ class Reward(Term):
 class Helper(Term):
     """Forces on a body: pushes from the side, and the hands of a helper that carry some weight for a time."""
 
-    push_steps: float
+    push_steps: FloatArray
+    """Shape (1,)."""
     support_steps: float
 
     def __call__(self, worlds: Worlds, memory: Any) -> Any:
         """Return the forces and torques on the body, shape (k, 1, 6), in [N] and [N m]."""
         xp, since = worlds.xp, memory["step"][:, None] - memory["push_at"]
-        active = xp.astype((since >= 0) & (since < self.push_steps[:, None]), memory["push_n"].dtype)
+        active = xp.astype((since >= 0) & (since < self.push_steps), memory["push_n"].dtype)
         sideways_n = xp.sum(active[..., None] * memory["push_n"], axis=1)
         is_carried = xp.astype(memory["step"] < self.support_steps, sideways_n.dtype)
         up_n = (is_carried * memory["support_n"])[:, None]
@@ -257,7 +258,7 @@ class SkillTask(Task):
             success_weight=entry.success_weight,
             effort_weight=entry.effort_weight,
             change_weight=entry.change_weight,
-            helper=(Helper(entry.push_s / step_s, entry.support_s / step_s),) if entry.helped else (),
+            helper=(Helper(np.array([entry.push_s / step_s]), entry.support_s / step_s),) if entry.helped else (),
         )
 
 
