@@ -1,0 +1,114 @@
+"""What kinds of movements are tried for a skill: how many postures, in what order, and what is the same on both sides.
+
+A movement is made of a vector of numbers, so that any search can find it:
+
+    vector (v,)  ->  postures (p, n), in shares of the ranges of n joints, and how they follow what is felt, (4, n)
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.policies.postures import ACROSS, SWAYS, Postures, mirrored
+from mimoc.senses.sense import FloatArray
+
+QUIET = ("_eye_", "_foot2", "_foot3", "_toes", "_th", "_ff", "_mf", "_rf", "_lf", "_hand3")
+"""Joints with these in their names are left quiet: they are small, and a search has fewer numbers without them."""
+SWAY_STEP = 0.5
+"""What a unit of the vector is of a gain from what is felt to a share."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A kind of movement."""
+
+    postures: int
+    posture_s: float
+    moving_s: float
+    is_symmetric: bool = False
+    """Whether both sides do the same, but for what is felt of falling to a side."""
+    repeats: bool = False
+    is_mirrored: bool = False
+    """Whether both sides take turns."""
+    sways: bool = False
+    """Whether the infant leans against falling over."""
+    spread: float = 0.6
+    """Of the first draws around where the infant begins, in shares of half a range."""
+    is_from_middle: bool = False
+    """Whether they are around the middle of the ranges instead."""
+
+
+_ONCE, _HELD = Recipe(3, 1.0, 0.4, is_from_middle=True), Recipe(1, 1.0, 0.2, True, sways=True, spread=0.15)
+RECIPES: Mapping[str, Recipe] = {
+    "roll": _ONCE,
+    "sit_up": Recipe(4, 1.2, 0.6, is_from_middle=True),
+    "sit": _HELD,
+    "crawl": Recipe(2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.4),
+    "pull_to_stand": Recipe(2, 1.5, 1.0, True, sways=True, spread=0.4),
+    "stand": _HELD,
+    "cruise": Recipe(2, 0.4, 0.3, repeats=True, spread=0.2, sways=True),
+    "walk": Recipe(2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2),
+    "grasp": Recipe(1, 1.0, 0.1, spread=0.5),
+}
+"""By skill."""
+
+
+class Form:
+    """From vectors to movements of an infant."""
+
+    def __init__(self, recipe: Recipe, task: str, age_months: float, joints: tuple[str, ...], start: FloatArray):
+        """Say what a movement is made of.
+
+        Args:
+            recipe: The kind of movement.
+            task: The skill.
+            age_months: The infant's age.
+            joints: All hinges that can be commanded.
+            start: The angle of each at the start, in shares of its range, shape (n,).
+        """
+        kept = [place for place, joint in enumerate(joints) if not any(part in f"{joint}_" for part in QUIET)]
+        self.recipe, self.task, self.age_months = recipe, task, age_months
+        self.joints = tuple(joints[place] for place in kept)
+        self._start = np.zeros(len(kept)) if recipe.is_from_middle else np.clip(start[kept], -1.0, 1.0)
+        self._alike, self._opposite = _bases(self.joints)
+        self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
+        self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of numbers of each posture, then of each row of the sway."""
+        return [len(self._of_posture)] * self.recipe.postures + [len(basis) for basis in self._of_sway]
+
+    def scale(self) -> FloatArray:
+        """Return by how much the numbers of first draws spread, shape (v,)."""
+        return np.full(sum(self.sizes), self.recipe.spread)
+
+    def movement(self, vector: FloatArray) -> Postures:
+        """Return the movement that a vector means, shape (v,)."""
+        parts, count = np.split(vector, np.cumsum(self.sizes)[:-1]), self.recipe.postures
+        postures = [np.clip(self._start + part @ self._of_posture, -1.0, 1.0) for part in parts[:count]]
+        sway = [SWAY_STEP * part @ basis for part, basis in zip(parts[count:], self._of_sway, strict=True)]
+        return Postures(
+            task=self.task,
+            age_months=self.age_months,
+            joints=self.joints,
+            postures=tuple(tuple(np.round(posture, 4).tolist()) for posture in postures),
+            posture_s=self.recipe.posture_s,
+            moving_s=self.recipe.moving_s,
+            repeats=self.recipe.repeats,
+            mirrored=self.recipe.is_mirrored,
+            sway=tuple(tuple(np.round(row, 4).tolist()) for row in sway),
+        )
+
+
+def _bases(joints: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return postures in which both sides do the same, and in which they do the opposite, shape (b, n) each."""
+    assert len(SWAYS) == 4
+    right = [place for place, joint in enumerate(joints) if "left_" not in joint]
+    ones = np.eye(len(joints))[right]
+    other = mirrored(joints, ones)
+    is_middle = [any(part in joints[place] for part in ACROSS) or "right_" in joints[place] for place in right]
+    alike, opposite = ones + other, ones - other
+    keep = [row for row in alike if np.abs(row).any()], [row for row, is_one in zip(opposite, is_middle) if is_one]
+    return tuple(np.sign(np.array(rows)) for rows in keep)  # pyright: ignore[reportReturnType]
