@@ -109,7 +109,7 @@ class TaskKind:
     spec: "type[Model]"
     """What a user can ask of it: a section with `kind: Literal[name]`; its docstring is the help on it."""
     entry: "type[Model]"
-    """What a bundle's manifest tells the runtime of it, with `kind: Literal[name] = name`."""
+    """What a bundle's manifest tells the runtime of it, whose `kind` is a `Literal` with its name."""
     build: Code
     """`build(spec, body) -> TaskSetup`: how the infant starts and what the task adds to the world, and its entry."""
     run: Code

@@ -95,10 +95,10 @@ class PosturePolicy:
         names = _sensed(env, "proprioception")
         missing = [joint for joint in movement.joints if f"{joint} angle [rad]" not in names]
         if missing or f"{movement.joints[0]} velocity [rad/s]" not in names:
+            lacking = f"'{missing[0]}'" if missing and names else "the angles and velocities of joints"
             raise PolicyError(
-                f"this movement needs proprioception with velocity of {len(movement.joints)} joints"
-                f"{f', such as {missing[0]}' if missing else ''}; add senses.proprioception: {{include: [velocity]}}, or "
-                "take another policy"
+                f"this movement needs to sense {lacking}; add senses.proprioception: {{include: [velocity]}}, or take "
+                "another policy"
             )
         self._angles = np.array([names.index(f"{joint} angle [rad]") for joint in movement.joints])
         self._speeds = np.array([names.index(f"{joint} velocity [rad/s]") for joint in movement.joints])
@@ -146,8 +146,8 @@ def _sensed(env: InfantEnv, sense: str) -> tuple[str, ...]:
 def _commands(env: InfantEnv, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
     """Return what turns shares of joints into commands, shape (commands, joints), and whether these are of servos.
 
-    A motor takes the share itself; of two muscles at a joint, that which pulls against the sign of its gear takes it, as
-    the other's command is clipped; a servo takes the target.
+    A motor takes the share itself. Of two muscles at a joint, that which pulls the wanted way, against the sign of its
+    gear, takes it, as the other's command is clipped. A servo takes the target.
     """
     commanded = [actuator for actuator in env.manifest.actuation.actuators if actuator.commanded]
     matrix = np.zeros((len(commanded), len(joints)))

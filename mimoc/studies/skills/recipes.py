@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.policies.postures import ACROSS, SWAYS, Postures, mirrored
+from mimoc.policies.postures import Postures, mirrored
 from mimoc.senses.sense import FloatArray
 
-QUIET = ("_eye_", "_foot2", "_foot3", "_toes", "_th", "_ff", "_mf", "_rf", "_lf", "_hand3")
+QUIET = ("_eye_", "_foot2", "_foot3", "_toes", "_th", "_ff", "_mf", "_rf", "_lf", "_hand1", "_hand2", "_hand3")
 """Joints with these in their names are left quiet: they are small, and a search has fewer numbers without them."""
 SWAY_STEP = 0.5
 """What a unit of the vector is of a gain from what is felt to a share."""
@@ -104,11 +104,7 @@ class Form:
 
 def _bases(joints: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
     """Return postures in which both sides do the same, and in which they do the opposite, shape (b, n) each."""
-    assert len(SWAYS) == 4
-    right = [place for place, joint in enumerate(joints) if "left_" not in joint]
-    ones = np.eye(len(joints))[right]
-    other = mirrored(joints, ones)
-    is_middle = [any(part in joints[place] for part in ACROSS) or "right_" in joints[place] for place in right]
-    alike, opposite = ones + other, ones - other
-    keep = [row for row in alike if np.abs(row).any()], [row for row, is_one in zip(opposite, is_middle) if is_one]
-    return tuple(np.sign(np.array(rows)) for rows in keep)  # pyright: ignore[reportReturnType]
+    one_side = np.eye(len(joints))[[place for place, joint in enumerate(joints) if "left_" not in joint]]
+    other_side = mirrored(joints, one_side)
+    alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+    return alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]

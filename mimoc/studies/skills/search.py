@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.policies.postures import Postures, PosturePolicy
+from mimoc.policies.postures import PosturePolicy, Postures
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.skills.recipes import RECIPES, Form

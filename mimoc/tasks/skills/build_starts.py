@@ -18,7 +18,6 @@ from mimoc.mjcf.world import FreeObject
 from mimoc.tasks.build_setup import Side, TaskSetup, ball, middle_finger, one_armed, require
 from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.skills import CruiseSpec, GraspSpec, PullToStandSpec, SkillSpec
-from mimoc.tasks.standup import StandupSpec
 from mimoc.tasks.standup.build import build as build_standup
 from mimoc.tasks.standup.build_grip import curled, grip_point
 
@@ -70,7 +69,7 @@ def on_hands_and_knees(task: SkillSpec, tree: BodyTree) -> Start:
 
 def at_rail(task: PullToStandSpec, tree: BodyTree) -> Start:
     """Return how a skill begins seated on the floor, with the hands at a rail."""
-    return Start(build_standup(StandupSpec(kind="standup"), tree))
+    return Start(build_standup(task, tree))
 
 
 TABLE_HALF_M, TABLE_TOP_M = (0.15, 0.9), 0.02

@@ -154,7 +154,8 @@ class Skill(Term):
         share = xp.minimum(kept / xp.maximum(self.kept_steps, xp.ones_like(kept)), xp.ones_like(kept))
         walked_m = memory["walked_m"] + fine * (way - memory["way"])
         measured = xp.concat([measured, fine[:, None], share[:, None]], axis=-1)
-        reached = is_fine & (kept >= self.kept_steps) & (walked_m >= self.way_m)
+        is_there = (walked_m >= self.way_m) | (self.way_m <= 0)
+        reached = is_fine & (kept >= self.kept_steps) & is_there
         commands = xp.clip((action - self.low) / self.span, 0.0, 1.0)
         terms = {name: reward(xp, measured) for name, reward in zip(self.names, self.rewards, strict=True)}
         terms["success"] = self.success_weight * xp.astype(reached, measured.dtype)

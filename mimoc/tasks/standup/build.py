@@ -19,7 +19,8 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axi
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
 from mimoc.tasks.build_setup import Hold, Side, TaskSetup, joints_of, require
-from mimoc.tasks.standup import StandupEntry, StandupSpec
+from mimoc.tasks.spec_base import TaskSpec
+from mimoc.tasks.standup import StandupEntry
 from mimoc.tasks.standup.build_grip import KNUCKLES, arm_to_bar, curled, grip_point
 
 HALF_SPAN_IN_CHILDREN = 0.45
@@ -101,8 +102,8 @@ class Seat:
         return TURN.T @ (place_m - (0.0, 0.0, self.height_m))
 
 
-def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
-    """Return the setup of `standup`.
+def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
+    """Return the setup of `standup`, or of a task that begins in the same way, which errors name.
 
     Raises:
         UnsupportedTaskError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its
@@ -111,10 +112,10 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     require(
         tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES.get(tree.hands, "fingers"), "foot"))
     )
-    seat = _sit(tree)
+    seat = _sit(tree, task.kind)
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
-    rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
+    rail = Rail(_rail_x(tree, seat, grips, task.kind), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
     wrists = {f"robot:{side}_{name}" for side in SIDES for name in WRIST}
     return TaskSetup(
         entry=StandupEntry(
@@ -132,7 +133,7 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     )
 
 
-def _sit(tree: BodyTree) -> Seat:
+def _sit(tree: BodyTree, task: str) -> Seat:
     """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor.
 
     Raises:
@@ -140,11 +141,11 @@ def _sit(tree: BodyTree) -> Seat:
     """
     for hip_deg in HIPS_DEG[:-1]:
         with suppress(UnsupportedTaskError):
-            return _seat(tree, hip_deg)
-    return _seat(tree, HIPS_DEG[-1])
+            return _seat(tree, hip_deg, task)
+    return _seat(tree, HIPS_DEG[-1], task)
 
 
-def _seat(tree: BodyTree, hip_deg: float) -> Seat:
+def _seat(tree: BodyTree, hip_deg: float, task: str) -> Seat:
     """Return how an infant sits with its hips at an angle.
 
     Raises:
@@ -156,7 +157,7 @@ def _seat(tree: BodyTree, hip_deg: float) -> Seat:
         angles |= curled(tree, side)
     height_m = _depth(tree, angles, ("hip", "left_upper_leg", "right_upper_leg"))
     for side in SIDES:
-        angles |= _flat_foot(tree, angles, side, LEANING_BACK_DEG - hip_deg, height_m)
+        angles |= _flat_foot(tree, angles, side, LEANING_BACK_DEG - hip_deg, height_m, task)
     return Seat(angles, height_m - CONTACT_DEPTH_M)
 
 
@@ -168,7 +169,7 @@ def _depth(tree: BodyTree, angles_rad: Mapping[str, float], parts: tuple[str, ..
 
 
 def _flat_foot(
-    tree: BodyTree, angles_rad: Mapping[str, float], side: Side, thigh_deg: float, height_m: float
+    tree: BodyTree, angles_rad: Mapping[str, float], side: Side, thigh_deg: float, height_m: float, task: str
 ) -> dict[str, float]:
     """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
 
@@ -191,18 +192,18 @@ def _flat_foot(
 
     if too_deep_m(low) >= 0 and low > least_deg:
         raise UnsupportedTaskError(
-            f"task 'standup' starts with flat feet; this infant's {side} ankle bends down by {-ankle_low_deg:.0f} deg, "
+            f"task '{task}' starts with flat feet; this infant's {side} ankle bends down by {-ankle_low_deg:.0f} deg, "
             "which is not enough (infants whose development is 'maturing' stand up from 3 months on)"
         )
     if not too_deep_m(low) < 0 < too_deep_m(high):
         raise UnsupportedTaskError(
-            f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length"
+            f"task '{task}' starts with flat feet; this infant's {side} leg has the wrong length"
         )
     knee_deg = root(too_deep_m, low, high, _PRECISION_DEG)
     return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
 
 
-def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
+def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3], task: str) -> float:
     """Return how far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
 
     Raises:
@@ -217,7 +218,7 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
         above_m = rail_height(tree) - z_m
         if STRETCHED * arm_m <= above_m:
             raise UnsupportedTaskError(
-                "task 'standup' starts with the hands at a rail; this infant's arms are too short"
+                f"task '{task}' starts with the hands at a rail; this infant's arms are too short"
             )
         distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
     return min(distances_m)

@@ -102,7 +102,7 @@ def arm_to_bar(
 
     nearest = _search(misses, wanted, low, high)
     if np.abs(misses(nearest)).max() > CLEAR_M:
-        raise UnsupportedTaskError(f"task 'standup' starts with the hands at a rail; the {side} hand does not reach it")
+        raise UnsupportedTaskError(f"it starts with the hands at a rail; the {side} hand does not reach it")
     return dict(zip(names, np.round(nearest, 6).tolist(), strict=True))
 
 
