@@ -108,7 +108,7 @@ LAYERS = {
     ),
     "motion": layer("motion", f"{LANGUAGE} schema bundle", "mujoco pydantic scipy"),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
-    "policies": layer("policies", f"{RUNNING} motion", "mujoco"),
+    "policies": layer("policies", f"{RUNNING} motion", "mujoco pydantic"),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(

@@ -54,7 +54,7 @@ class Postures(Model):
     """Share of strength for each radian that a joint is off the target."""
     damping_s: Amount = 0.06
     """What the speed of a joint is multiplied by, to be counted as an angle."""
-    found: dict[Label, Label | Number] = Field(default_factory=dict)
+    recipe: dict[Label, Label | Number] = Field(default_factory=dict)
     """How it was found, for readers: the command, seed, tries, success."""
 
     def targets(self) -> FloatArray:
