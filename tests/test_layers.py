@@ -371,7 +371,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         (
             "mimoc.base.errors",
             "import pydantic_core",
-            "pydantic belongs to grammar, language, composition, spec, schema, bundle, motion",
+            "pydantic belongs to grammar, language, composition, spec, schema, bundle, motion, policies",
         ),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
         ("mimoc.body.grow", "import numpy, torch", "torch belongs to terms, device, training"),

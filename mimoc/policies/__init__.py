@@ -26,6 +26,12 @@ POLICIES: Kinds[PolicyKind] = Kinds(
             argument="[MONTHS]",
             many="mimoc.policies.reflexes.binding",
         ),
+        "skill": PolicyKind(
+            "skill",
+            "does what was found for a skill, such as roll, or a file of `mimoc skill`",
+            "mimoc.policies.skill",
+            "NAME",
+        ),
         "motion": PolicyKind("motion", "follows a recorded motion; not for servos", "mimoc.policies.motion", "DIR"),
     },
 )

@@ -1,0 +1,124 @@
+"""`mimoc skill`: at which ages an infant can learn a skill."""
+
+import json
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mimoc.base.errors import MimocError
+from mimoc.cli.arguments import load_spec
+from mimoc.cli.terminal import printable, resumable
+from mimoc.tasks import SKILLS
+
+Ages = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MONTHS",
+        help="Ages, as in 3:12 (each month), 2:12:2, or 2,4,6,8; default: around those of real infants.",
+    ),
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a key of the task, as in style=hands_and_knees; repeatable."),
+]
+
+
+def skill(
+    name: Annotated[str, typer.Argument(metavar="NAME", help=f"One of: {', '.join(SKILLS)}.")],
+    ages: Ages = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="DIR", help="Folder of results; default: out/skill_NAME.")
+    ] = None,
+    spec: Annotated[
+        Path | None,
+        typer.Option(metavar="SPEC", help="The child, grown to each age; default: the average one."),
+    ] = None,
+    options: Options = None,
+    seeds: Annotated[int, typer.Option(min=1, max=100, help="Searches at each age.")] = 2,
+    tries: Annotated[int, typer.Option(min=40, help="Movements that each search tries at most.")] = 1000,
+    starts: Annotated[int, typer.Option(min=1, help="Starts in which the result of each is measured.")] = 20,
+    processes: Annotated[
+        int | None, typer.Option(min=1, help="Searches side by side; default: as many as there are cores.")
+    ] = None,
+) -> None:
+    """Let an infant learn a skill at several ages, and show from when on it can, beside real infants.
+
+    At each age and with each seed, a search tries movements through a few postures (the cross-entropy method); what it
+    finds is measured in starts that it has not seen, with the noise and the delays of the age. The folder gets
+    `results.json`, `success.png`, and the best movement of each age, which `mimoc run SPEC --policy skill:FILE` plays.
+    Run the same command again to go on after an interruption.
+    """
+    from mimoc.base.errors import check_name
+    from mimoc.bundle.files import write_file
+    from mimoc.cli import console
+    from mimoc.cli.skill_output import print_skill
+    from mimoc.render.plots.file import write_sheet
+    from mimoc.studies.skills.learning import REAL_AGES, learn_skill
+    from mimoc.studies.skills.plot import skill_sheet
+
+    check_name("skill", name, SKILLS)
+    months, folder = read_months(ages, *_around(REAL_AGES[name])), out or Path("out") / f"skill_{name}"
+    child = load_spec(spec) if spec else None
+    with console.progress(f"learning to {name.replace('_', ' ')}") as show, resumable():
+        report = learn_skill(
+            name,
+            months,
+            folder,
+            spec=child,
+            options=read_options(options or []),
+            seeds=seeds,
+            tries=tries,
+            starts=starts,
+            processes=processes or os.cpu_count() or 1,
+            progress=show,
+        )
+    text = json.dumps(report.to_data(), indent=1, sort_keys=True)
+    write_file(folder / "results.json", f"{text}\n".encode())
+    print_skill(report)
+    write_sheet(skill_sheet(report), folder / "success.png")
+    print(printable(folder / "success.png"))
+
+
+def _around(real: Any) -> tuple[int, int, int]:
+    """Return ages from two months before the first real infants to when half of them can, in steps."""
+    first, last = max(0, round(real.youngest_months) - 2), round(real.median_months) + 2
+    return first, last, 2
+
+
+def read_months(text: str | None, *usual: int) -> tuple[float, ...]:
+    """Return the ages in a text such as `3:12`, `2:12:2` or `2,4.5`; without one, those of a range, ends included.
+
+    Raises:
+        MimocError: If it is none, or they are not from 0 to 24 months.
+    """
+    try:
+        if text is None or ":" in text:
+            first, last, *step = usual if text is None else map(int, text.split(":"))
+            months = tuple(map(float, range(first, last + 1, *step)))
+        else:
+            months = tuple(dict.fromkeys(map(float, text.split(","))))
+    except ValueError:
+        months = ()
+    if not months or not all(0 <= month <= 24 for month in months):
+        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to 24, as in 3:12 or 2,4,6,8")
+    return months
+
+
+def read_options(texts: list[str]) -> dict[str, Any]:
+    """Return keys of a task from assignments such as `style=belly`, with numbers where they are numbers.
+
+    Raises:
+        MimocError: If one is no assignment.
+    """
+    options: dict[str, Any] = {}
+    for text in texts:
+        key, is_assigned, value = text.partition("=")
+        if not key or not is_assigned:
+            raise MimocError(f"'{text}' is not an assignment; write KEY=VALUE, such as style=hands_and_knees")
+        try:
+            options[key] = json.loads(value)
+        except ValueError:
+            options[key] = value
+    return options

@@ -1,0 +1,222 @@
+"""Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from scipy.stats import binomtest
+
+from mimoc.base.errors import SpecError
+from mimoc.base.rounding import rounded
+from mimoc.bundle.files import make_folder
+from mimoc.environments import open_infant
+from mimoc.policies.postures import Postures, write_postures
+from mimoc.schema.base import Model
+from mimoc.schema.infant import InfantSpec
+from mimoc.studies.kept_results import keep, kept_file, read_kept
+from mimoc.studies.milestones.report import AgeRange, Verdict
+from mimoc.studies.processes import process_pool
+from mimoc.studies.skills.search import search
+
+TRIES, STARTS, SEEDS = 1000, 20, 2
+"""How many movements a search tries, in how many starts its result is measured, and how many searches an age has."""
+LEARNT = 0.5
+"""Share of starts from which on a skill counts as learnt at an age."""
+CHILD = {
+    "mimoc": 1,
+    "name": "average_child",
+    "age_months": 6,
+    "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
+}
+"""Who learns, unless a spec says otherwise."""
+
+
+def _ages() -> Mapping[str, AgeRange]:
+    with Path(__file__).with_name("ages.csv").open(encoding="utf-8", newline="") as file:
+        return {row.pop("skill"): AgeRange.model_validate(row) for row in csv.DictReader(file)}
+
+
+REAL_AGES: Mapping[str, AgeRange] = _ages()
+"""When real infants have each skill."""
+
+
+class Attempt(Model):
+    """One search at one age."""
+
+    age_months: float
+    """The infant's age."""
+    seed: int
+    """Seed of the search."""
+    success: float
+    """Share of starts in which it has the skill."""
+    starts: int
+    """Number of these starts."""
+    tried: int = 0
+    """Number of movements tried."""
+    curve: tuple[float, ...] = ()
+    """Mean reward of the best tries in each round."""
+    movement: Postures | None = None
+    """The movement; None if the infant cannot even begin."""
+    problem: str = ""
+    """Why it cannot begin."""
+
+
+@dataclass(frozen=True)
+class AgeResult:
+    """What came of all searches at an age."""
+
+    attempts: Sequence[Attempt]
+
+    @property
+    def age_months(self) -> float:
+        """The age."""
+        return self.attempts[0].age_months
+
+    @property
+    def success(self) -> float:
+        """Share of starts with success, over all searches."""
+        return sum(attempt.success for attempt in self.attempts) / len(self.attempts)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval of that share, as if all starts were independent (Wilson 1927)."""
+        starts = sum(attempt.starts for attempt in self.attempts)
+        interval = binomtest(round(self.success * starts), starts).proportion_ci(method="wilson")
+        return interval.low, interval.high
+
+    @property
+    def best(self) -> Attempt:
+        """The best search."""
+        return max(self.attempts, key=lambda attempt: attempt.success)
+
+
+@dataclass(frozen=True)
+class SkillReport:
+    """At what ages an infant can learn a skill."""
+
+    skill: str
+    results: Sequence[AgeResult]
+    real: AgeRange
+
+    @property
+    def from_months(self) -> float | None:
+        """The age at which half of the starts succeed, between two ages by a straight line; None if never."""
+        for before, after in zip([None, *self.results], self.results, strict=False):
+            if after.success >= LEARNT:
+                if before is None:
+                    return after.age_months
+                share = (LEARNT - before.success) / (after.success - before.success)
+                return before.age_months + share * (after.age_months - before.age_months)
+        return None
+
+    @property
+    def verdict(self) -> Verdict:
+        """How that compares with real infants."""
+        age = self.from_months
+        if age is None:
+            reaches_far = self.results[-1].age_months >= self.real.oldest_months
+            return "not reached" if reaches_far else "no verdict"
+        if age < self.real.youngest_months:
+            return "too early"
+        return "inside" if age <= self.real.oldest_months else "too late"
+
+    def to_data(self) -> dict[str, Any]:
+        """Return everything as plain data, numbers rounded as in files."""
+        ages = [
+            {
+                "age_months": result.age_months,
+                "success": result.success,
+                "interval": list(result.interval),
+                "searches": [attempt.model_dump(exclude={"movement"}) for attempt in result.attempts],
+            }
+            for result in self.results
+        ]
+        real = self.real.model_dump()
+        data = {"skill": self.skill, "from_months": self.from_months, "verdict": self.verdict, "real_infants": real}
+        return rounded({**data, "ages": ages})
+
+
+def learn_skill(
+    skill: str,
+    ages: Sequence[float],
+    out: Path,
+    *,
+    spec: InfantSpec | None = None,
+    options: Mapping[str, Any] | None = None,
+    seeds: int = SEEDS,
+    tries: int = TRIES,
+    starts: int = STARTS,
+    processes: int = 1,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> SkillReport:
+    """Search for a skill at some ages, and keep the best movement of each in a folder.
+
+    Args:
+        skill: One of `mimoc.tasks.SKILLS`.
+        ages: In [months], in any order.
+        out: The folder of the results; what is in it already from the same software is not searched again.
+        spec: The child; None means the average one.
+        options: Keys of the task, such as `style`.
+        seeds: Number of searches at each age.
+        tries: Movements that each of them tries at most.
+        starts: Number of starts in which each result is measured.
+        processes: How many searches run side by side.
+        progress: Called with the number of searches done and of all.
+
+    Raises:
+        SpecError: If the task does not have these options.
+        OutputError: If the folder cannot be written.
+    """
+    child = spec or InfantSpec.model_validate(CHILD)
+    task = {"kind": skill, **(options or {})}
+    infants = {age: child.with_(task=None).with_(age_months=age, task=task, scene=None) for age in sorted(ages)}
+    make_folder(out, below=out.parent)
+    jobs = [(infant, seed, tries, starts) for infant in infants.values() for seed in range(seeds)]
+    attempts = _attempts(jobs, out, processes, progress)
+    results = [AgeResult([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
+    for result in results:
+        if result.best.movement:
+            _write(result.best, skill, out)
+    return SkillReport(skill, results, REAL_AGES[skill])
+
+
+Job = tuple[InfantSpec, int, int, int]
+
+
+def _attempts(jobs: Sequence[Job], out: Path, processes: int, progress: Callable[[int, int], None]) -> list[Attempt]:
+    """Return what came of all searches, kept in a folder as soon as each is done."""
+    files = [kept_file(out / "searches", "search", job[0].model_dump(mode="json"), *job[1:]) for job in jobs]
+    done = [read_kept(path, Attempt, below=out) for path in files]
+    missing = [place for place, attempt in enumerate(done) if attempt is None]
+    progress(len(jobs) - len(missing), len(jobs))
+    with process_pool(min(processes, max(len(missing), 1))) as pool:
+        futures = {pool.submit(attempt_of, *jobs[place]): place for place in missing}
+        for count, future in enumerate(as_completed(futures), len(jobs) - len(missing) + 1):
+            place = futures[future]
+            done[place] = future.result()
+            keep(files[place], future.result(), below=out)
+            progress(count, len(jobs))
+    return [attempt for attempt in done if attempt is not None]
+
+
+def attempt_of(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
+    """Return what comes of one search."""
+    attempt = partial(Attempt, age_months=spec.age_months, seed=seed, starts=starts)
+    try:
+        env = open_infant(spec)
+    except SpecError as error:
+        return attempt(success=0.0, problem=str(error).partition("task.kind: ")[2] or str(error))
+    outcome = search(env, seed, tries, starts)
+    env.close()
+    recipe = {"learner": "cross-entropy search", "seed": float(seed), "success": outcome.success}
+    movement = outcome.movement.model_copy(update={"recipe": {**recipe, "tried": float(outcome.tried)}})
+    return attempt(success=outcome.success, tried=outcome.tried, curve=outcome.curve, movement=movement)
+
+
+def _write(attempt: Attempt, skill: str, out: Path) -> None:
+    assert attempt.movement is not None
+    write_postures(attempt.movement, out / f"{skill}_{attempt.age_months:g}_months.json")
