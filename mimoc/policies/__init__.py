@@ -28,9 +28,9 @@ POLICIES: Kinds[PolicyKind] = Kinds(
         ),
         "skill": PolicyKind(
             "skill",
-            "does what was found for a skill, such as roll, or a file of `mimoc skill`",
+            "does what was found for a skill, such as roll, or what is in a file of `mimoc skill`",
             "mimoc.policies.skill",
-            "NAME",
+            argument="NAME",
         ),
         "motion": PolicyKind("motion", "follows a recorded motion; not for servos", "mimoc.policies.motion", "DIR"),
     },

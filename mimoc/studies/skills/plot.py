@@ -13,6 +13,7 @@ def skill_sheet(report: SkillReport) -> Sheet:
     ages = [result.age_months for result in report.results]
     low, high = zip(*(result.interval for result in report.results), strict=True)
     real = report.real
+    window = real.youngest_months, real.oldest_months
     searches = [(result.age_months, attempt.success) for result in report.results for attempt in result.attempts]
     plot = Plot(
         x=AGE,
