@@ -58,7 +58,7 @@ class Attempt(Model):
     tried: int = 0
     """Number of movements tried."""
     curve: tuple[float, ...] = ()
-    """Mean reward of the best tries in each round."""
+    """Mean score of the best tries in each round."""
     movement: Postures | None = None
     """The movement; None if the infant cannot even begin."""
     problem: str = ""

@@ -24,7 +24,7 @@ def skill_sheet(report: SkillReport) -> Sheet:
         ),
         bands=(
             Band(
-                (real.youngest_months, real.oldest_months),
+                window,
                 (0.0, 0.0),
                 (1.0, 1.0),
                 "real infants (line: median)",

@@ -13,8 +13,14 @@ import numpy as np
 from mimoc.policies.postures import Postures, mirrored
 from mimoc.senses.sense import FloatArray
 
-QUIET = ("_eye_", "_foot2", "_foot3", "_toes", "_th", "_ff", "_mf", "_rf", "_lf", "_hand1", "_hand2", "_hand3")
-"""Joints with these in their names are left quiet: they are small, and a search has fewer numbers without them."""
+TRUNK = ("hip_bend1", "hip_lean1", "hip_rot1")
+LIMBS = ("shoulder_horizontal", "shoulder_ad_ab", "elbow", "hip1", "hip2", "knee")
+ROLLING = (*TRUNK, "head_swivel", "head_tilt", *LIMBS)
+UPRIGHT = (*TRUNK, "head_tilt", *LIMBS, "foot1", "foot2")
+HOLDING = ("hand1", "hand2", "hand3", "fingers")
+"""Joints that move, without `robot:` and without their side; all others are left quiet, so that a search has fewer
+numbers. `fingers` are all of their joints."""
+FINGERS = ("th", "ff", "mf", "rf", "lf")
 SWAY_STEP = 0.5
 """What a unit of the vector is of a gain from what is felt to a share."""
 
@@ -23,6 +29,8 @@ SWAY_STEP = 0.5
 class Recipe:
     """A kind of movement."""
 
+    joints: tuple[str, ...]
+    """The joints that move, without their side."""
     postures: int
     posture_s: float
     moving_s: float
@@ -39,17 +47,16 @@ class Recipe:
     """Whether they are around the middle of the ranges instead."""
 
 
-_ONCE, _HELD = Recipe(3, 1.0, 0.4, is_from_middle=True), Recipe(1, 1.0, 0.2, True, sways=True, spread=0.15)
 RECIPES: Mapping[str, Recipe] = {
-    "roll": _ONCE,
-    "sit_up": Recipe(4, 1.2, 0.6, is_from_middle=True),
-    "sit": _HELD,
-    "crawl": Recipe(2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.4),
-    "pull_to_stand": Recipe(2, 1.5, 1.0, True, sways=True, spread=0.4),
-    "stand": _HELD,
-    "cruise": Recipe(2, 0.4, 0.3, repeats=True, spread=0.2, sways=True),
-    "walk": Recipe(2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2),
-    "grasp": Recipe(1, 1.0, 0.1, spread=0.5),
+    "roll": Recipe(ROLLING, 3, 1.0, 0.4, is_from_middle=True),
+    "sit_up": Recipe(ROLLING, 4, 1.2, 0.6, is_from_middle=True),
+    "sit": Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15),
+    "crawl": Recipe(ROLLING, 2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.4),
+    "pull_to_stand": Recipe(UPRIGHT, 2, 1.5, 1.0, True, sways=True, spread=0.4),
+    "stand": Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15),
+    "cruise": Recipe(UPRIGHT, 2, 0.4, 0.3, repeats=True, spread=0.2, sways=True),
+    "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2),
+    "grasp": Recipe(HOLDING, 1, 1.0, 0.1, spread=0.5),
 }
 """By skill."""
 
@@ -67,7 +74,7 @@ class Form:
             joints: All hinges that can be commanded.
             start: The angle of each at the start, in shares of its range, shape (n,).
         """
-        kept = [place for place, joint in enumerate(joints) if not any(part in f"{joint}_" for part in QUIET)]
+        kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
         self.recipe, self.task, self.age_months = recipe, task, age_months
         self.joints = tuple(joints[place] for place in kept)
         self._start = np.zeros(len(kept)) if recipe.is_from_middle else np.clip(start[kept], -1.0, 1.0)
@@ -100,6 +107,12 @@ class Form:
             mirrored=self.recipe.is_mirrored,
             sway=tuple(tuple(np.round(row, 4).tolist()) for row in sway),
         )
+
+
+def _name(joint: str) -> str:
+    """Return the name of a joint without `robot:` and side; of those of fingers, `fingers`."""
+    name = joint.removeprefix("robot:").removeprefix("left_").removeprefix("right_")
+    return "fingers" if name.partition("_")[0] in FINGERS else name
 
 
 def _bases(joints: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:

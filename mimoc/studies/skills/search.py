@@ -1,6 +1,6 @@
 """A search for a movement by which an infant has a skill: the cross-entropy method over a few postures.
 
-Vectors are drawn around a mean; those whose movements earn most move it, and narrow what is drawn next. What no draw
+Vectors are drawn around a mean; those whose movements score most move it, and narrow what is drawn next. What no draw
 does may still be possible: a search that finds nothing says so much about itself as about the body.
 """
 
@@ -33,7 +33,7 @@ class Outcome:
     tried: int
     """Number of episodes that were tried."""
     curve: tuple[float, ...]
-    """Mean reward of an episode of the kept draws, in each round."""
+    """Mean score of the kept draws, in each round."""
 
 
 class Searcher:
@@ -51,12 +51,15 @@ class Searcher:
         self.form = Form(RECIPES[task], task, env.age_months, joints, start)
 
     def play(self, movement: Postures, seed: int) -> tuple[float, bool]:
-        """Return the reward of an episode, and whether the infant had the skill in it."""
+        """Return the score of an episode, and whether the infant had the skill in it.
+
+        That is its reward, weighted by the share of the episode that has passed: what counts is where it leads.
+        """
         observation, _ = self.env.reset(seed=seed)
         policy, total, generator = PosturePolicy(self.env, movement), 0.0, np.random.default_rng(seed)
         while True:
             observation, reward, ended, cut, info = self.env.step(policy(generator, observation))
-            total += reward
+            total += reward * self.env.steps / (self.env.max_steps or 1)
             if ended or cut:
                 return total, bool(info["is_success"])
 

@@ -45,13 +45,14 @@ def test_neither_chance_nor_rest_has_a_skill(kind):
             assert not info["is_success"], (kind, seed)
 
 
-@pytest.mark.parametrize("start, other", [("supine", "prone"), ("prone", "supine")])
+@pytest.mark.parametrize(("start", "other"), [("supine", "prone"), ("prone", "supine")])
 def test_who_lies_on_the_other_side_for_half_a_second_has_rolled(start, other):
     env = infant("roll", start=start)
     for goal in (start, other):
         lie(env, goal)
         successes = [env.step(at_rest(env))[4]["is_success"] for _ in range(30)]
-        assert successes[-1] == (goal == other) and not successes[10]
+        assert successes[-1] == (goal == other)
+        assert not successes[10]
     lie(env, start)
     assert env.step(at_rest(env))[4]["is_success"]  # What was reached stays reached.
 
@@ -116,7 +117,9 @@ def test_a_helper_carries_a_drawn_share_of_the_weight():
         env.reset(seed=seed)
         env.step(at_rest(env))
         shares.append(getattr(env.data, FORCES)[env.model.body("upper_body").id, 2] / weight_n)
-    assert min(shares) >= 0 and max(shares) <= 0.5 + 1e-6 and max(shares) - min(shares) > 0.2
+    assert min(shares) >= 0
+    assert max(shares) <= 0.5 + 1e-6
+    assert max(shares) - min(shares) > 0.2
 
 
 def test_what_follows_a_state_is_the_same_with_pushes():

@@ -1,0 +1,107 @@
+"""A policy through postures: what it asks joints for, and what it needs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import mimoc
+from mimoc.base.errors import PolicyError
+from mimoc.policies.named import policy_of
+from mimoc.policies.postures import PosturePolicy, Postures, mirrored, read_postures, write_postures
+
+SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
+JOINTS = ("robot:hip_lean1", "robot:right_elbow", "robot:left_elbow")
+
+
+def movement(**keys) -> Postures:
+    form = {"task": "roll", "age_months": 6, "joints": JOINTS, "postures": ((0.5, -1.0, 0.2), (0.0, 1.0, -0.4))}
+    return Postures.model_validate(form | keys)
+
+
+@pytest.fixture(scope="module", params=["torque", "muscle", "position"])
+def env(request):
+    keys = {"mimoc": 1, "name": "kim", "age_months": 6, "senses": SENSES, "actuation": {"model": request.param}}
+    with mimoc.make(mimoc.InfantSpec(**keys)) as made:
+        yield made.unwrapped
+
+
+def test_both_sides_change_places_and_leaning_its_side():
+    other = np.array(movement(mirrored=True).targets())
+    assert other[2:] == pytest.approx(np.array([[-0.5, 0.2, -1.0], [0.0, -0.4, 1.0]]))
+    assert mirrored(JOINTS, mirrored(JOINTS, other)) == pytest.approx(other)
+
+
+@given(st.floats(0, 20))
+def test_the_target_is_between_postures_and_the_last_is_kept(time_s):
+    keys = {"mimoc": 1, "name": "kim", "age_months": 6, "senses": SENSES}
+    policy = PosturePolicy(_env(keys), movement())
+    target, first, last = policy._target(time_s), np.array([0.5, -1.0, 0.2]), np.array([0.0, 1.0, -0.4])
+    assert (np.minimum(first, last) - 1e-9 <= target).all()
+    assert (target <= np.maximum(first, last) + 1e-9).all()
+    if time_s >= 1.4:
+        assert target == pytest.approx(last)
+    if 0.4 <= time_s < 1.0:
+        assert target == pytest.approx(first)
+
+
+_ENVS: dict = {}
+
+
+def _env(keys):
+    if not _ENVS:
+        _ENVS["kim"] = mimoc.make(mimoc.InfantSpec(**keys)).unwrapped
+    return _ENVS["kim"]
+
+
+def test_a_rhythm_begins_again():
+    keys = {"mimoc": 1, "name": "kim", "age_months": 6, "senses": SENSES}
+    policy = PosturePolicy(_env(keys), movement(repeats=True, mirrored=True))
+    for time_s in (0.1, 0.7, 1.9, 3.3):
+        assert policy._target(4.0 + time_s) == pytest.approx(policy._target(8.0 + time_s))
+
+
+def test_joints_go_where_they_are_asked_to_in_every_actuation_model(env):
+    """Within the strength of the infant: the elbows of one that lies on its back."""
+    asked = Postures(task="free", age_months=6, joints=JOINTS[1:], postures=((-0.6, 0.6),))
+    observation, _ = env.reset(seed=0)
+    policy, generator = PosturePolicy(env, asked), np.random.default_rng(0)
+    for _ in range(200):
+        observation, *_ = env.step(policy(generator, observation))
+    right, left = (float(env.data.joint(name).qpos[0]) for name in JOINTS[1:])
+    assert right < left - 0.3
+
+
+def test_a_file_is_read_as_it_was_written(tmp_path):
+    written = movement(sway=((0.1, 0.2, 0.3),) * 4, repeats=True)
+    write_postures(written, tmp_path / "roll.json")
+    assert read_postures(tmp_path / "roll.json") == written
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        ("{}", "task"),
+        ('{"mimoc_postures": 2}', "mimoc_postures"),
+        ("nothing", "JSON"),
+        (movement().model_dump_json().replace("0.5", "7.5"), "postures"),
+        (movement().model_dump_json().replace("-1.0", "NaN"), ""),
+    ],
+)
+def test_what_is_no_movement_is_refused_in_one_line(tmp_path, content, problem):
+    (tmp_path / "roll.json").write_text(content)
+    with pytest.raises(PolicyError) as refusal:
+        read_postures(tmp_path / "roll.json")
+    assert problem in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_what_is_not_there_is_named(tmp_path, env):
+    for text in (str(tmp_path / "none.json"), "knitting"):
+        with pytest.raises(PolicyError, match=r"none\.json|knitting"):
+            policy_of(env, f"skill:{text}", None)
+
+
+def test_an_infant_that_does_not_sense_its_joints_is_refused():
+    blind = mimoc.make(mimoc.InfantSpec(mimoc=1, name="kim", age_months=6)).unwrapped
+    with pytest.raises(PolicyError, match="proprioception"):
+        PosturePolicy(blind, movement())

@@ -1,0 +1,88 @@
+"""Searches for skills: that they find what can be found, and what is told of them."""
+
+import json
+
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.studies.skills.learning import REAL_AGES, AgeResult, Attempt, SkillReport, learn_skill
+from mimoc.studies.skills.recipes import RECIPES, Form
+from mimoc.studies.skills.search import DRAWS, search
+from mimoc.tasks import SKILLS
+
+SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
+
+
+def env_of(kind: str, age_months: float = 9, **options):
+    keys = {"mimoc": 1, "name": "kim", "age_months": age_months, "senses": SENSES}
+    return mimoc.make(mimoc.InfantSpec(**keys, task={"kind": kind, **options})).unwrapped
+
+
+def test_every_skill_has_a_recipe_and_ages():
+    assert set(RECIPES) == set(SKILLS) == set(REAL_AGES)
+
+
+def test_a_movement_of_zeros_is_the_start_on_both_sides_alike():
+    joints = ("robot:hip_lean1", "robot:hip_bend1", "robot:right_knee", "robot:left_knee")
+    form = Form(RECIPES["sit"], "sit", 8, joints, np.array([0.1, 0.2, 0.3, 0.3]))
+    assert form.sizes == [2, 2, 2, 2, 2]  # Bending and both knees; what is felt: forward, and to the side.
+    assert form.movement(np.zeros(10)).postures == ((0.1, 0.2, 0.3, 0.3),)
+    moved = form.movement(np.array([0.1, 0.2, *[0.0] * 8])).postures[0]
+    assert moved == pytest.approx((0.1, 0.3, 0.5, 0.5))
+    swayed = np.array(form.movement(np.array([0, 0, 0, 0, 1, 1, 0, 0, 0, 0.0])).sway)
+    assert swayed[1] == pytest.approx(np.array([0.5, 0, 0.5, -0.5]))
+
+
+@pytest.mark.slow
+def test_a_search_gets_better_and_the_same_seed_gives_the_same():
+    outcomes = [search(env_of("sit_up", steps=60), 3, tries=4 * DRAWS, starts=2) for _ in range(2)]
+    first, second = outcomes
+    assert first == second
+    assert len(first.curve) == 4
+    assert first.curve[-1] > first.curve[0]
+
+
+def attempt(age: float, success: float, seed: int = 0) -> Attempt:
+    return Attempt(age_months=age, seed=seed, success=success, starts=20)
+
+
+@pytest.mark.parametrize(
+    ("successes", "from_months", "verdict"),
+    [
+        ({2: 0, 4: 0, 6: 1}, 5.0, "inside"),
+        ({2: 1, 4: 1}, 2.0, "too early"),
+        ({2: 0, 4: 0}, None, "no verdict"),
+        ({2: 0, 6: 0}, None, "not reached"),
+        ({4: 0, 12: 1}, 8.0, "too late"),
+    ],
+)
+def test_the_age_of_a_skill_is_where_half_of_the_starts_succeed(successes, from_months, verdict):
+    results = [AgeResult([attempt(age, success)]) for age, success in successes.items()]
+    report = SkillReport("roll", results, REAL_AGES["roll"])
+    assert report.from_months == (from_months if from_months is None else pytest.approx(from_months))
+    assert report.verdict == verdict
+    json.dumps(report.to_data())
+
+
+def test_the_interval_is_wilsons():
+    """1 of 20: .9 to 23.6 % (Newcombe 1998's formula, by hand)."""
+    low, high = AgeResult([attempt(6, 0.05)]).interval
+    assert (low, high) == (pytest.approx(0.0089, abs=1e-3), pytest.approx(0.236, abs=1e-3))
+
+
+def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, monkeypatch):
+    def learn(tries=DRAWS):
+        return learn_skill(
+            "pull_to_stand", (0, 9), tmp_path / "out", seeds=1, tries=tries, starts=1, options={"steps": 5}
+        )
+
+    report = learn()
+    newborn, older = report.results
+    assert "flat feet" in newborn.attempts[0].problem
+    assert newborn.success == 0
+    assert older.attempts[0].tried == DRAWS
+    assert (tmp_path / "out" / "pull_to_stand_9_months.json").exists()
+    assert not (tmp_path / "out" / "pull_to_stand_0_months.json").exists()
+    monkeypatch.setattr("mimoc.studies.skills.learning.attempt_of", None)
+    assert learn() == report
