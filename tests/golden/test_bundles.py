@@ -13,18 +13,12 @@ import numpy as np
 import pytest
 from lxml import etree
 from support import store
+from support.running import CONFIGS
 from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
 
 import mimoc
 from mimoc.compiler.model_check import compile_model
-from mimoc.tasks import SKILLS
 
-CONFIGS = sorted(
-    path
-    for path in (Path(__file__).parents[2] / "configs").glob("*.yaml")
-    if path.stem not in SKILLS or path.stem == "cruise"
-)
-"""One skill stands for all, which begin otherwise and have other entries, but no other MJCF."""
 PUBLISHED = {
     f"published_{age_months:g}": {
         "mimoc": 1,
