@@ -50,9 +50,10 @@ class Postures(Model):
     """Whether they follow once more with left and right exchanged, before they repeat."""
     sway: tuple[tuple[Number, ...], ...] = ()
     """How the angles of the joints, as shares, follow each of `SWAYS`, against falling over; none does if empty."""
-    stiffness_per_rad: Amount = 4.0
-    """Share of strength for each radian that a joint is off the target."""
-    damping_s: Amount = 0.06
+    stiffness_per_rad: Amount = 1.0
+    """Share of strength for each radian that a joint is off the target; with 0, a posture is the commands themselves:
+    shares of strength, from -1 to 1."""
+    damping_s: Amount = 0.1
     """What the speed of a joint is multiplied by, to be counted as an angle."""
     recipe: dict[Label, Label | Number] = Field(default_factory=dict)
     """How it was found, for readers: the command, seed, tries, success."""
@@ -117,6 +118,8 @@ class PosturePolicy:
             target = np.clip(target + self._felt(observation["vestibular"]) @ self._sway, -1.0, 1.0)
         actuation = self._env.actuation
         if self._is_servo:
+            return np.clip(self._matrix @ target, actuation.low, actuation.high).astype(np.float32)
+        if not movement.stiffness_per_rad:
             return np.clip(self._matrix @ target, actuation.low, actuation.high).astype(np.float32)
         off_rad = self._middle + self._half * target - sensed[self._angles]
         shares = movement.stiffness_per_rad * (off_rad - movement.damping_s * sensed[self._speeds])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from mimoc.noise.noise import LowPass, Smooth
+from mimoc.noise.noise import BandLimited, Draw, LowPass, MotorNoise, Smooth
 from mimoc.runtime.array_library import NUMPY
 
 COUNT = 40_000
@@ -63,3 +63,26 @@ def test_every_value_is_independent_of_the_others():
         values = noise(values, 0.06, draws.standard_normal(4))
         steps.append(values)
     assert np.corrcoef(np.transpose(steps)) == pytest.approx(np.eye(4), abs=3 * TOLERANCE)
+
+
+@given(st.floats(0.3, 12.0), st.floats(2.0, 8.0))
+def test_a_command_arrives_with_the_share_of_two_filters_of_first_order(command_hz, cut_off_hz):
+    """1 / (1 + (f / cut-off)²) of a sinusoid at a frequency f, sampled in time steps of .5 ms."""
+    still = MotorNoise(np.zeros(1), -np.ones(1), np.ones(1), LowPass(0.06))
+    follow = BandLimited(still, np.array([2 * np.pi * cut_off_hz]))
+    draw, state, arrived = Draw(NUMPY, 0.0005, np.zeros), None, []
+    times_s = np.arange(0, max(2.0 / command_hz, 0.5) + 1.0, 0.0005)
+    for time_s in times_s:
+        controls, state = follow(draw, np.sin(2 * np.pi * command_hz * np.array([[time_s]])), state)
+        arrived.append(controls[0, 0])
+    last = np.array(arrived)[times_s > times_s[-1] - 1.0 / command_hz]
+    assert np.abs(last).max() == pytest.approx(1 / (1 + (command_hz / cut_off_hz) ** 2), rel=0.03)
+
+
+def test_commands_beyond_their_range_do_not_arrive_sooner():
+    follow = BandLimited(MotorNoise(np.zeros(1), -np.ones(1), np.ones(1), LowPass(0.06)), np.array([30.0]))
+    draw = Draw(NUMPY, 0.01, np.zeros)
+    _, state = follow(draw, np.zeros((1, 1)), None)
+    (first, _), (second, _) = follow(draw, np.ones((1, 1)), state), follow(draw, 5 * np.ones((1, 1)), state)
+    assert first == second
+    assert 0 < first.item() < 0.1

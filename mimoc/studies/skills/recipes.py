@@ -15,7 +15,7 @@ from mimoc.senses.sense import FloatArray
 
 TRUNK = ("hip_bend1", "hip_lean1", "hip_rot1")
 LIMBS = ("shoulder_horizontal", "shoulder_ad_ab", "elbow", "hip1", "hip2", "knee")
-ROLLING = (*TRUNK, "head_swivel", "head_tilt", *LIMBS)
+ROLLING = (*TRUNK, "head_swivel", "head_tilt", *LIMBS, "shoulder_rotation", "hip3")
 UPRIGHT = (*TRUNK, "head_tilt", *LIMBS, "foot1", "foot2")
 HOLDING = ("hand1", "hand2", "hand3", "fingers")
 """Joints that move, without `robot:` and without their side; all others are left quiet, so that a search has fewer

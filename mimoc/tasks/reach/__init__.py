@@ -14,6 +14,8 @@ class ReachSpec(TaskSpec):
     """Name of the task."""
     hand: Literal["right", "left"] | None = None
     """The hand that reaches; by default, the right one."""
+    goal: Literal["touch", "hold"] = "touch"
+    """Touch the ball, which chance does sooner or later; or keep the fingers at it for half a second (`hold`)."""
     ball: Literal["near", "mimo"] = "near"
     """Where the ball hangs: `near`, .65 to .95 lengths of the arm away, or `mimo`, as in MIMo's scene, .87 to 1.48."""
 
@@ -42,7 +44,11 @@ class ReachEntry(TaskEntry):
     moved_m: Amount = 0.01
     """Distance that the ball must be moved for a touch to count (MIMo)."""
     success_reward: Number = 100.0
-    """Reward for touching the ball (MIMo)."""
+    """Reward for touching the ball (MIMo), or for having held the fingers at it."""
+    hold_s: Amount = 0.0
+    """How long the fingers must be near the ball at a stretch, in [s]; 0 if a touch is enough."""
+    near_m: Amount = 0.0
+    """Distance of the fingers' joint to the middle of the ball that counts as near, in [m]."""
     gaze: tuple[GazeEntry, ...]
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
 

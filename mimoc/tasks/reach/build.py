@@ -28,6 +28,11 @@ Its ball hangs at .2 to .3, -.25 to .05 and .6 to .7 m, its shoulder at -.005, -
 LOOKERS = ("left_eye", "right_eye")
 
 
+HOLD_S, NEAR_IN_ARMS = 0.5, 0.25
+"""How long fingers are held at a ball that is to be held, and how near, by the length of the arm: at nine months 5 cm,
+a ball's radius and half a hand. Assumptions, with which random commands hold none of a hundred balls."""
+
+
 def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     """Return the setup of `reach`.
 
@@ -51,6 +56,8 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         box_m=_mimo_box(arm_m, side) if task.ball == "mimo" else None,
         gaze=_gaze(tree),
+        hold_s=HOLD_S if task.goal == "hold" else 0.0,
+        near_m=NEAR_IN_ARMS * arm_m if task.goal == "hold" else 0.0,
     )
     return one_armed(tree, side, entry, start, (ball(_middle(tree, entry, start)),), weightless=True)
 

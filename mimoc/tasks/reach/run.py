@@ -13,6 +13,7 @@ import numpy as np
 from mimoc.base.errors import BundleError
 from mimoc.base.model_fields import ModelField
 from mimoc.base.mujoco_layout import LOCK_ANGLE
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
 from mimoc.geometry.rotations import direction
@@ -21,7 +22,7 @@ from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.tasks.reach import ReachEntry
 from mimoc.tasks.spec_base import GazeEntry
-from mimoc.tasks.task import Change, Judgement, Task
+from mimoc.tasks.task import NOTHING, Change, Judgement, Task
 
 
 @dataclass(frozen=True)
@@ -104,9 +105,10 @@ their chests, one place in nine is within the infant."""
 
 @dataclass(frozen=True)
 class Reach(Term):
-    """Distance from hand to ball costs as much as it is, a touch earns a reward and ends the episode.
+    """Distance from hand to ball costs as much as it is, a touch or a hold earns a reward and ends the episode.
 
-    The ball is touched when it has moved; head and eyes, which are locked, follow it.
+    The ball is touched when it has moved, and held while the fingers are near it; head and eyes, which are locked,
+    follow it.
     """
 
     effector: int
@@ -117,6 +119,9 @@ class Reach(Term):
     """How far it moves before it counts as touched, squared, in [m²]."""
     success_reward: float
     gaze: Gaze
+    near_m: float
+    hold_steps: int
+    """Control steps for which the fingers must be near the ball; 0 if a touch is enough."""
 
     def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
@@ -124,13 +129,15 @@ class Reach(Term):
         ball_m = xpos[:, self.ball, :]
         moved_m, away_m = ball_m - memory["start_m"], ball_m - xpos[:, self.effector, :]
         moved_m2 = xp.vecdot(moved_m, moved_m)
-        is_touched = moved_m2 > self.moved_m2
-        terms = {
-            "distance": -xp.sqrt(xp.vecdot(away_m, away_m)),
-            "touch": xp.where(is_touched, self.success_reward, 0.0),
-        }
+        distance_m = xp.sqrt(xp.vecdot(away_m, away_m))
+        name, is_reached, remembered = "touch", moved_m2 > self.moved_m2, NOTHING
+        if self.hold_steps:
+            is_near = xp.astype(distance_m <= self.near_m, distance_m.dtype)
+            held = (memory["held"] + is_near) * is_near
+            name, is_reached, remembered = "hold", held >= self.hold_steps, {"held": held}
+        terms = {"distance": -distance_m, name: xp.where(is_reached, self.success_reward, 0.0)}
         turned = Change(moved_m2 > self.still_m2, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
-        return Judgement(terms, is_touched, is_touched, changes={"eq_data": turned})
+        return Judgement(terms, is_reached, is_reached, remembered, {"eq_data": turned})
 
 
 class ReachTask(Task):
@@ -141,8 +148,10 @@ class ReachTask(Task):
         gaze, self._locks = bind_gaze(entry.gaze, model, bundle.manifest.constraints)
         bodies = (entry.effector, entry.ball.body, entry.shoulder, entry.trunk)
         effector, ball, self._shoulder, self._trunk = (model.body(name).id for name in bodies)
-        term = Reach(effector, ball, STILL_M**2, entry.moved_m**2, entry.success_reward, gaze)
-        super().__init__(entry.steps, term, {"start_m": np.zeros(3)})
+        hold_steps = round(entry.hold_s / ms_to_s(bundle.manifest.step_ms))
+        amounts = entry.success_reward, gaze, entry.near_m, hold_steps
+        term = Reach(effector, ball, STILL_M**2, entry.moved_m**2, *amounts)
+        super().__init__(entry.steps, term, {"start_m": np.zeros(3)} | ({"held": 0.0} if hold_steps else {}))
         self._entry, self._model = entry, model
         self._ball_geom = model.geom(entry.ball.geom).id
         self._ball_at = model.joint(entry.ball.joint).qposadr[0] + np.arange(3)
@@ -154,6 +163,8 @@ class ReachTask(Task):
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
         """Hang the ball somewhere within reach, clear of everything, and look at it."""
+        if "held" in self.memory:
+            self.remember(held=0.0)
         for _ in range(MOST_DRAWS):
             self._hang(data, self._draw_place(data, generator))
             if not (data.contact.geom == self._ball_geom).any():
