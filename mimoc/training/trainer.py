@@ -3,17 +3,15 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import torch
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.vec_env import VecNormalize
 
-from mimoc.base.errors import TrainingError
-from mimoc.base.units import ms_to_s
+from mimoc.base.errors import MissingExtraError, TrainingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.compiler import pipeline
@@ -23,14 +21,13 @@ from mimoc.render.plots.file import encode, require_matplotlib
 from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.training.agents import has_learnt, make_agent, start_interval
-from mimoc.training.checkpoint import Progress, pack, read_progress, restore
+from mimoc.training.checkpoint import Progress, read_progress
 from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.policies import pack_policy
+from mimoc.training.learner import Learner
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.settings import Number, TrainingSettings, check_learnable, episode_limit
-from mimoc.training.tracking import Recorder, RewardWatch, tracked
-from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
+from mimoc.training.sb3_learner import Sb3Learner
+from mimoc.training.settings import ON_DEVICE, Number, TrainingSettings, check_learnable, episode_limit
+from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
@@ -79,6 +76,7 @@ def train(
     grow_steps: int | None = None,
     record: str | Path | None = None,
     origin: Mapping[str, Any] | None = None,
+    device: str = "cpu",
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -117,6 +115,9 @@ def train(
         record: Folder to record every episode of the training in, for `mimoc.read_recording`; a training that is
             resumed continues it. It needs all environments together: leave out *processes*.
         origin: What the run belongs to, as plain data for `run.json`, such as the name of a cohort and of a job.
+        device: Where the infants live, as for `mimoc.make_vec`: `cpu`, or `cuda:0`, where rsl_rl's PPO learns, or
+            `warp:cpu` to try that. It has hyperparameters of its own (`rsl_ppo`), and on the same device the same seed
+            gives the same curve as far as that computes the same twice.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -136,8 +137,10 @@ def train(
         >>> training.curve.steps, training.policy.name
         (64, 'policy.zip')
     """
+    algo = _algorithm_on(device, algo, refused={"grow": grow, "record": record, "processes": processes})
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
+    choose = partial(choose, device=device)
     choose(steps_per_episode)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
     open_one = partial(_open_one, open_variant(bundle), task, senses or {})
@@ -147,11 +150,50 @@ def train(
         settings = choose(episode_limit(infant, steps_per_episode))
         if record is not None:
             _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
-        open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
         report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
-        session = _Session(settings, infant, open_envs, record, report, report_row)
+        if device == "cpu":
+            open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
+            open_learner = partial(Sb3Learner, settings, infant, open_envs)
+        else:
+            open_learner = _device_learner(settings, infant, bundle, task, senses or {})
+        session = _Session(settings, open_learner, record, report, report_row)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
+
+
+def _algorithm_on(device: str, algo: str, refused: Mapping[str, Any]) -> str:
+    """Return the algorithm that learns on a device in place of one on the CPU.
+
+    Raises:
+        TrainingError: If it is another than PPO, or something is asked for that is not there on a device.
+        MissingExtraError: If rsl_rl is not installed.
+    """
+    if device == "cpu":
+        return algo
+    if algo not in ("ppo", ON_DEVICE):
+        raise TrainingError(f"'{algo}' learns on the CPU only; on device '{device}' it is ppo: leave out --algo")
+    for name, value in refused.items():
+        if value is not None:
+            raise TrainingError(f"{name}: not there on device '{device}'; leave it out, or the device")
+    for module in ("rsl_rl", "mujoco_warp"):
+        try:
+            import_module(module)
+        except ImportError:
+            raise MissingExtraError(module, "gpu") from None
+    return ON_DEVICE
+
+
+def _device_learner(
+    settings: TrainingSettings, infant: InfantEnv, bundle: Bundle, task: Any, senses: Mapping[str, Any]
+) -> Callable[[], Learner]:
+    """Return what puts infants on a device and learns there; they feel all points of their skin, as on the CPU."""
+    from mimoc.training.device_learner import DeviceLearner
+    from mimoc.training.rsl_env import rsl_rl_env
+
+    custom = {name: value for name, value in (("task", task), ("senses", senses)) if value}
+    options = {"touch": "points", "max_episode_steps": settings.steps_per_episode, **custom}
+    open_envs = partial(rsl_rl_env, bundle, settings.envs, settings.device, **options)
+    return partial(DeviceLearner, settings, infant, open_envs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,15 +201,12 @@ class _Session:
     """What a training has from its first interval to its last, besides its folder."""
 
     settings: TrainingSettings
-    infant: InfantEnv
-    """One like those that are trained."""
-    open_envs: Callable[[], VecNormalize]
-    """Opens the parallel environments."""
+    open_learner: Callable[[], Learner]
+    """Opens what learns, with the parallel environments."""
     record: str | Path | None
     """Folder to record the episodes in."""
     report: ProgressCallback
     on_row: RowCallback
-    watch: RewardWatch = field(default_factory=RewardWatch)
 
 
 def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
@@ -199,35 +238,29 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
         with ExitStack() as opened:
             opened.callback(torch.set_num_threads, torch.get_num_threads())
             torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
-            env = session.open_envs()
-            opened.callback(_close, env)
-            agent = make_agent(env, session.settings)
+            learner = session.open_learner()
+            opened.callback(learner.close)
             recording = None
             if session.record is not None:
-                together: Any = env.unwrapped
-                recording = opened.enter_context(Recording(together.infants.infants, session.record))
-            reached = _train_to_end(folder, session, agent, env, recording)
+                recording = opened.enter_context(Recording(learner.infants, session.record))
+            reached = _train_to_end(folder, session, learner, recording)
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
-def _train_to_end(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, recording: Recording | None
-) -> Progress:
+def _train_to_end(folder: RunFolder, session: _Session, learner: Learner, recording: Recording | None) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
     settings = session.settings
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
-            reached = restore(checkpoint, agent, env)
-    with tracked(agent, folder.path, settings.data()):
+            reached = learner.restore(checkpoint)
+    with learner.tracked(folder.path):
         while reached.steps < settings.steps:
-            seek(env, settings, reached.steps)
             if recording is not None:  # What a killed process has recorded of this interval comes again.
                 recording.mark(settings.digest(), reached.steps)
-            reached = _train_interval(folder, session, agent, env, reached)
-            policy = pack_policy(agent, env, settings, session.infant)
-            folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
+            reached = _train_interval(folder, session, learner, reached)
+            folder.write_checkpoint(reached.steps, learner.policy(), learner.checkpoint(reached))
             folder.write(CURVE, reached.curve.to_csv().encode())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write(PICTURE, _plot(reached))
@@ -235,25 +268,19 @@ def _train_to_end(
     return reached
 
 
-def _train_interval(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, before: Progress
-) -> Progress:
+def _train_interval(folder: RunFolder, session: _Session, learner: Learner, before: Progress) -> Progress:
     """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
-    settings = session.settings
-    step_s, total = ms_to_s(session.infant.manifest.step_ms), settings.steps
-    recorder = Recorder(
-        before, step_s, lambda done: session.report(min(done, total), total), session.on_row, session.watch
-    )
-    start_interval(agent, settings.seed)
+    settings, total = session.settings, session.settings.steps
+    interval = learner.interval(before, lambda done: session.report(min(done, total), total), session.on_row)
     try:
-        agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
+        interval.learn(settings.end_of_interval(before.steps))
     except BaseException:  # Ctrl-C, or an error in a task of the user's own.
         with suppress(Exception):  # That one is what matters.
-            if has_learnt(agent):
-                folder.write(POLICY, pack_policy(agent, env, settings, session.infant))
-            _write_curve(folder, recorder.progress())
+            if learner.has_learnt():
+                folder.write(POLICY, learner.policy())
+            _write_curve(folder, interval.progress())
         raise
-    return recorder.progress()
+    return interval.progress()
 
 
 def _write_curve(folder: RunFolder, progress: Progress) -> None:
@@ -263,11 +290,6 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
-
-
-def _close(env: VecNormalize) -> None:
-    with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
-        env.close()
 
 
 @contextmanager
