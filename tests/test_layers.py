@@ -113,8 +113,8 @@ LAYERS = {
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
-        "gymnasium mujoco stable_baselines3 torch tensorboard",
+        f"{BUILDING} compiler {RUNNING} device plots rollout policies recording opening",
+        "gymnasium mujoco stable_baselines3 torch tensorboard rsl_rl tensordict",
     ),
     "movement": layer(
         "movement", f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening", "mujoco scipy PIL"

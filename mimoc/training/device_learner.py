@@ -127,6 +127,8 @@ class DeviceLearner:
         self.normalize = Normalizer(sizes, hyper["observation_clip"], hyper["observation_floor"], env.device)
         torch.manual_seed(interval_seed(settings.seed, 0))
         self.ppo, self.steps, self.updates = _ppo(settings, env, sum(sizes.values())), 0, 0
+        self.taken, self.spent_s = 0, 0.0
+        """Control steps of this process, and the time that they took with the learning."""
 
     def restore(self, checkpoint: bytes) -> Progress:
         """Go on from a checkpoint."""
@@ -159,6 +161,19 @@ class DeviceLearner:
     def tracked(self, folder: Path) -> Iterator[None]:
         """Do nothing: trackers of Stable-Baselines3's logs have none of these."""
         yield
+
+    def told(self) -> str:
+        """Return the device, how fast it was with all that learning takes, its memory, and what did not fit."""
+        infants, manifest = self.env.infants, self._infant.manifest
+        rate = self.taken / max(self.spent_s, 1e-9)
+        physics = rate * manifest.step_ms / manifest.timestep_ms
+        lost = ", ".join(f"{count} {flag}" for flag, count in sorted(infants.overflows.items()) if count)
+        memory = ""
+        if torch.cuda.is_available() and self.env.device.type == "cuda":
+            free, total = torch.cuda.mem_get_info(self.env.device)
+            memory = f", {(total - free) / 2**30:.1f} of {total / 2**30:.0f} GiB of its memory"
+        speed = f"{rate:,.0f} control steps/s ({physics:,.0f} physics steps/s) with the learning"
+        return f"{infants.device.name}: {speed}{memory}; flags of MuJoCo Warp: {lost or 'none'}"
 
     def close(self) -> None:
         """Close the environments."""
@@ -222,6 +237,7 @@ class DeviceInterval:
         """Learn until so many control steps were taken, in whole rollouts."""
         learner = self._learner
         while self._steps < until:
+            began_s = perf_counter()
             with torch.no_grad():
                 for _ in range(learner.ppo.storage.num_transitions_per_env):
                     self._step()
@@ -229,6 +245,8 @@ class DeviceInterval:
             learner.ppo.update()
             learner.updates += 1
             learner.steps = self._steps
+            learner.taken += learner.settings.rollout_steps
+            learner.spent_s += perf_counter() - began_s
             self._end_row()
 
     def progress(self) -> Progress:

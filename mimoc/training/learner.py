@@ -55,5 +55,9 @@ class Learner(Protocol):
         """Tell trackers of what is learnt within the context."""
         ...
 
+    def told(self) -> str:
+        """Return what is to be told of how fast it learns and on what, in one line; empty if nothing is."""
+        ...
+
     def close(self) -> None:
         """Close the environments."""

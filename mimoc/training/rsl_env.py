@@ -10,7 +10,6 @@ from tensordict import TensorDict
 
 from mimoc.base.errors import TrainingError
 from mimoc.runtime.device.vector_env import DeviceEnv
-from mimoc.vector_environments import Sources, make_vec
 
 
 class RslEnv(VecEnv):
@@ -84,23 +83,3 @@ class RslEnv(VecEnv):
         """Return a copy of observations: the infants' own memory is written to in the next step."""
         flat = {name: observed[name].reshape(self.num_envs, -1).float().clone() for name in self.spaces}
         return TensorDict(flat, batch_size=[self.num_envs])
-
-
-def rsl_rl_env(source: Sources, num_envs: int | None = None, device: str = "cuda:0", **options: Any) -> RslEnv:
-    """Return infants on a device as rsl_rl wants them; see `RslEnv`.
-
-    Args:
-        source: What `mimoc.make_vec` takes.
-        num_envs: Number of infants; by default, as many as sources.
-        device: `cuda:0`, or `warp:cpu` to try it out.
-        options: Those of `mimoc.make_vec` on a device, but for `arrays` and `autoreset_mode`.
-
-    Raises:
-        MissingExtraError: If MuJoCo Warp or rsl_rl are not installed.
-        TrainingError: If the infants see pictures, or the device is `cpu`.
-        SpecError: And others, as `mimoc.make_vec`.
-    """
-    if device == "cpu":
-        raise TrainingError("rsl_rl needs infants on a device: 'cuda:0', or 'warp:cpu' to try it out")
-    infants: Any = make_vec(source, num_envs, device=device, arrays="torch", autoreset_mode="SameStep", **options)
-    return RslEnv(infants, options.get("max_episode_steps"))

@@ -76,6 +76,10 @@ class Sb3Learner:
         """Tell trackers of what is learnt within the context."""
         return tracked(self._agent, folder, self._settings.data())
 
+    def told(self) -> str:
+        """Return nothing."""
+        return ""
+
     def close(self) -> None:
         """Close the environments."""
         with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.

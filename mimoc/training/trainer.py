@@ -37,7 +37,7 @@ RowCallback = Callable[[CurvePoint], None]
 
 STEPS = 500_000
 """Training steps in the paper."""
-ENVS = 8
+ENVS, ENVS_ON_DEVICE = 8, 4096
 PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
 
@@ -51,6 +51,8 @@ class Training:
     """File of the trained policy, for `load_policy`."""
     resumed_at: int
     """Control steps at which the run was resumed; 0 if it was not."""
+    told: str = ""
+    """What a device tells of its speed and its memory, in one line."""
 
 
 def train(
@@ -155,7 +157,7 @@ def train(
             open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
             open_learner = partial(Sb3Learner, settings, infant, open_envs)
         else:
-            open_learner = _device_learner(settings, infant, bundle, task, senses or {})
+            open_learner = _device_learner(settings, infant, open_one)
         session = _Session(settings, open_learner, record, report, report_row)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
@@ -184,15 +186,17 @@ def _algorithm_on(device: str, algo: str, refused: Mapping[str, Any]) -> str:
 
 
 def _device_learner(
-    settings: TrainingSettings, infant: InfantEnv, bundle: Bundle, task: Any, senses: Mapping[str, Any]
+    settings: TrainingSettings, infant: InfantEnv, open_one: Callable[[], InfantEnv]
 ) -> Callable[[], Learner]:
     """Return what puts infants on a device and learns there; they feel all points of their skin, as on the CPU."""
+    from mimoc.runtime.device.vector_env import DeviceEnv
     from mimoc.training.device_learner import DeviceLearner
-    from mimoc.training.rsl_env import rsl_rl_env
+    from mimoc.training.rsl_env import RslEnv
 
-    custom = {name: value for name, value in (("task", task), ("senses", senses)) if value}
-    options = {"touch": "points", "max_episode_steps": settings.steps_per_episode, **custom}
-    open_envs = partial(rsl_rl_env, bundle, settings.envs, settings.device, **options)
+    def open_envs() -> RslEnv:
+        limit, device = settings.steps_per_episode, settings.device.removeprefix("warp:")
+        return RslEnv(DeviceEnv([open_one()], settings.envs, device, "SameStep", limit, "torch", "points"), limit)
+
     return partial(DeviceLearner, settings, infant, open_envs)
 
 
@@ -234,6 +238,7 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
     checkpoint = folder.read_checkpoint()
     with _naming_checkpoint_of(folder):
         before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
+    told = ""
     if before.steps < session.settings.steps:
         with ExitStack() as opened:
             opened.callback(torch.set_num_threads, torch.get_num_threads())
@@ -244,8 +249,9 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
             if session.record is not None:
                 recording = opened.enter_context(Recording(learner.infants, session.record))
             reached = _train_to_end(folder, session, learner, recording)
+            told = learner.told()
     _write_curve(folder, reached)
-    return Training(reached.curve, folder.path / POLICY, before.steps)
+    return Training(reached.curve, folder.path / POLICY, before.steps, told)
 
 
 def _train_to_end(folder: RunFolder, session: _Session, learner: Learner, recording: Recording | None) -> Progress:
