@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
-from importlib import import_module
 from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
@@ -154,15 +153,19 @@ def rsl_rl_env(source: Sources, num_envs: int | None = None, device: str = "cuda
     Raises:
         MissingExtraError: If MuJoCo Warp or rsl_rl are not installed.
         MimocError: If the infants see pictures, or the device is `cpu`; and others, as `make_vec`.
+
+    Example:
+        >>> import mimoc
+        >>> mimoc.rsl_rl_env("nine_months.yaml", 2, device="cpu")
+        Traceback (most recent call last):
+        mimoc.base.errors.MimocError: rsl_rl needs infants on a device: 'cuda:0', or 'warp:cpu' to try it out
     """
     if device == "cpu":
         raise MimocError("rsl_rl needs infants on a device: 'cuda:0', or 'warp:cpu' to try it out")
     try:
-        import_module("rsl_rl")
+        from mimoc.training.rsl_env import RslEnv
     except ImportError:
         raise MissingExtraError("rsl_rl", "gpu") from None
-    from mimoc.training.rsl_env import RslEnv
-
     envs: Any = make_vec(source, num_envs, device=device, arrays="torch", autoreset_mode="SameStep", **options)
     return RslEnv(envs, options.get("max_episode_steps"))
 

@@ -16,9 +16,21 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 TOOLS = {"test", "pages", "docs", "dev"}
 """What mimoc itself does not import."""
 EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in TOOLS}
-MODULES = {"pyyaml": "yaml", "pillow": "PIL", "stable-baselines3": "stable_baselines3", "warp-lang": "warp"}
+MODULES = {
+    "pyyaml": "yaml",
+    "pillow": "PIL",
+    "stable-baselines3": "stable_baselines3",
+    "warp-lang": "warp",
+    "rsl-rl-lib": "rsl_rl",
+}
 """What a distribution is imported as, where that is not its name."""
-BROUGHT_ALONG = {"torch": "stable-baselines3", "pydantic_core": "pydantic", "glfw": "mujoco", "websockets": "viser"}
+BROUGHT_ALONG = {
+    "torch": "stable-baselines3",
+    "pydantic_core": "pydantic",
+    "glfw": "mujoco",
+    "websockets": "viser",
+    "tensordict": "rsl-rl-lib",
+}
 """What is imported without being asked for, and what needs it."""
 
 

@@ -124,7 +124,7 @@ LAYERS = {
     ),
     "studies": layer(
         "studies",
-        f"{BUILDING} compiler {RUNNING} motion movement plots rollout policies recording training",
+        f"{BUILDING} compiler {RUNNING} motion movement plots rollout policies recording training opening",
         "gymnasium mujoco scipy",
     ),
     "cohorts": layer(

@@ -9,7 +9,7 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.cli.arguments import load_spec
-from mimoc.cli.terminal import printable, resumable
+from mimoc.cli.terminal import resumable
 from mimoc.tasks import SKILLS
 
 Ages = Annotated[
@@ -51,12 +51,9 @@ def skill(
     Run the same command again to go on after an interruption.
     """
     from mimoc.base.errors import check_name
-    from mimoc.bundle.files import write_file
     from mimoc.cli import console
-    from mimoc.cli.skill_output import print_skill
-    from mimoc.render.plots.file import write_sheet
+    from mimoc.cli.skill_output import show_skill
     from mimoc.studies.skills.learning import REAL_AGES, learn_skill
-    from mimoc.studies.skills.plot import skill_sheet
 
     check_name("skill", name, SKILLS)
     months, folder = read_months(ages, *_around(REAL_AGES[name])), out or Path("out") / f"skill_{name}"
@@ -74,11 +71,7 @@ def skill(
             processes=processes or os.cpu_count() or 1,
             progress=show,
         )
-    text = json.dumps(report.to_data(), indent=1, sort_keys=True)
-    write_file(folder / "results.json", f"{text}\n".encode())
-    print_skill(report)
-    write_sheet(skill_sheet(report), folder / "success.png")
-    print(printable(folder / "success.png"))
+    show_skill(report, folder)
 
 
 def _around(real: Any) -> tuple[int, int, int]:

@@ -1,7 +1,23 @@
-"""Console output of what was learnt of a skill, by age."""
+"""What was learnt of a skill, by age: on the console, as JSON, and as a picture."""
 
+import json
+from pathlib import Path
+
+from mimoc.bundle.files import write_file
 from mimoc.cli.console import new_table, open_console
+from mimoc.cli.terminal import printable
+from mimoc.render.plots.file import write_sheet
 from mimoc.studies.skills.learning import SkillReport
+from mimoc.studies.skills.plot import skill_sheet
+
+
+def show_skill(report: SkillReport, folder: Path) -> None:
+    """Print a report, and write it into a folder as `results.json` and `success.png`."""
+    text = json.dumps(report.to_data(), indent=1, sort_keys=True)
+    write_file(folder / "results.json", f"{text}\n".encode())
+    print_skill(report)
+    write_sheet(skill_sheet(report), folder / "success.png")
+    print(printable(folder / "success.png"))
 
 
 def print_skill(report: SkillReport) -> None:

@@ -162,18 +162,18 @@ class DeviceLearner:
         """Do nothing: trackers of Stable-Baselines3's logs have none of these."""
         yield
 
-    def told(self) -> str:
+    def speed(self) -> str:
         """Return the device, how fast it was with all that learning takes, its memory, and what did not fit."""
         infants, manifest = self.env.infants, self._infant.manifest
         rate = self.taken / max(self.spent_s, 1e-9)
         physics = rate * manifest.step_ms / manifest.timestep_ms
         lost = ", ".join(f"{count} {flag}" for flag, count in sorted(infants.overflows.items()) if count)
         memory = ""
-        if torch.cuda.is_available() and self.env.device.type == "cuda":
+        if torch.cuda.is_available() and "cuda" in str(self.env.device):
             free, total = torch.cuda.mem_get_info(self.env.device)
             memory = f", {(total - free) / 2**30:.1f} of {total / 2**30:.0f} GiB of its memory"
-        speed = f"{rate:,.0f} control steps/s ({physics:,.0f} physics steps/s) with the learning"
-        return f"{infants.device.name}: {speed}{memory}; flags of MuJoCo Warp: {lost or 'none'}"
+        rates = f"{rate:,.0f} control steps/s ({physics:,.0f} physics steps/s) with the learning"
+        return f"{infants.device.name}: {rates}{memory}; flags of MuJoCo Warp: {lost or 'none'}"
 
     def close(self) -> None:
         """Close the environments."""

@@ -55,8 +55,8 @@ class Learner(Protocol):
         """Tell trackers of what is learnt within the context."""
         ...
 
-    def told(self) -> str:
-        """Return what is to be told of how fast it learns and on what, in one line; empty if nothing is."""
+    def speed(self) -> str:
+        """Return what there is to say of how fast it learns and on what, in one line; empty if nothing is."""
         ...
 
     def close(self) -> None:

@@ -76,7 +76,7 @@ class Sb3Learner:
         """Tell trackers of what is learnt within the context."""
         return tracked(self._agent, folder, self._settings.data())
 
-    def told(self) -> str:
+    def speed(self) -> str:
         """Return nothing."""
         return ""
 

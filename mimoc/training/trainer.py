@@ -51,7 +51,7 @@ class Training:
     """File of the trained policy, for `load_policy`."""
     resumed_at: int
     """Control steps at which the run was resumed; 0 if it was not."""
-    told: str = ""
+    speed: str = ""
     """What a device tells of its speed and its memory, in one line."""
 
 
@@ -141,8 +141,8 @@ def train(
     """
     algo = _algorithm_on(device, algo, refused={"grow": grow, "record": record, "processes": processes})
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
-    choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
-    choose = partial(choose, device=device)
+    asked = algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth
+    choose = partial(TrainingSettings.choose, *asked, device=device)
     choose(steps_per_episode)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
     open_one = partial(_open_one, open_variant(bundle), task, senses or {})
@@ -150,15 +150,9 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
-        if record is not None:
-            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
-        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
-        if device == "cpu":
-            open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
-            open_learner = partial(Sb3Learner, settings, infant, open_envs)
-        else:
-            open_learner = _device_learner(settings, infant, open_one)
-        session = _Session(settings, open_learner, record, report, report_row)
+        _check_recordable(record, processes, [bundle] * settings.envs)
+        open_learner = _learner(settings, infant, open_one, growth_of(bundle, settings), (threads, processes))
+        session = _Session(settings, open_learner, record, progress or _unheard, on_row or _unheard)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
 
@@ -185,19 +179,25 @@ def _algorithm_on(device: str, algo: str, refused: Mapping[str, Any]) -> str:
     return ON_DEVICE
 
 
-def _device_learner(
-    settings: TrainingSettings, infant: InfantEnv, open_one: Callable[[], InfantEnv]
+def _learner(
+    settings: TrainingSettings, infant: InfantEnv, open_one: Callable[..., InfantEnv], growth: Any, shared: Any
 ) -> Callable[[], Learner]:
-    """Return what puts infants on a device and learns there; they feel all points of their skin, as on the CPU."""
+    """Return what opens the environments and what learns in them; *shared* is how their work is, on the CPU.
+
+    On a device, infants feel all points of their skin, as on the CPU, so that what they learn runs there, too.
+    """
+    if settings.device == "cpu":
+        open_envs = partial(make_vector_env, open_one, settings, growth, *shared)
+        return partial(Sb3Learner, settings, infant, open_envs)
     from mimoc.runtime.device.vector_env import DeviceEnv
     from mimoc.training.device_learner import DeviceLearner
     from mimoc.training.rsl_env import RslEnv
 
-    def open_envs() -> RslEnv:
+    def open_on_device() -> RslEnv:
         limit, device = settings.steps_per_episode, settings.device.removeprefix("warp:")
         return RslEnv(DeviceEnv([open_one()], settings.envs, device, "SameStep", limit, "torch", "points"), limit)
 
-    return partial(DeviceLearner, settings, infant, open_envs)
+    return partial(DeviceLearner, settings, infant, open_on_device)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,12 +213,18 @@ class _Session:
     on_row: RowCallback
 
 
-def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
-    """Check that a training can be recorded in a folder, before anything is written."""
+def _unheard(*args: Any) -> None:
+    """Say nothing."""
+
+
+def _check_recordable(record: str | Path | None, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, if it is to be, before anything is written."""
+    if record is None:
+        return
     if processes is not None:
         advice = "leave out --processes and --one-process, or the recording"
         raise TrainingError(f"a training is recorded with all environments together; {advice}")
-    check_recordable(folder, bundles)
+    check_recordable(Path(record).expanduser(), bundles)
 
 
 def _open_one(infant: Variant, task: Any, senses: Mapping[str, Any], variants: Variants | None = None) -> InfantEnv:
@@ -238,7 +244,7 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
     checkpoint = folder.read_checkpoint()
     with _naming_checkpoint_of(folder):
         before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
-    told = ""
+    speed = ""
     if before.steps < session.settings.steps:
         with ExitStack() as opened:
             opened.callback(torch.set_num_threads, torch.get_num_threads())
@@ -249,9 +255,9 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
             if session.record is not None:
                 recording = opened.enter_context(Recording(learner.infants, session.record))
             reached = _train_to_end(folder, session, learner, recording)
-            told = learner.told()
+            speed = learner.speed()
     _write_curve(folder, reached)
-    return Training(reached.curve, folder.path / POLICY, before.steps, told)
+    return Training(reached.curve, folder.path / POLICY, before.steps, speed)
 
 
 def _train_to_end(folder: RunFolder, session: _Session, learner: Learner, recording: Recording | None) -> Progress:

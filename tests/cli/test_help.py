@@ -25,7 +25,7 @@ COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.
 def test_the_commands_are_in_this_order():
     drawing, running = (
         ["explain", "report", "render", "see", "view", "rooms"],
-        ["build", "validate", "run", "train", "movement", "experiment", "check"],
+        ["build", "validate", "run", "train", "skill", "movement", "experiment", "check"],
     )
     assert list(COMMANDS) == ["new", *running, *drawing, "retarget", "replay", "export", "import", "schema", "doctor"]
 

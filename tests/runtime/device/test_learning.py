@@ -39,7 +39,7 @@ def learnt(infant, tmp_path_factory):
 def test_two_updates_are_learnt_saved_and_told(learnt):
     training, out = learnt
     assert training.curve.steps == 2 * ONE_UPDATE
-    assert "control steps/s" in training.told
+    assert "control steps/s" in training.speed
     run = json.loads((out / "run.json").read_text())
     assert run["settings"]["device"] == DEVICE
     assert {"rsl_rl_lib", "mujoco_warp"} <= run["sessions"][0].keys()
