@@ -90,13 +90,11 @@ def train(
     from mimoc import training
     from mimoc.cli import training_output
     from mimoc.training.settings import ON_DEVICE, parse
-    from mimoc.training.trainer import ENVS, ENVS_ON_DEVICE
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes, "force": force}
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": checkpoint_every}
     bundle = load_infant(infant)
-    envs = envs or (ENVS if device == "cpu" else ENVS_ON_DEVICE)
     others |= {"device": device, "hyper": parse(algo if device == "cpu" else ON_DEVICE, assignments or [])}
     others |= {"task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):

@@ -62,7 +62,7 @@ def train(
     algo: str = "ppo",
     steps: int = STEPS,
     seed: int = 0,
-    envs: int = ENVS,
+    envs: int | None = None,
     steps_per_episode: int | None = None,
     checkpoint_every: int | None = None,
     hyper: Mapping[str, Number] | None = None,
@@ -94,7 +94,7 @@ def train(
         algo: `ppo` or `sac`.
         steps: Control steps, summed over all environments; the last rollout is completed.
         seed: Random seed.
-        envs: Number of parallel environments.
+        envs: Number of parallel environments; by default 8, or 4,096 on a device.
         steps_per_episode: Control steps after which an episode is truncated; by default those of the task, or, with a
             warning, 500 if it has none.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
@@ -139,7 +139,7 @@ def train(
         >>> training.curve.steps, training.policy.name
         (64, 'policy.zip')
     """
-    algo = _algorithm_on(device, algo, refused={"grow": grow, "record": record, "processes": processes})
+    algo, envs = _learns_on(device, algo, envs, refused={"grow": grow, "record": record, "processes": processes})
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     asked = algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth
     choose = partial(TrainingSettings.choose, *asked, device=device)
@@ -152,20 +152,19 @@ def train(
         settings = choose(episode_limit(infant, steps_per_episode))
         _check_recordable(record, processes, [bundle] * settings.envs)
         open_learner = _learner(settings, infant, open_one, growth_of(bundle, settings), (threads, processes))
-        session = _Session(settings, open_learner, record, progress or _unheard, on_row or _unheard)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
-            return _trained(folder, session)
+            return _trained(folder, _Session(settings, open_learner, record, progress or _unheard, on_row or _unheard))
 
 
-def _algorithm_on(device: str, algo: str, refused: Mapping[str, Any]) -> str:
-    """Return the algorithm that learns on a device in place of one on the CPU.
+def _learns_on(device: str, algo: str, envs: int | None, refused: Mapping[str, Any]) -> tuple[str, int]:
+    """Return what learns on a device in place of an algorithm on the CPU, and with how many environments.
 
     Raises:
         TrainingError: If it is another than PPO, or something is asked for that is not there on a device.
         MissingExtraError: If rsl_rl is not installed.
     """
     if device == "cpu":
-        return algo
+        return algo, ENVS if envs is None else envs
     if algo not in ("ppo", ON_DEVICE):
         raise TrainingError(f"'{algo}' learns on the CPU only; on device '{device}' it is ppo: leave out --algo")
     for name, value in refused.items():
@@ -176,7 +175,7 @@ def _algorithm_on(device: str, algo: str, refused: Mapping[str, Any]) -> str:
             import_module(module)
         except ImportError:
             raise MissingExtraError(module, "gpu") from None
-    return ON_DEVICE
+    return ON_DEVICE, ENVS_ON_DEVICE if envs is None else envs
 
 
 def _learner(
