@@ -25,30 +25,45 @@ Options = Annotated[
 ]
 
 
+Name = Annotated[str, typer.Argument(metavar="NAME", help=f"One of: {', '.join(SKILLS)}.")]
+Out = Annotated[
+    Path | None, typer.Option("-o", "--out", metavar="DIR", help="Folder of results; default: out/skill_NAME.")
+]
+Spec = Annotated[
+    Path | None, typer.Option(metavar="SPEC", help="The child, grown to each age; default: the average one.")
+]
+Seeds = Annotated[int, typer.Option(min=1, max=100, help="Searches or trainings at each age.")]
+Tries = Annotated[int, typer.Option(min=40, help="Movements that each search tries at most.")]
+Starts = Annotated[int, typer.Option(min=1, help="Starts in which the result of each is measured.")]
+Device = Annotated[
+    str, typer.Option(metavar="DEVICE", help="Train a policy on a device, as cuda:0, instead of searching.")
+]
+Steps = Annotated[int, typer.Option(min=1, help="Control steps of each training on a device.")]
+Processes = Annotated[
+    int | None, typer.Option(min=1, help="Searches side by side; default: as many as there are cores.")
+]
+
+
 def skill(
-    name: Annotated[str, typer.Argument(metavar="NAME", help=f"One of: {', '.join(SKILLS)}.")],
+    name: Name,
     ages: Ages = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", metavar="DIR", help="Folder of results; default: out/skill_NAME.")
-    ] = None,
-    spec: Annotated[
-        Path | None,
-        typer.Option(metavar="SPEC", help="The child, grown to each age; default: the average one."),
-    ] = None,
+    out: Out = None,
+    spec: Spec = None,
     options: Options = None,
-    seeds: Annotated[int, typer.Option(min=1, max=100, help="Searches at each age.")] = 2,
-    tries: Annotated[int, typer.Option(min=40, help="Movements that each search tries at most.")] = 1000,
-    starts: Annotated[int, typer.Option(min=1, help="Starts in which the result of each is measured.")] = 20,
-    processes: Annotated[
-        int | None, typer.Option(min=1, help="Searches side by side; default: as many as there are cores.")
-    ] = None,
+    seeds: Seeds = 2,
+    tries: Tries = 1000,
+    starts: Starts = 20,
+    device: Device = "cpu",
+    steps: Steps = 5_000_000,
+    processes: Processes = None,
 ) -> None:
     """Let an infant learn a skill at several ages, and show from when on it can, beside real infants.
 
-    At each age and with each seed, a search tries movements through a few postures (the cross-entropy method); what it
-    finds is measured in starts that it has not seen, with the noise and the delays of the age. The folder gets
-    `results.json`, `success.png`, and the best movement of each age, which `mimoc run SPEC --policy skill:FILE` plays.
-    Run the same command again to go on after an interruption.
+    At each age and with each seed, a search tries movements of a few phases (the cross-entropy method), or, with
+    `--device cuda:0`, a policy is trained; what comes of it is measured in starts that it has not seen, with the noise
+    and the delays of the age. The folder gets `results.json`, `success.png`, and the best movement or policy of each
+    age, for `mimoc run SPEC --policy skill:FILE.json` or `--policy FILE.zip`. Run the same command again to go on after
+    an interruption.
     """
     from mimoc.base.errors import check_name
     from mimoc.cli import console
@@ -69,6 +84,8 @@ def skill(
             tries=tries,
             starts=starts,
             processes=processes or os.cpu_count() or 1,
+            device=device,
+            steps=steps,
             progress=show,
         )
     show_skill(report, folder)

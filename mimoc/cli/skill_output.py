@@ -33,5 +33,8 @@ def print_skill(report: SkillReport) -> None:
     out.print(table)
     since = "at none of these ages" if report.from_months is None else f"from {report.from_months:.1f} months on"
     out.print(f"{report.skill.replace('_', ' ')}: in half of the starts {since}: {report.verdict}")
+    is_searched = all(attempt.movement for result in report.results for attempt in result.attempts)
+    if report.from_months is None and is_searched:
+        out.print("a search without feedback that finds nothing says little; on a GPU a policy learns: --device cuda:0")
     span = f"{real.youngest_months:g} to {real.oldest_months:g}, half of them by {real.median_months:g}"
     out.print(f"real infants: {span} months ({real.source}; {real.certainty})")

@@ -1,7 +1,7 @@
 """Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
@@ -11,19 +11,21 @@ from typing import Any
 from scipy.stats import binomtest
 
 from mimoc.base.errors import SpecError
+from mimoc.base.kinds import function_of
 from mimoc.base.rounding import rounded
-from mimoc.bundle.files import make_folder
+from mimoc.bundle.files import make_folder, write_file
 from mimoc.environments import open_infant
-from mimoc.policies.postures import Postures, write_postures
-from mimoc.schema.base import Model
+from mimoc.policies.postures import write_postures
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.report import AgeRange, Verdict
 from mimoc.studies.processes import process_pool
+from mimoc.studies.skills.attempt import Attempt, problem_of
 from mimoc.studies.skills.search import search
 
-TRIES, STARTS, SEEDS = 1000, 20, 2
-"""How many movements a search tries, in how many starts its result is measured, and how many searches an age has."""
+TRIES, STARTS, SEEDS, STEPS = 1000, 20, 2, 5_000_000
+"""How many movements a search tries, in how many starts its result is measured, and how many searches an age
+has; control steps of a training on a device."""
 LEARNT = 0.5
 """Share of starts from which on a skill counts as learnt at an age."""
 CHILD = {
@@ -42,27 +44,6 @@ def _ages() -> Mapping[str, AgeRange]:
 
 REAL_AGES: Mapping[str, AgeRange] = _ages()
 """When real infants have each skill."""
-
-
-class Attempt(Model):
-    """One search at one age."""
-
-    age_months: float
-    """The infant's age."""
-    seed: int
-    """Seed of the search."""
-    success: float
-    """Share of starts in which it has the skill."""
-    starts: int
-    """Number of these starts."""
-    tried: int = 0
-    """Number of movements tried."""
-    curve: tuple[float, ...] = ()
-    """Mean score of the best tries in each round."""
-    movement: Postures | None = None
-    """The movement; None if the infant cannot even begin."""
-    problem: str = ""
-    """Why it cannot begin."""
 
 
 @dataclass(frozen=True)
@@ -151,9 +132,11 @@ def learn_skill(
     tries: int = TRIES,
     starts: int = STARTS,
     processes: int = 1,
+    device: str = "cpu",
+    steps: int = STEPS,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> SkillReport:
-    """Search for a skill at some ages, and keep the best movement of each in a folder.
+    """Search for a skill at some ages, or train a policy for it on a device, and keep the best of each in a folder.
 
     Args:
         skill: One of `mimoc.tasks.SKILLS`.
@@ -165,6 +148,8 @@ def learn_skill(
         tries: Movements that each of them tries at most.
         starts: Number of starts in which each result is measured.
         processes: How many searches run side by side.
+        device: `cpu` for searches, or where `mimoc.train` trains a policy with each seed instead: `cuda:0`, say.
+        steps: Control steps of each of these trainings.
         progress: Called with the number of searches done and of all.
 
     Raises:
@@ -175,41 +160,60 @@ def learn_skill(
     task = {"kind": skill, **(options or {})}
     infants = {age: child.with_(task=None).with_(age_months=age, task=task, scene=None) for age in sorted(ages)}
     make_folder(out, below=out.parent)
-    jobs = [(infant, seed, tries, starts) for infant in infants.values() for seed in range(seeds)]
-    attempts = _attempts(jobs, out, processes, progress)
+    budget = (tries, starts) if device == "cpu" else (steps, starts, device, str(out))
+    jobs = [(infant, seed, *budget) for infant in infants.values() for seed in range(seeds)]
+    attempts = _attempts(jobs, out, processes, progress, searched if device == "cpu" else _trainer())
     results = [AgeResult([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
-        if result.best.movement:
-            _write(result.best, skill, out)
+        _write(result.best, out / f"{skill}_{result.age_months:g}_months")
     return SkillReport(skill, results, REAL_AGES[skill])
 
 
-Job = tuple[InfantSpec, int, int, int]
+def _trainer() -> Callable[..., Attempt]:
+    """Return what trains a policy, which needs what not everyone has."""
+    return function_of("mimoc.studies.skills.trainings", "trained")
 
 
-def _attempts(jobs: Sequence[Job], out: Path, processes: int, progress: Callable[[int, int], None]) -> list[Attempt]:
-    """Return what came of all searches, kept in a folder as soon as each is done."""
-    files = [kept_file(out / "searches", "search", job[0].model_dump(mode="json"), *job[1:]) for job in jobs]
+def _attempts(
+    jobs: Sequence[tuple[Any, ...]],
+    out: Path,
+    processes: int,
+    progress: Callable[[int, int], None],
+    attempt_of: Callable[..., Attempt],
+) -> list[Attempt]:
+    """Return what came of all searches or trainings, kept in a folder as soon as each is done."""
+    what = [(job[0].model_dump(mode="json"), *job[1:]) for job in jobs]
+    files = [kept_file(out / "attempts", attempt_of.__name__, *parts) for parts in what]
     done = [read_kept(path, Attempt, below=out) for path in files]
     missing = [place for place, attempt in enumerate(done) if attempt is None]
     progress(len(jobs) - len(missing), len(jobs))
-    with process_pool(min(processes, max(len(missing), 1))) as pool:
-        futures = {pool.submit(attempt_of, *jobs[place]): place for place in missing}
-        for count, future in enumerate(as_completed(futures), len(jobs) - len(missing) + 1):
-            place = futures[future]
-            done[place] = future.result()
-            keep(files[place], future.result(), below=out)
-            progress(count, len(jobs))
+    for count, (place, attempt) in enumerate(_made(jobs, missing, processes, attempt_of), len(jobs) - len(missing) + 1):
+        done[place] = attempt
+        keep(files[place], attempt, below=out)
+        progress(count, len(jobs))
     return [attempt for attempt in done if attempt is not None]
 
 
-def attempt_of(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
+def _made(
+    jobs: Sequence[tuple[Any, ...]], missing: Sequence[int], processes: int, attempt_of: Callable[..., Attempt]
+) -> Iterator[tuple[int, Attempt]]:
+    """Yield what comes of each missing job, and its number, as it is done: trainings share a device, one by one."""
+    if attempt_of is not searched or not missing:
+        yield from ((place, attempt_of(*jobs[place])) for place in missing)
+        return
+    with process_pool(min(processes, len(missing))) as pool:
+        futures = {pool.submit(attempt_of, *jobs[place]): place for place in missing}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+
+
+def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
     """Return what comes of one search."""
     attempt = partial(Attempt, age_months=spec.age_months, seed=seed, starts=starts)
     try:
         env = open_infant(spec)
     except SpecError as error:
-        return attempt(success=0.0, problem=str(error).partition("task.kind: ")[2] or str(error))
+        return attempt(success=0.0, problem=problem_of(error))
     outcome = search(env, seed, tries, starts)
     env.close()
     recipe = {"learner": "cross-entropy search", "seed": float(seed), "success": outcome.success}
@@ -217,6 +221,9 @@ def attempt_of(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
     return attempt(success=outcome.success, tried=outcome.tried, curve=outcome.curve, movement=movement)
 
 
-def _write(attempt: Attempt, skill: str, out: Path) -> None:
-    assert attempt.movement is not None
-    write_postures(attempt.movement, out / f"{skill}_{attempt.age_months:g}_months.json")
+def _write(attempt: Attempt, path: Path) -> None:
+    """Write the movement or the policy of an attempt, if it has any."""
+    if attempt.movement:
+        write_postures(attempt.movement, path.with_name(f"{path.name}.json"))
+    elif attempt.policy:
+        write_file(path.with_name(f"{path.name}.zip"), (path.parent / attempt.policy).read_bytes())

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.studies.skills.learning import REAL_AGES, AgeResult, Attempt, SkillReport, learn_skill
+from mimoc.studies.skills.attempt import Attempt
+from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport, learn_skill
 from mimoc.studies.skills.recipes import RECIPES, Form
 from mimoc.studies.skills.search import DRAWS, search
 from mimoc.tasks import SKILLS
@@ -84,5 +85,5 @@ def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, m
     assert older.attempts[0].tried == DRAWS
     assert (tmp_path / "out" / "pull_to_stand_9_months.json").exists()
     assert not (tmp_path / "out" / "pull_to_stand_0_months.json").exists()
-    monkeypatch.setattr("mimoc.studies.skills.learning.attempt_of", None)
+    monkeypatch.setattr("mimoc.studies.skills.learning.process_pool", None)
     assert learn() == report
