@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli import (
+    bench,
     bundles,
     cohort,
     doctor,
@@ -55,6 +56,7 @@ COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
     "run": (run.run, "out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"),
     "train": (train.train, "reach.yaml -o runs/reach --algo ppo --steps 4096"),
     "movement": (movement.movement, "nine_months.yaml --policy random --seeds 0:2 --seconds 9 --against real"),
+    "bench": (bench.bench, "--policy random -o random.json --tasks catch --ages 18 --episodes 2 --processes 1"),
     "experiment": (pages.experiment, "growth -o out/growth --quick"),
     "check": (bundles.check, "out/nine_months"),
     "explain": (bundles.explain, "out/nine_months body.left_foot.mass"),

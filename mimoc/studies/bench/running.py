@@ -58,7 +58,7 @@ def run_bench(
         >>> results.cells["catch/18"].success
         0.0
     """
-    out = _checked_file(out)
+    out = checked_file(out)
     jobs = [(cell, text_for(policy, cell), episodes or cell.episodes) for cell in chosen_cells(tasks, ages_months)]
     files = digests_of(text for _, text, _ in jobs)
     folder = out.parent / f"{out.name}.cells"
@@ -123,7 +123,8 @@ def verify_bench(
     return {cell.name: compared[cell.name] for cell in chosen}
 
 
-def _checked_file(out: str | Path) -> Path:
+def checked_file(out: str | Path) -> Path:
+    """Return the path of results to write, or raise an OutputError if they cannot be written there."""
     path = Path(out).expanduser()
     if path.suffix != ".json":
         raise OutputError(f"{path}: results are JSON; end the name in .json")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from hashlib import sha256
+from typing import Any
 
 import numpy as np
 
@@ -71,7 +72,7 @@ class _Tally:
     efforts: list[float] = field(default_factory=list)
     movements: list[Movement] = field(default_factory=list)
     distances: list[float] = field(default_factory=list)
-    states: "sha256" = field(default_factory=sha256)  # pyright: ignore[reportGeneralTypeIssues]
+    states: Any = field(default_factory=sha256)
 
 
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
