@@ -105,6 +105,12 @@ def verify_bench(
     Raises:
         BundleError: If the file is no result of this benchmark.
         PolicyError: If the policy is another one by now, or fails.
+
+    Example:
+        >>> import mimoc
+        >>> _ = mimoc.run_bench("zero", "zero.json", tasks=["catch"], ages_months=[18], episodes=2)
+        >>> mimoc.verify_bench("zero.json")
+        {'catch/18': []}
     """
     results = read_results(path)
     every = {cell: text_for(results.policy, cell) for cell in results.scored}
