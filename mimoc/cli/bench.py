@@ -37,6 +37,9 @@ Tables = Annotated[
     list[Path] | None,
     typer.Option("--table", metavar="FILE", help="Print such results as tables in Markdown; repeatable."),
 ]
+Specs = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Write the specs of the infants, to train for them: reach_9.yaml ...")
+]
 BabyBench = Annotated[
     str | None,
     typer.Option(metavar="BEHAVIOUR", help="Score a behaviour of BabyBench instead: self_touch or hand_regard."),
@@ -51,6 +54,7 @@ def bench(
     episodes: Episodes = None,
     processes: Processes = None,
     list_tasks: Annotated[bool, typer.Option("--list", help="Print tasks, ages and seeds.")] = False,
+    specs: Specs = None,
     verify: Verify = None,
     table: Tables = None,
     babybench: BabyBench = None,
@@ -61,11 +65,16 @@ def bench(
     interruption. Scores are success with its 95 % interval, return, effort, smoothness, and likeness to real infants;
     docs/benchmark.md defines them and says how to enter.
     """
-    _check_mode(policy=policy, list=list_tasks, verify=verify, table=table)
+    _check_mode(policy=policy, list=list_tasks, specs=specs, verify=verify, table=table)
     if not policy and (out or episodes or babybench):
         raise MimocError("--out, --episodes and --babybench are for a --policy that is entered; leave them out")
     if list_tasks:
         _print_tasks()
+    elif specs:
+        from mimoc.studies.bench.running import write_specs
+
+        for path in write_specs(specs, _names(tasks), _months(ages)):
+            print(printable(path))
     elif table:
         from mimoc.studies.bench.results import markdown_tables, read_results
 

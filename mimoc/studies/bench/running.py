@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 from mimoc.base.errors import MimocError, OutputError, PolicyError
-from mimoc.bundle.files import remove, write_file
+from mimoc.bundle.files import make_folder, remove, write_file
 from mimoc.compiler import pipeline
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
@@ -62,7 +62,7 @@ def run_bench(
     jobs = [(cell, text_for(policy, cell), episodes or cell.episodes) for cell in chosen_cells(tasks, ages_months)]
     files = digests_of(text for _, text, _ in jobs)
     folder = out.parent / f"{out.name}.cells"
-    kept = {job: kept_file(folder, job[0].name.replace("/", "-"), *job[1:], files, _written(job)) for job in jobs}
+    kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec.source.text) for job in jobs}
     results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
     waiting = [job for job in jobs if job not in results]
     _check_fit(waiting)
@@ -129,6 +129,21 @@ def verify_bench(
     return {cell.name: compared[cell.name] for cell in chosen}
 
 
+def write_specs(
+    folder: str | Path, tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None
+) -> list[Path]:
+    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths.
+
+    Raises:
+        UnknownNameError: If there is no such task.
+        OutputError: If one cannot be written.
+    """
+    folder = Path(folder).expanduser()
+    cells = chosen_cells(tasks, ages_months)
+    make_folder(folder, below=folder.parent)
+    return [write_file(folder / f"{cell.file_name}.yaml", cell.spec.source.text.encode()) for cell in cells]
+
+
 def checked_file(out: str | Path) -> Path:
     """Return the path of results to write, or raise an OutputError if they cannot be written there."""
     path = Path(out).expanduser()
@@ -171,8 +186,3 @@ def _score(cell: Cell, text: str, episodes: int) -> CellScores | str:
         return score_cell(cell, text, episodes)
     except MimocError as error:
         return str(error)
-
-
-def _written(job: Job) -> str:
-    """Return the spec of a job's infant as text, which decides its bundle."""
-    return job[0].spec.model_dump_json()

@@ -71,6 +71,11 @@ class Cell:
         return f"{self.task}/{self.age_months:g}"
 
     @property
+    def file_name(self) -> str:
+        """What its files are called: `reach_9`."""
+        return f"{self.task}_{self.age_months:g}"
+
+    @property
     def row(self) -> BenchTask:
         """Its task."""
         return bench_table().tasks[self.task]
