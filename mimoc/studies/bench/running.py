@@ -62,7 +62,7 @@ def run_bench(
     jobs = [(cell, text_for(policy, cell), episodes or cell.episodes) for cell in chosen_cells(tasks, ages_months)]
     files = digests_of(text for _, text, _ in jobs)
     folder = out.parent / f"{out.name}.cells"
-    kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec.source.text) for job in jobs}
+    kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec_text) for job in jobs}
     results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
     waiting = [job for job in jobs if job not in results]
     _check_fit(waiting)
@@ -141,7 +141,7 @@ def write_specs(
     folder = Path(folder).expanduser()
     cells = chosen_cells(tasks, ages_months)
     make_folder(folder, below=folder.parent)
-    return [write_file(folder / f"{cell.file_name}.yaml", cell.spec.source.text.encode()) for cell in cells]
+    return [write_file(folder / f"{cell.file_name}.yaml", cell.spec_text.encode()) for cell in cells]
 
 
 def checked_file(out: str | Path) -> Path:

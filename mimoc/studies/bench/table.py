@@ -9,7 +9,7 @@ from typing import Any
 from mimoc.base.errors import MimocError, check_name
 from mimoc.schema import source
 from mimoc.schema.base import Model, changed
-from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.infant import InfantSpec, as_written, read_spec
 from mimoc.schema.quantities import Real, Whole
 from mimoc.schema.source import FileKind
 from mimoc.schema.yaml_document import dump
@@ -85,6 +85,11 @@ class Cell:
         """The spec of its infant."""
         data = changed(bench_table().common, self.row.spec)
         return _spec(self.task, self.age_months, data)
+
+    @property
+    def spec_text(self) -> str:
+        """The spec as YAML."""
+        return as_written(self.spec).text
 
     @property
     def episodes(self) -> int:

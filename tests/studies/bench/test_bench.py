@@ -263,6 +263,9 @@ def test_the_command_enters_verifies_lists_and_tabulates(here, invoke):
     assert "| catch | 18 | 0.00 (" in invoke("bench", "--table", "zero.json").out
     listed = invoke("bench", "--list").out
     assert all(name in listed for name in bench_table().tasks)
+    specs = invoke("bench", "--specs", "specs", *chosen[:4])
+    assert specs == (0, "specs/catch_18.yaml\n", "")
+    assert mimoc.load_spec("specs/catch_18.yaml") == Cell("catch", 18).spec
     data = read_results("zero.json").model_dump(mode="json")
     data["cells"]["catch/18"]["mean_return"] = 3.5
     (here / "zero.json").write_text(json.dumps(data))
