@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from mimoc.runtime.limits import torque_limits as torque_limits
     from mimoc.runtime.term import Term as Term
     from mimoc.schema.infant import InfantSpec as InfantSpec
+    from mimoc.studies.bench.running import run_bench as run_bench, verify_bench as verify_bench
     from mimoc.studies.experiments import run_experiment as run_experiment
     from mimoc.studies.milestones import validate_milestones as validate_milestones
     from mimoc.studies.movement import validate_movement as validate_movement

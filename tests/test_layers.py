@@ -57,7 +57,7 @@ PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
 LAYERS = {
     "version": layer("version base"),
     "signals": layer("base.interruption"),
-    "errors": layer("base.errors base.lazy"),
+    "errors": layer("base.errors base.lazy base.classes"),
     "units": layer("base.units base.mujoco_layout"),
     "streams": layer("base.random_streams"),
     "geometry": layer("geometry base.rounding", "errors units", "scipy"),

@@ -41,6 +41,7 @@ PAGES = (
     "docs/pictures.md",
     "docs/inverse_dynamics.md",
     "docs/training.md",
+    "docs/benchmark.md",
     "docs/container.md",
     "docs/own_reward.md",
     "docs/own_measure.md",

@@ -2,12 +2,12 @@
 
 import sys
 from enum import StrEnum
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.base.classes import import_class
 from mimoc.base.errors import BundleError, MimocError
 
 if TYPE_CHECKING:
@@ -110,19 +110,8 @@ def import_object(name: str) -> Any:
     Raises:
         MimocError: If there is no such module or class, or it cannot be made without arguments.
     """
-    module_name, _, class_name = name.partition(":")
-    if not class_name:
-        raise MimocError(f"'{name}' does not name a class; write MODULE:CLASS, such as my_task:Stillness")
-    sys.path.insert(0, "")
+    made = import_class(name, "my_task:Stillness")
     try:
-        module = import_module(module_name.removesuffix(".py"))
-    except ImportError as error:
-        raise MimocError(f"'{name}': {error}; run this command in the folder of the module") from None
-    finally:
-        sys.path.remove("")
-    if not hasattr(module, class_name):
-        raise MimocError(f"'{name}': the module has no class '{class_name}'")
-    try:
-        return getattr(module, class_name)()
+        return made()
     except TypeError as error:
         raise MimocError(f"'{name}': {error}; give all its arguments defaults") from None

@@ -25,7 +25,7 @@ COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.
 def test_the_commands_are_in_this_order():
     drawing, running = (
         ["explain", "report", "render", "see", "view", "rooms"],
-        ["build", "validate", "run", "train", "skill", "movement", "experiment", "check"],
+        ["build", "validate", "run", "train", "skill", "movement", "bench", "experiment", "check"],
     )
     assert list(COMMANDS) == ["new", *running, *drawing, "retarget", "replay", "export", "import", "schema", "doctor"]
 
@@ -73,6 +73,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "nine_months.yaml",
         "out",
         "playroom.yaml",
+        "random.json",
         "reach.yaml",
         "recordings",
         "rooms.png",

@@ -1,0 +1,188 @@
+"""Running the benchmark: what is finished outlives an interruption, and results can be scored again."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
+from contextlib import closing
+from pathlib import Path
+
+from mimoc.base.errors import MimocError, OutputError, PolicyError
+from mimoc.bundle.files import make_folder, remove, write_file
+from mimoc.compiler import pipeline
+from mimoc.recording.folder import versions
+from mimoc.runtime.env import InfantEnv
+from mimoc.studies.bench.entrant import bound_policy, digests_of, text_for
+from mimoc.studies.bench.results import BenchResults, differences, read_results
+from mimoc.studies.bench.scores import CellScores, score_cell
+from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
+from mimoc.studies.kept_results import keep, kept_file, read_kept
+from mimoc.studies.processes import process_pool
+
+LIBRARIES = ("mujoco", "numpy")
+Progress = Callable[[int, int], None]
+"""Called with the number of episodes done and their total."""
+Job = tuple[Cell, str, int]
+"""A cell, the policy for it, and how many episodes there are."""
+
+
+def run_bench(
+    policy: str,
+    out: str | Path,
+    tasks: Sequence[str] | None = None,
+    ages_months: Sequence[float] | None = None,
+    episodes: int | None = None,
+    processes: int = 1,
+    progress: Progress = lambda done, total: None,
+) -> BenchResults:
+    """Enter a policy for the benchmark, and write what it scored; the same call goes on after an interruption.
+
+    Args:
+        policy: All that `mimoc run --policy` takes, or a class as `module:Class`; `{task}` and `{age}` in it stand for
+            those of each infant, as in `runs/{task}_{age}/policy.zip`.
+        out: File to write: JSON, with sorted keys and rounded numbers.
+        tasks: Names of tasks; all if left out.
+        ages_months: Ages, of which each task is done at those that it has; all if left out.
+        episodes: Number of episodes of each task at each age; by default as the benchmark says, and with any other
+            number the result is a trial run, and not comparable.
+        processes: Number of processes. With more than one, a script must guard its main part by
+            `if __name__ == "__main__"`.
+        progress: Called with the number of episodes done and their total.
+
+    Raises:
+        UnknownNameError: If there is no such task or policy.
+        PolicyError: If the policy does not fit an infant, or fails; nothing is written then.
+        OutputError: If the file cannot be written.
+
+    Example:
+        >>> import mimoc
+        >>> results = mimoc.run_bench("zero", "zero.json", tasks=["catch"], ages_months=[18], episodes=2)
+        >>> results.cells["catch/18"].success
+        0.0
+    """
+    out = checked_file(out)
+    jobs = [(cell, text_for(policy, cell), episodes or cell.episodes) for cell in chosen_cells(tasks, ages_months)]
+    files = digests_of(text for _, text, _ in jobs)
+    folder = out.parent / f"{out.name}.cells"
+    kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec_text) for job in jobs}
+    results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
+    waiting = [job for job in jobs if job not in results]
+    _check_fit(waiting)
+    total, done = sum(job[2] for job in jobs), sum(job[2] for job in results)
+    progress(done, total)
+    for job, scores in _scored(waiting, processes):
+        keep(kept[job], scores, below=out.parent)
+        results[job], done = scores, done + job[2]
+        progress(done, total)
+    table = bench_table()
+    entry = BenchResults(
+        benchmark=table.benchmark,
+        policy=policy,
+        policy_files=files,
+        seeds=table.seeds.test,
+        software=versions(LIBRARIES),
+        cells={job[0].name: results[job] for job in jobs},
+    )
+    write_file(out, entry.content)
+    remove(folder)
+    return entry
+
+
+def verify_bench(
+    path: str | Path,
+    tasks: Sequence[str] | None = None,
+    ages_months: Sequence[float] | None = None,
+    processes: int = 1,
+    progress: Progress = lambda done, total: None,
+) -> Mapping[str, list[str]]:
+    """Score a result again; return what differs in each cell: nothing where it is the same to the bit.
+
+    Args:
+        path: File that `run_bench` wrote; the policy must be where it was.
+        tasks: Names of the tasks to score again; all in the file if left out.
+        ages_months: Ages, likewise.
+        processes: As of `run_bench`.
+        progress: As of `run_bench`.
+
+    Raises:
+        BundleError: If the file is no result of this benchmark.
+        PolicyError: If the policy is another one by now, or fails.
+
+    Example:
+        >>> import mimoc
+        >>> _ = mimoc.run_bench("zero", "zero.json", tasks=["catch"], ages_months=[18], episodes=2)
+        >>> mimoc.verify_bench("zero.json")
+        {'catch/18': []}
+    """
+    results = read_results(path)
+    every = {cell: text_for(results.policy, cell) for cell in results.scored}
+    if digests_of(every.values()) != results.policy_files:
+        raise PolicyError(f"{path}: the files of its policy '{results.policy}' are not those that were scored")
+    chosen = [cell for cell in chosen_cells(tasks, ages_months) if cell in every]
+    if not chosen:
+        raise MimocError(f"{path}: has no scores of these tasks and ages; leave out --tasks and --ages")
+    jobs = [(cell, every[cell], results.cells[cell.name].episodes) for cell in chosen]
+    done, total = 0, sum(job[2] for job in jobs)
+    compared: dict[str, list[str]] = {}
+    for (cell, _, episodes), scores in _scored(jobs, processes):
+        compared[cell.name] = differences(results.cells[cell.name], scores)
+        done += episodes
+        progress(done, total)
+    return {cell.name: compared[cell.name] for cell in chosen}
+
+
+def write_specs(
+    folder: str | Path, tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None
+) -> list[Path]:
+    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths.
+
+    Raises:
+        UnknownNameError: If there is no such task.
+        OutputError: If one cannot be written.
+    """
+    folder = Path(folder).expanduser()
+    cells = chosen_cells(tasks, ages_months)
+    make_folder(folder, below=folder.parent)
+    return [write_file(folder / f"{cell.file_name}.yaml", cell.spec_text.encode()) for cell in cells]
+
+
+def checked_file(out: str | Path) -> Path:
+    """Return the path of results to write, or raise an OutputError if they cannot be written there."""
+    path = Path(out).expanduser()
+    if path.suffix != ".json":
+        raise OutputError(f"{path}: results are JSON; end the name in .json")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
+    return path
+
+
+def _check_fit(jobs: Sequence[Job]) -> None:
+    """Bind the policy to each infant, before anything takes time or is written."""
+    for cell, text, _ in jobs:
+        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
+            env.reset(seed=bench_table().seeds.test[0])
+            try:
+                bound_policy(env, text)
+            except MimocError as error:
+                raise PolicyError(f"{cell.name}: {error}") from None
+
+
+def _scored(jobs: Sequence[Job], processes: int) -> Iterator[tuple[Job, CellScores]]:
+    """Yield jobs with their scores, in the order in which they come; with one process, all in this one."""
+    if processes == 1 or len(jobs) < 2:
+        for job in jobs:
+            yield job, score_cell(*job)
+        return
+    with process_pool(min(processes, len(jobs))) as pool:
+        running = {pool.submit(_score, *job): job for job in jobs}
+        for future in as_completed(running):
+            scores = future.result()
+            if isinstance(scores, str):
+                raise PolicyError(scores)
+            yield running[future], scores
+
+
+def _score(cell: Cell, text: str, episodes: int) -> CellScores | str:
+    """Return scores, or what is wrong: errors of mimoc's do not travel between processes."""
+    try:
+        return score_cell(cell, text, episodes)
+    except MimocError as error:
+        return str(error)

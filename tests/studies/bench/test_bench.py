@@ -1,0 +1,274 @@
+"""The benchmark: what it has, what a policy scores, results that come out again, and runs that are interrupted."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.base.errors import MimocError, PolicyError
+from mimoc.studies.bench import running
+from mimoc.studies.bench.results import markdown_tables, read_results
+from mimoc.studies.bench.scores import movements_in, score_cell, wilson_interval
+from mimoc.studies.bench.table import BenchTask, Cell, bench_table, chosen_cells
+
+TWO = {"tasks": ["reach", "grasp"], "ages_months": [12], "episodes": 2}
+"""Two tasks that take a tenth of a second an episode."""
+POLICIES = '''
+import numpy as np
+
+class Sway:
+    """Sways all joints, from the beginning in each episode."""
+    def __init__(self, env):
+        self.shape, self.step = env.action_space.shape, 7
+
+    def reset(self):
+        self.step = 0
+
+    def act(self, observation):
+        self.step += 1
+        return np.full(self.shape, 0.3 * np.sin(0.1 * self.step))
+
+class OfSpaces:
+    def __init__(self, observation_space, action_space):
+        self.action = 0 * action_space.sample()
+
+    def act(self, observation):
+        return self.action
+
+class Actless:
+    def __init__(self, env):
+        pass
+
+class Short:
+    def __init__(self, env):
+        pass
+
+    def act(self, observation):
+        return np.zeros(1)
+
+class Broken(Short):
+    def act(self, observation):
+        return observation["sonar"]
+'''
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Return a working directory with policies in it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "entered_policies", raising=False)
+    (tmp_path / "entered_policies.py").write_text(POLICIES)
+    return tmp_path
+
+
+def test_there_are_eight_tasks_at_four_ages_each():
+    table = bench_table()
+    assert (table.benchmark, len(table.tasks)) == ("mimoc-bench-1", 8)
+    assert {len(task.ages_months) for task in table.tasks.values()} == {4}
+    assert len(chosen_cells()) == 32
+
+
+def test_no_seed_is_for_practice_and_for_the_test():
+    seeds = bench_table().seeds
+    assert seeds.practice[0] < seeds.practice[1] <= seeds.test[0] < seeds.test[1]
+    assert max(cell.episodes for cell in chosen_cells()) < seeds.test[1] - seeds.test[0]
+
+
+@pytest.mark.parametrize("task", bench_table().tasks)
+def test_every_infant_can_be_built(task):
+    """The youngest and the oldest of each task."""
+    cells = chosen_cells([task])
+    for cell in (cells[0], cells[-1]):
+        assert mimoc.build(cell.spec).manifest.child.age_months == cell.age_months
+
+
+@pytest.mark.parametrize(
+    ("successes", "count", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (5, 10, 0.2366, 0.7634), (10, 10, 0.7225, 1.0), (81, 263, 0.2553, 0.3662)],
+)
+def test_the_interval_is_that_of_wilson(successes, count, low, high):
+    """The last is that of Newcombe 1998 (Stat Med 17: 857), table I; the others by R's `prop.test` uncorrected."""
+    assert wilson_interval(successes, count) == pytest.approx((low, high), abs=5e-5)
+
+
+def test_smoothness_is_of_windows_in_which_something_moves():
+    times_s = np.arange(450) * 0.01
+    path_m = np.outer(np.where(times_s < 2, 0.1 * np.sin(3 * times_s), 0.0), [1, 0, 0])
+    assert [one.duration_s for one in movements_in(path_m, 0.01)] == [2.0]
+    assert [one.duration_s for one in movements_in(path_m[:50], 0.01)] == [pytest.approx(0.49)]
+    assert movements_in(path_m[:1], 0.01) == []
+
+
+def test_scores_are_those_of_the_episodes(here):
+    """As `mimoc.evaluate` has them."""
+    results = mimoc.run_bench("random", "random.json", **TWO)
+    scores = results.cells["reach/12"]
+    first = bench_table().seeds.test[0]
+    env = mimoc.make(Cell("reach", 18).spec)
+    episodes = mimoc.evaluate(env, "random", episodes=2, seed=first)
+    assert scores.returns == tuple(episode.total_reward for episode in episodes)
+    assert scores.successes == sum(episode.success for episode in episodes)
+    assert scores.mean_return == pytest.approx(np.mean(scores.returns))
+    assert scores.success_95 == wilson_interval(scores.successes or 0, 2)
+    assert scores.effort > 0
+    assert (scores.arc_length or 0.0) < -1
+    assert (scores.likeness, list(results.cells)) == (None, ["reach/12", "grasp/12"])
+
+
+def test_results_come_out_again_to_the_bit(here):
+    written = mimoc.run_bench("random", "random.json", **TWO)
+    assert read_results("random.json").content == (here / "random.json").read_bytes() == written.content
+    assert mimoc.verify_bench("random.json") == {"reach/12": [], "grasp/12": []}
+    assert [path.name for path in here.glob("*.json*")] == ["random.json"]
+
+
+@pytest.mark.slow
+def test_results_do_not_depend_on_the_number_of_processes(here):
+    cells = {"tasks": ["grasp"], "ages_months": [9, 12], "episodes": 2}
+    one, two = (mimoc.run_bench("random", f"of_{count}.json", **cells, processes=count) for count in (1, 2))
+    assert one.content == two.content
+    with pytest.raises(PolicyError, match=r"act failed in entered_policies.py:36"):
+        mimoc.run_bench("entered_policies:Broken", "x.json", **cells, processes=2)
+
+
+def test_what_differs_is_said(here):
+    mimoc.run_bench("zero", "zero.json", tasks=["grasp"], ages_months=[12], episodes=1)
+    data = json.loads((here / "zero.json").read_text())
+    scores = data["cells"]["grasp/12"]
+    scores["effort"] = 1.0
+    (here / "zero.json").write_text(json.dumps(data))
+    (difference,) = mimoc.verify_bench("zero.json")["grasp/12"]
+    assert difference.startswith("effort 1, now 0.")
+    scores |= {"effort": float(difference.split()[-1]), "states": "sha256:0"}
+    (here / "zero.json").write_text(json.dumps(data))
+    (difference,) = mimoc.verify_bench("zero.json")["grasp/12"]
+    assert difference.startswith("the states of the simulation")
+
+
+def test_an_interrupted_run_goes_on(here, monkeypatch):
+    def interrupted(done: int, total: int) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        mimoc.run_bench("random", "random.json", **TWO, progress=interrupted)
+    assert not (here / "random.json").exists()
+    again = []
+    monkeypatch.setattr(running, "score_cell", lambda *job: again.append(job[0]) or score_cell(*job))
+    resumed = mimoc.run_bench("random", "random.json", **TWO)
+    assert again == [Cell("grasp", 12)]
+    assert resumed.content == mimoc.run_bench("random", "whole.json", **TWO).content
+    assert len(again) == 3
+
+
+def test_a_class_acts_and_its_module_is_known(here):
+    """Made anew for each infant, and set back for each episode."""
+    one = {"tasks": ["grasp"], "ages_months": [12]}
+    sway = mimoc.run_bench("entered_policies:Sway", "sway.json", **one, episodes=2)
+    assert list(sway.policy_files) == ["entered_policies.py"]
+    assert mimoc.verify_bench("sway.json") == {"grasp/12": []}
+    spaces = mimoc.run_bench("entered_policies:OfSpaces", "spaces.json", **one, episodes=1)
+    zero = mimoc.run_bench("zero", "zero.json", **one, episodes=1)
+    assert spaces.cells["grasp/12"] == zero.cells["grasp/12"]
+    (here / "entered_policies.py").write_text(f"{POLICIES}\n")
+    with pytest.raises(PolicyError, match="the files of its policy 'entered_policies:Sway' are not those that were"):
+        mimoc.verify_bench("sway.json")
+
+
+def test_task_and_age_can_choose_the_policy(here):
+    with pytest.raises(PolicyError, match=r"grasp/12: grasp_12\.zip: there is no such file"):
+        mimoc.run_bench("{task}_{age}.zip", "x.json", **TWO | {"tasks": ["grasp"]})
+
+
+def test_movement_is_compared_with_real_infants(monkeypatch):
+    """Of an episode of four seconds; one that is too short has no distance."""
+    move = bench_table().tasks["move"]
+    for steps, is_known in ((400, True), (200, False)):
+        short = move.model_copy(update={"spec": {**move.spec, "task": {"kind": "free", "steps": steps}}})
+        monkeypatch.setattr(Cell, "row", property(lambda cell, row=short: BenchTask.model_validate(row.model_dump())))
+        scores = score_cell(Cell("move", 3), "general_movements", 1)
+        assert (scores.likeness is not None, scores.success, scores.success_95) == (is_known, None, None)
+
+
+def test_tables_have_a_column_for_each_policy(here):
+    zero, random = (mimoc.run_bench(name, f"{name}.json", **TWO) for name in ("zero", "random"))
+    table = markdown_tables([zero, random])
+    assert "| task | months | `zero` | `random` |" in table
+    assert f"| reach | 18 | {zero.cells['reach/12'].success:.2f} (" in table
+    assert len({line.count("|") for line in table.partition("\n\n")[0].splitlines()}) == 1
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"),
+    [
+        ("zeero", "'zeero' is not a policy; did you mean 'zero'?"),
+        ("entered_policies:Nobody", "the module has no class 'Nobody'"),
+        ("entered_policies:Actless", "grasp/12: 'entered_policies:Actless': has no method 'act'"),
+        ("entered_policies:Short", r"act must return an array of \(\d+,\) finite numbers, not of \(1,\) float64"),
+        ("entered_policies:Broken", "act failed in entered_policies.py:36: KeyError: 'sonar'"),
+        ("no.zip", "there is no such file"),
+    ],
+)
+def test_what_cannot_be_scored_is_one_line_and_writes_no_results(here, policy, reason):
+    with pytest.raises(MimocError, match=reason) as error:
+        mimoc.run_bench(policy, "x.json", tasks=["grasp"], ages_months=[12], episodes=1)
+    assert "\n" not in str(error.value)
+    assert [path.name for path in here.iterdir() if path.name != "__pycache__"] == ["entered_policies.py"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ("", "say what to score: --policy NAME -o FILE.json; or see the tasks with --list"),
+        ("--policy zero", "name the file of the results with -o FILE.json"),
+        ("--policy zero --list", "--policy and --list do different things; choose one"),
+        ("--list -o x.json", "--out, --episodes and --babybench are for a --policy that is entered; leave them out"),
+        ("--policy zero -o x.txt", "x.txt: results are JSON; end the name in .json"),
+        ("--policy zero -o no/x.json", "no/x.json: there is no folder no; make it, or choose another place"),
+        (
+            "--policy zero -o x.json --tasks raech",
+            "'raech' is not a task of the benchmark; did you mean 'reach' or 'catch'?",
+        ),
+        (
+            "--policy zero -o x.json --tasks reach --ages 7",
+            "7 months is not an age of reach; choose from 6, 9, 12, 18",
+        ),
+        ("--verify x.json", "x.json: there is no such file; name what `mimoc bench -o FILE` wrote"),
+        ("--table old.json", "old.json: of 'mimoc-bench-0', but this mimoc has mimoc-bench-1; enter again"),
+        (
+            "--babybench smile --policy zero -o x.json",
+            "'smile' is not a behaviour of BabyBench; choose from hand_regard, self_touch",
+        ),
+        (
+            "--babybench self_touch --policy zero -o x.json --ages 3",
+            "--babybench has one infant and one process; leave out --tasks, --ages and --processes",
+        ),
+    ],
+)
+def test_the_command_refuses_in_one_line(here, invoke, arguments, reason):
+    old = {"benchmark": "mimoc-bench-0", "policy": "zero", "policy_files": {}, "seeds": [0, 1], "software": {}}
+    (here / "old.json").write_text(json.dumps({**old, "cells": {}}))
+    assert invoke("bench", *arguments.split()) == (2, "", f"{reason}\n")
+    assert not (here / "x.json").exists()
+
+
+def test_the_command_enters_verifies_lists_and_tabulates(here, invoke):
+    chosen = ("--tasks", "grasp", "--ages", "12", "--processes", "1")
+    entered = invoke("bench", "--policy", "zero", "-o", "zero.json", *chosen, "--episodes", "1")
+    assert (entered.code, entered.err, entered.out.splitlines()[-1]) == (0, "", "zero.json")
+    same = invoke("bench", "--verify", "zero.json", *chosen)
+    assert same == (0, "zero.json: the same to the bit for 1 of 1 infant\n", "")
+    assert "| grasp | 12 | 0.00 (" in invoke("bench", "--table", "zero.json").out
+    listed = invoke("bench", "--list").out
+    assert all(name in listed for name in bench_table().tasks)
+    specs = invoke("bench", "--specs", "specs", *chosen[:4])
+    assert specs == (0, "specs/grasp_12.yaml\n", "")
+    assert mimoc.load_spec("specs/grasp_12.yaml") == Cell("grasp", 12).spec
+    data = read_results("zero.json").model_dump(mode="json")
+    data["cells"]["grasp/12"]["mean_return"] = 3.5
+    (here / "zero.json").write_text(json.dumps(data))
+    other = invoke("bench", "--verify", "zero.json", "--processes", "1")
+    assert (other.code, other.out.splitlines()[-1]) == (1, "zero.json: the same to the bit for 0 of 1 infant")
+    assert other.out.startswith("grasp/12: differs in mean_return 3.5, now -")
