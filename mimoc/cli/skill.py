@@ -51,7 +51,7 @@ def skill(
     spec: Spec = None,
     options: Options = None,
     seeds: Seeds = 2,
-    tries: Tries = 1000,
+    tries: Tries = 1600,
     starts: Starts = 20,
     device: Device = "cpu",
     steps: Steps = 5_000_000,

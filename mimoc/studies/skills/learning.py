@@ -23,7 +23,7 @@ from mimoc.studies.processes import process_pool
 from mimoc.studies.skills.attempt import Attempt, problem_of
 from mimoc.studies.skills.search import search
 
-TRIES, STARTS, SEEDS, STEPS = 1000, 20, 2, 5_000_000
+TRIES, STARTS, SEEDS, STEPS = 1600, 20, 2, 5_000_000
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
 has; control steps of a training on a device."""
 LEARNT = 0.5

@@ -42,21 +42,22 @@ class Recipe:
     sways: bool = False
     """Whether the infant leans against falling over."""
     spread: float = 0.6
-    """Of the first draws around where the infant begins, in shares of half a range."""
-    is_from_middle: bool = False
-    """Whether they are around the middle of the ranges instead."""
+    """Of the first draws around where the infant begins, or around no command, in shares of half a range."""
+    stiffness_per_rad: float = 0.0
+    """Share of strength for each radian off a posture; 0 for movements of commands, drawn around none."""
 
 
+_HELD = Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15, stiffness_per_rad=1.0)
 RECIPES: Mapping[str, Recipe] = {
-    "roll": Recipe(ROLLING, 3, 1.0, 0.4, is_from_middle=True),
-    "sit_up": Recipe(ROLLING, 4, 1.2, 0.6, is_from_middle=True),
-    "sit": Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15),
-    "crawl": Recipe(ROLLING, 2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.4),
-    "pull_to_stand": Recipe(UPRIGHT, 2, 1.5, 1.0, True, sways=True, spread=0.4),
-    "stand": Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15),
-    "cruise": Recipe(UPRIGHT, 2, 0.4, 0.3, repeats=True, spread=0.2, sways=True),
-    "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2),
-    "grasp": Recipe(HOLDING, 1, 1.0, 0.1, spread=0.5),
+    "roll": Recipe(ROLLING, 2, 1.0, 0.4, spread=1.0),
+    "sit_up": Recipe(ROLLING, 3, 1.0, 0.4, spread=1.0),
+    "sit": _HELD,
+    "crawl": Recipe(ROLLING, 2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.6),
+    "pull_to_stand": Recipe(UPRIGHT, 2, 1.5, 1.0, True, sways=True),
+    "stand": _HELD,
+    "cruise": Recipe(UPRIGHT, 2, 0.4, 0.3, repeats=True, spread=0.2, sways=True, stiffness_per_rad=1.0),
+    "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2, stiffness_per_rad=1.0),
+    "grasp": Recipe(HOLDING, 2, 1.0, 0.4, spread=0.5),
 }
 """By skill."""
 
@@ -77,7 +78,7 @@ class Form:
         kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
         self.recipe, self.task, self.age_months = recipe, task, age_months
         self.joints = tuple(joints[place] for place in kept)
-        self._start = np.zeros(len(kept)) if recipe.is_from_middle else np.clip(start[kept], -1.0, 1.0)
+        self._start = np.clip(start[kept], -1.0, 1.0) if recipe.stiffness_per_rad else np.zeros(len(kept))
         self._alike, self._opposite = _bases(self.joints)
         self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
         self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
@@ -105,6 +106,7 @@ class Form:
             moving_s=self.recipe.moving_s,
             repeats=self.recipe.repeats,
             mirrored=self.recipe.is_mirrored,
+            stiffness_per_rad=self.recipe.stiffness_per_rad,
             sway=tuple(tuple(np.round(row, 4).tolist()) for row in sway),
         )
 

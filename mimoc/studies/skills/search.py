@@ -17,7 +17,7 @@ from mimoc.studies.skills.recipes import RECIPES, Form
 DRAWS, KEPT = 40, 8
 LEAST_SPREAD, SMOOTHING = 0.15, 0.7
 """The least spread, as a share of the first one, and how far the kept ones move mean and spread."""
-PASSED, CHECKS = 0.8, 5
+PASSED, CHECKS = 0.75, 8
 """The search ends when the mean has the skill in this share of some starts."""
 FIRST_CHECK, FIRST_TEST = 10_000, 20_000
 """Seeds of the starts in which a search checks whether to end, and in which its result is measured."""

@@ -139,11 +139,11 @@ SKILLS: Mapping[str, Skill] = {
         begin=lying("standing"),
     ),
     "grasp": Skill(
-        4.0,
-        {"near": -0.08},
-        {"held": (1.0, {"near": (-0.1, -0.03)})},
-        kept_s=3.5,
-        fall={"near": -0.12},
+        4.5,
+        {"near": -0.11},
+        {"held": (1.0, {"near": (-0.12, -0.03)})},
+        kept_s=4.0,
+        fall={"near": -0.14},
         begin=holding,
     ),
 }
@@ -151,7 +151,7 @@ SKILLS: Mapping[str, Skill] = {
 PUSH = 0.05
 """Force of a push, as a share of the weight; for 0.2 s, it gives the whole infant 10 cm/s. An assumption."""
 
-OFFERED_S = 0.5
+OFFERED_S = 1.0
 """How long somebody carries what is put into a hand."""
 
 

@@ -15,7 +15,7 @@ from mimoc.geometry.primitives import volume
 from mimoc.geometry.rotations import Quaternion, Vec3, matrix_from_axis, quaternion_from_matrix
 from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
 from mimoc.mjcf.world import FreeObject
-from mimoc.tasks.build_setup import Side, TaskSetup, ball, middle_finger, one_armed, require
+from mimoc.tasks.build_setup import Hold, Side, TaskSetup, ball, joints_of, middle_finger, require
 from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.skills import CruiseSpec, GraspSpec, PullToStandSpec, SkillSpec
 from mimoc.tasks.standup.build import build as build_standup
@@ -132,21 +132,26 @@ HOLDING: Mapping[str, float] = {
 }
 """Seated, upper arms beside the body, forearms level, palms down, in [deg]."""
 ROD_RADIUS_M, ROD_HALF_M, CUBE_HALF_M, OBJECT_KG = 0.008, 0.04, 0.0125, 0.05
+OPEN = 0.25
+"""How far fingers are bent at first, as a share of what closes them around a bar."""
 OBJECT = "held"
 
 
 def holding(task: GraspSpec, tree: BodyTree) -> Start:
-    """Return how a skill begins seated and held at the hip, palm down, with the fingers around an object."""
+    """Return how a skill begins with an object below a palm; only wrist and fingers move, and the hip is held."""
     side: Side = task.hand or "right"
     hand = f"{side}_hand"
     require(tree, task.kind, hand, middle_finger(tree, side))
-    fingers = {name.removeprefix("robot:"): rad_to_deg(angle) for name, angle in curled(tree, side).items()}
-    start = resting_state(tree, Pose(0, {**HOLDING, **fingers}, relaxed=False))
+    opened = {name.removeprefix("robot:"): OPEN * rad_to_deg(angle) for name, angle in curled(tree, side).items()}
+    start = resting_state(tree, Pose(0, {**HOLDING, **opened}, relaxed=False))
     origin_m, turn = frames_in_world(tree, start)[hand]
     radius_m = ROD_RADIUS_M if task.object == "rod" else CUBE_HALF_M
     place_m = origin_m + turn @ grip_point(tree, side, radius_m)
     thing = _thing(task.object, place_m, quaternion_from_matrix(turn @ matrix_from_axis((0.0, 1.0, 0.0), pi / 2)))
-    return Start(one_armed(tree, side, FreeEntry(), start, (thing,)), middle_finger(tree, side), thing.name)
+    moved = joints_of(tree, hand)
+    locked = [joint for joint in tree.joints if joint not in moved]
+    setup = TaskSetup(FreeEntry(), start, moved, locked, (Hold("hip"),), (thing,))
+    return Start(setup, middle_finger(tree, side), thing.name)
 
 
 def _thing(kind: str, place_m: FloatArray, quat: Quaternion) -> FreeObject:
