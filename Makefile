@@ -9,6 +9,8 @@ MINUTES ?= 10
 SEED ?= 0
 LIVES ?= 200
 SOAK ?=
+DEVICE ?= cuda:0
+STEPS ?= 20000000
 # Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 # More threads would wait for one another on the cores that the workers share.
@@ -26,7 +28,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test test-all docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses skills gpu bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -102,6 +104,14 @@ fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES
 
 soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
+
+skills: $(TEST) ## Search again for the skills that ship with mimoc (an hour or two; resumes); see docs/skills.md.
+	$(ONE_THREAD) $(BIN)/python sculpt/make_skills.py
+
+gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=20000000); docs/gpu.md.
+	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest tests/runtime/device
+	$(BIN)/python benchmarks/gpu.py --device $(DEVICE)
+	$(BIN)/python sculpt/make_skills.py --device $(DEVICE) --steps $(STEPS) -o out/gpu
 
 poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
 	PYTHONPATH=tests $(BIN)/python -m support.start_poses

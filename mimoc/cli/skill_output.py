@@ -9,6 +9,7 @@ from mimoc.cli.terminal import printable
 from mimoc.render.plots.file import write_sheet
 from mimoc.studies.skills.learning import SkillReport
 from mimoc.studies.skills.plot import skill_sheet
+from mimoc.studies.skills.shipped import SkillsReport
 
 
 def show_skill(report: SkillReport, folder: Path) -> None:
@@ -18,6 +19,24 @@ def show_skill(report: SkillReport, folder: Path) -> None:
     print_skill(report)
     write_sheet(skill_sheet(report), folder / "success.png")
     print(printable(folder / "success.png"))
+
+
+def print_skills(report: SkillsReport, infant: object = None) -> None:
+    """Print a row for each skill whose results come with mimoc, the sources, and which skills wait for a GPU."""
+    out = open_console()
+    ages = sorted({age.age_months for skill in report.skills for age in skill.ages})
+    table = new_table("skill", *(f"{age:g}" for age in ages), "from", "real infants", "verdict")
+    for skill in report.skills:
+        success, real = {age.age_months: f"{age.success:.0%}" for age in skill.ages}, skill.real_infants
+        since = "" if skill.from_months is None else f"{skill.from_months:.1f}"
+        window = f"{real.youngest_months:g}-{real.oldest_months:g}"
+        table.add_row(skill.skill, *(success.get(age, "") for age in ages), since, window, skill.verdict)
+    out.print(table)
+    for skill in report.skills:
+        out.print(f"{skill.skill}: {skill.real_infants.source} ({skill.real_infants.certainty})")
+    if infant is not None:
+        out.print("these are of the average child; for another one: mimoc skill NAME --spec SPEC")
+    out.print(f"not searched for, as they need feedback: {', '.join(report.waiting)}: mimoc skill NAME --device cuda:0")
 
 
 def print_skill(report: SkillReport) -> None:

@@ -86,11 +86,22 @@ def _against_movement(
     return Findings(report.passed, report.to_data(), partial(print_movement, report), sheet)
 
 
+def _against_skills(infant: InfantSpec | None, progress: Progress) -> Findings:
+    from mimoc.cli.skill_output import print_skills
+    from mimoc.render.plots.growth import rows_sheet
+    from mimoc.studies.skills.shipped import shipped_skills
+
+    report = shipped_skills()
+    sheet = partial(rows_sheet, report.rows, "real infants (line: median)", ("window", "reached"))
+    return Findings(report.passed, report.to_data(), partial(print_skills, report, infant), sheet)
+
+
 VALIDATIONS: Mapping[str, Callable[..., Findings]] = {
     "who": _against_who,
     "anthrokids": _against_anthrokids,
     "milestones": _against_milestones,
     "movement": _against_movement,
+    "skills": _against_skills,
 }
 """How an infant, or the average child if none is given, is compared, by the name that a user gives."""
 
@@ -130,6 +141,8 @@ def validate(
     - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
     - `movement`: how it kicks, swings its shanks, lifts its hands, folds its legs, looks, grips and reaches, in the
       windows of real infants; predictions by which nothing of its law was chosen are listed last.
+    - `skills`: from when on the average child has what was searched for, as it comes with mimoc; `mimoc skill` searches
+      for another child.
     - `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means,
       as scaled by the spec.
     """

@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from mimoc.base.errors import SpecError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import rounded
@@ -17,6 +15,7 @@ from mimoc.bundle.files import make_folder, write_file
 from mimoc.environments import open_infant
 from mimoc.policies.postures import write_postures
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.report import AgeRange, Verdict
 from mimoc.studies.processes import process_pool
@@ -66,8 +65,7 @@ class AgeResult:
     def interval(self) -> tuple[float, float]:
         """95 % interval of that share, as if all starts were independent (Wilson 1927)."""
         starts = sum(attempt.starts for attempt in self.attempts)
-        interval = binomtest(round(self.success * starts), starts).proportion_ci(method="wilson")
-        return interval.low, interval.high
+        return wilson_interval(round(self.success * starts), starts)
 
     @property
     def best(self) -> Attempt:
