@@ -51,11 +51,7 @@ if TYPE_CHECKING:
     from mimoc.studies.movement import validate_movement as validate_movement
     from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
     from mimoc.training import evaluate as evaluate, load_policy as load_policy, train as train
-    from mimoc.vector_environments import (
-        make_vec as make_vec,
-        rsl_rl_env as rsl_rl_env,
-        sb3_vec_env as sb3_vec_env,
-    )
+    from mimoc.vector_environments import make_vec as make_vec, sb3_vec_env as sb3_vec_env
     from mimoc.version import __version__ as __version__
     from mimoc.viewer.viewing import View as View, view as view
 

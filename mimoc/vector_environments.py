@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 from gymnasium.vector import AutoresetMode
 
 from mimoc import environments
-from mimoc.base.errors import MimocError, MissingExtraError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 
-if TYPE_CHECKING:  # They need Stable-Baselines3, rsl_rl and MuJoCo Warp, which not everyone has.
+if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
     from mimoc.runtime.device.vector_env import DeviceEnv
-    from mimoc.training.rsl_env import RslEnv
     from mimoc.training.vector_env import VecMonitor
 
 Source = Bundle | InfantSpec | str | Path
@@ -136,38 +135,6 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
             stacklevel=2,
         )
     return monitored(infants)
-
-
-def rsl_rl_env(source: Sources, num_envs: int | None = None, device: str = "cuda:0", **options: Any) -> "RslEnv":
-    """Return infants on a device as rsl_rl's runners and algorithms want them, for a loop of one's own.
-
-    Observations are a `TensorDict` of one group for each sense, to be named in rsl_rl's `obs_groups`; episodes begin
-    anew in the step in which they end, and nothing leaves the device. `mimoc.train` with a device does all by itself.
-
-    Args:
-        source: What `make_vec` takes.
-        num_envs: Number of infants; by default, as many as sources.
-        device: `cuda:0`, or `warp:cpu` to try it out.
-        options: Those of `make_vec` on a device, but for `arrays` and `autoreset_mode`.
-
-    Raises:
-        MissingExtraError: If MuJoCo Warp or rsl_rl are not installed.
-        MimocError: If the infants see pictures, or the device is `cpu`; and others, as `make_vec`.
-
-    Example:
-        >>> import mimoc
-        >>> mimoc.rsl_rl_env("nine_months.yaml", 2, device="cpu")
-        Traceback (most recent call last):
-        mimoc.base.errors.MimocError: rsl_rl needs infants on a device: 'cuda:0', or 'warp:cpu' to try it out
-    """
-    if device == "cpu":
-        raise MimocError("rsl_rl needs infants on a device: 'cuda:0', or 'warp:cpu' to try it out")
-    try:
-        from mimoc.training.rsl_env import RslEnv
-    except ImportError:
-        raise MissingExtraError("rsl_rl", "gpu") from None
-    envs: Any = make_vec(source, num_envs, device=device, arrays="torch", autoreset_mode="SameStep", **options)
-    return RslEnv(envs, options.get("max_episode_steps"))
 
 
 def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | DeviceEnv":

@@ -38,17 +38,6 @@ OwnTask = Annotated[
     str | None,
     typer.Option(metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."),
 ]
-Device = Annotated[
-    str,
-    typer.Option(
-        metavar="DEVICE",
-        help="Where the infants live: cpu, or a GPU (cuda:0), where rsl_rl's PPO learns; warp:cpu tries that out.",
-    ),
-]
-Envs = Annotated[
-    int | None,
-    typer.Option(min=1, max=65536, help="Number of parallel environments; default: 8, or 4096 on a device."),
-]
 Steps = Annotated[int, typer.Option(min=1, help="Control steps to train for, summed over all environments.")]
 Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 Grow = Annotated[
@@ -72,8 +61,7 @@ def train(
     algo: Annotated[str, typer.Option(help="Learning algorithm: ppo or sac.")] = "ppo",
     steps: Steps = 500_000,
     seed: Annotated[int, typer.Option(min=0, help="Random seed; the same seed gives the same result.")] = 0,
-    envs: Envs = None,
-    device: Device = "cpu",
+    envs: Annotated[int, typer.Option(min=1, max=1024, help="Number of parallel environments.")] = 8,
     steps_per_episode: StepsPerEpisode = None,
     checkpoint_every: CheckpointEvery = None,
     assignments: Assignments = None,
@@ -89,14 +77,13 @@ def train(
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
     from mimoc.cli import training_output
-    from mimoc.training.settings import ON_DEVICE, parse
+    from mimoc.training.settings import parse
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes, "force": force}
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": checkpoint_every}
     bundle = load_infant(infant)
-    others |= {"device": device, "hyper": parse(algo if device == "cpu" else ON_DEVICE, assignments or [])}
-    others |= {"task": import_object(task) if task else None}
+    others |= {"hyper": parse(algo, assignments or []), "task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):
         others |= {"progress": show.report, "on_row": show.on_row}
         done = training.train(bundle, out, algo=algo, steps=steps, seed=seed, envs=envs, **others)

@@ -97,8 +97,6 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
     opened.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     opened.print(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
-    if training.speed:
-        opened.print(training.speed)
     option = f" --task {task}" if task else ""
     tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{option}"
     print(printable(f"{out}: {tried}"))

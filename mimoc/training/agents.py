@@ -14,7 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.settings import ON_DEVICE, Number, TrainingSettings
+from mimoc.training.settings import Number, TrainingSettings
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
@@ -22,7 +22,7 @@ _PASSED_ON = {
 }
 """Hyperparameters passed on to Stable-Baselines3 unchanged."""
 _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
-_POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy, ON_DEVICE: PPOPolicy}
+_POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
 def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:

@@ -3,7 +3,7 @@
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -50,40 +50,15 @@ class _State(Model):
 
 def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
     """Return the content of a checkpoint file: all that an agent has learnt, statistics, replay buffer and progress."""
-    buffer = getattr(agent, "replay_buffer", None)
-    replay = _replay(buffer) if isinstance(buffer, DictReplayBuffer) else None
-    return pack_state(agent_state(agent), statistics(env), progress, replay)
-
-
-def pack_state(
-    learnt: Mapping[str, np.ndarray],
-    scale: Mapping[str, np.ndarray],
-    progress: Progress,
-    replay: Mapping[str, np.ndarray] | None = None,
-) -> bytes:
-    """Return the content of a checkpoint file."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
         archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
         archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
-        archive.writestr(WEIGHTS, pack_arrays(learnt))
-        archive.writestr(SCALE, pack_arrays(scale), zipfile.ZIP_DEFLATED)
-        if replay is not None:
-            archive.writestr(REPLAY, pack_arrays(replay))
+        archive.writestr(WEIGHTS, pack_arrays(agent_state(agent)))
+        archive.writestr(SCALE, pack_arrays(statistics(env)), zipfile.ZIP_DEFLATED)
+        if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
+            archive.writestr(REPLAY, pack_arrays(_replay(buffer)))
     return content.getvalue()
-
-
-def restore_state(
-    content: bytes, put: Callable[[Mapping[str, np.ndarray], Mapping[str, np.ndarray]], None]
-) -> Progress:
-    """Give what was learnt and the statistics in a checkpoint file to a function; return the progress.
-
-    Raises:
-        TrainingError: If the file is damaged, or the function raises one of `DAMAGED`.
-    """
-    with _opened(content) as archive:
-        put(unpack_arrays(archive.content(WEIGHTS)), unpack_arrays(archive.content(SCALE)))
-        return _progress(archive)
 
 
 def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress:

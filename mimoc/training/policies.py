@@ -101,39 +101,17 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
     """Return the content of an agent's policy file, for `load_policy`."""
     content = io.BytesIO()
     agent.save(content)
-    return _packed(content, settings, env, agent.num_timesteps, statistics(vector_env), weights_of(agent.policy))
-
-
-def pack_network(
-    weights: Mapping[str, np.ndarray],
-    scale: Mapping[str, np.ndarray],
-    steps: int,
-    settings: TrainingSettings,
-    env: InfantEnv,
-) -> bytes:
-    """Return the content of a policy file from weights and statistics by the names that `load_policy` knows."""
-    return _packed(io.BytesIO(), settings, env, steps, scale, weights)
-
-
-def _packed(
-    content: io.BytesIO,
-    settings: TrainingSettings,
-    env: InfantEnv,
-    steps: int,
-    scale: Mapping[str, np.ndarray],
-    weights: Mapping[str, np.ndarray],
-) -> bytes:
     about = {
         "policy": VERSION,
         "infant": env.manifest.name,
-        "steps": steps,
+        "steps": agent.num_timesteps,
         "settings": settings.data(),
         **_interface(env),
     }
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(ABOUT, json.dumps(about, indent=1))
-        archive.writestr(SCALE, pack_arrays(scale))
-        archive.writestr(WEIGHTS, pack_arrays(weights), zipfile.ZIP_STORED)
+        archive.writestr(SCALE, pack_arrays(statistics(vector_env)))
+        archive.writestr(WEIGHTS, pack_arrays(weights_of(agent.policy)), zipfile.ZIP_STORED)
     return content.getvalue()
 
 

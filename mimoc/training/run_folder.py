@@ -23,7 +23,6 @@ from mimoc.training.settings import TrainingSettings
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
-ON_A_DEVICE = ("mujoco_warp", "warp_lang", "rsl_rl_lib")
 
 
 class RunFile(Model):
@@ -174,15 +173,11 @@ def _clear(path: Path) -> None:
     remove(path / BUNDLE)
 
 
-def _software(settings: TrainingSettings) -> dict[str, str]:
-    return versions(LIBRARIES if settings.device == "cpu" else (*LIBRARIES, *ON_A_DEVICE))
-
-
 def _write_description(
     path: Path, previous: RunFile | None, settings: TrainingSettings, bundle: Bundle, origin: Mapping[str, Any] | None
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
-    sessions, software = [dict(session) for session in previous.sessions] if previous else [], _software(settings)
+    sessions, software = [dict(session) for session in previous.sessions] if previous else [], versions(LIBRARIES)
     if software not in sessions[-1:]:
         sessions.append(software)
     if previous:  # A finished run may be called again with fewer steps.

@@ -26,8 +26,6 @@ class Hyperparameter:
     high: Number
 
 
-ON_DEVICE = "rsl_ppo"
-"""PPO by rsl_rl, for thousands of infants on a device."""
 _COMMON = {
     "gamma": Hyperparameter(0.98, 0.0, 1.0),
     "learning_rate": Hyperparameter(3e-4, 1e-8, 1.0),
@@ -55,24 +53,11 @@ HYPERPARAMETERS: Mapping[str, Mapping[str, Hyperparameter]] = {
         "tau": Hyperparameter(0.005, 1e-6, 1.0),
         "width": Hyperparameter(256, 1, 2**14),
     },
-    ON_DEVICE: {
-        **{name: item for name, item in _COMMON.items() if name != "batch_size"},
-        "clip_range": Hyperparameter(0.2, 1e-3, 10.0),
-        "ent_coef": Hyperparameter(0.002, 0.0, 10.0),
-        "gae_lambda": Hyperparameter(0.95, 0.0, 1.0),
-        "init_std": Hyperparameter(0.5, 1e-3, 10.0),
-        "max_grad_norm": Hyperparameter(0.5, 1e-3, 1e3),
-        "mini_batches": Hyperparameter(4, 1, 1000),
-        "n_epochs": Hyperparameter(4, 1, 1000),
-        "n_steps": Hyperparameter(24, 2, 2**14),
-        "width": Hyperparameter(128, 1, 2**14),
-    },
 }
 """Hyperparameters by algorithm. Those of the algorithm itself have Stable-Baselines3's names. Networks have `layers`
 hidden layers of `width` units. Observations are normalised: divided by their standard deviation, or by
 `observation_floor` (in the observation's unit) if they vary less, so that tremor of joints at rest is not amplified,
-and clipped at `observation_clip`. On a device the learning rate stays as it is: one that follows the divergence of
-policies, as is usual there, was unstable with 44 commands."""
+and clipped at `observation_clip`."""
 
 
 def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
@@ -138,8 +123,6 @@ class TrainingSettings:
     that growth takes, summed over all environments."""
     steps_per_episode: int | None = None
     """Control steps after which an episode is truncated; None in runs of earlier versions, which do not say it."""
-    device: str = "cpu"
-    """Where the infants live: `cpu`, or a device of `mimoc.make_vec`."""
 
     @classmethod
     def choose(
@@ -153,7 +136,6 @@ class TrainingSettings:
         custom: Mapping[str, str] = MappingProxyType({}),
         growth: Mapping[str, Any] = MappingProxyType({}),
         steps_per_episode: int | None = None,
-        device: str = "cpu",
     ) -> Self:
         """Return settings with defaults for the hyperparameters that are not given.
 
@@ -172,7 +154,7 @@ class TrainingSettings:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
         every = max(CHECKPOINT_EVERY, envs * (steps_per_episode or 0)) if checkpoint_every is None else checkpoint_every
         known = complete(algo, hyper), dict(custom), dict(growth), steps_per_episode
-        chosen = cls(algo, steps, seed, envs, every, *known, device)
+        chosen = cls(algo, steps, seed, envs, every, *known)
         if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
@@ -192,7 +174,7 @@ class TrainingSettings:
 
     def data(self) -> dict[str, Any]:
         """Return the settings as a dictionary for JSON."""
-        return {name: value for name, value in asdict(self).items() if name != "device" or value != "cpu"}
+        return asdict(self)
 
     def digest(self) -> str:
         """Return a name for all trainings with these settings, however long they are: their episodes are the same."""
@@ -209,8 +191,7 @@ class TrainingSettings:
 
     def options(self) -> list[str]:
         """Return the options of `mimoc train` that give these settings."""
-        options = ["--algo", self.algo] if self.device == "cpu" else ["--device", self.device]
-        options += ["--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
+        options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         options += ["--checkpoint-every", str(self.checkpoint_every)]
         options += ["--steps-per-episode", str(self.steps_per_episode)] if self.steps_per_episode else []
         options += ["--task", self.custom["task"]] if "task" in self.custom else []

@@ -3,15 +3,17 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecNormalize
 
-from mimoc.base.errors import MissingExtraError, TrainingError
+from mimoc.base.errors import TrainingError
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.compiler import pipeline
@@ -21,13 +23,14 @@ from mimoc.render.plots.file import encode, require_matplotlib
 from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.training.checkpoint import Progress, read_progress
+from mimoc.training.agents import has_learnt, make_agent, start_interval
+from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.learner import Learner
+from mimoc.training.policies import pack_policy
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.sb3_learner import Sb3Learner
-from mimoc.training.settings import ON_DEVICE, Number, TrainingSettings, check_learnable, episode_limit
-from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env
+from mimoc.training.settings import Number, TrainingSettings, check_learnable, episode_limit
+from mimoc.training.tracking import Recorder, RewardWatch, tracked
+from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
@@ -37,7 +40,7 @@ RowCallback = Callable[[CurvePoint], None]
 
 STEPS = 500_000
 """Training steps in the paper."""
-ENVS, ENVS_ON_DEVICE = 8, 4096
+ENVS = 8
 PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
 
@@ -51,8 +54,6 @@ class Training:
     """File of the trained policy, for `load_policy`."""
     resumed_at: int
     """Control steps at which the run was resumed; 0 if it was not."""
-    speed: str = ""
-    """What a device tells of its speed and its memory, in one line."""
 
 
 def train(
@@ -62,7 +63,7 @@ def train(
     algo: str = "ppo",
     steps: int = STEPS,
     seed: int = 0,
-    envs: int | None = None,
+    envs: int = ENVS,
     steps_per_episode: int | None = None,
     checkpoint_every: int | None = None,
     hyper: Mapping[str, Number] | None = None,
@@ -78,7 +79,6 @@ def train(
     grow_steps: int | None = None,
     record: str | Path | None = None,
     origin: Mapping[str, Any] | None = None,
-    device: str = "cpu",
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -94,7 +94,7 @@ def train(
         algo: `ppo` or `sac`.
         steps: Control steps, summed over all environments; the last rollout is completed.
         seed: Random seed.
-        envs: Number of parallel environments; by default 8, or 4,096 on a device.
+        envs: Number of parallel environments.
         steps_per_episode: Control steps after which an episode is truncated; by default those of the task, or, with a
             warning, 500 if it has none.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
@@ -117,9 +117,6 @@ def train(
         record: Folder to record every episode of the training in, for `mimoc.read_recording`; a training that is
             resumed continues it. It needs all environments together: leave out *processes*.
         origin: What the run belongs to, as plain data for `run.json`, such as the name of a cohort and of a job.
-        device: Where the infants live, as for `mimoc.make_vec`: `cpu`, or `cuda:0`, where rsl_rl's PPO learns, or
-            `warp:cpu` to try that. It has hyperparameters of its own (`rsl_ppo`), and on the same device the same seed
-            gives the same curve as far as that computes the same twice.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -139,10 +136,8 @@ def train(
         >>> training.curve.steps, training.policy.name
         (64, 'policy.zip')
     """
-    algo, envs = _learns_on(device, algo, envs, refused={"grow": grow, "record": record, "processes": processes})
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
-    asked = algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth
-    choose = partial(TrainingSettings.choose, *asked, device=device)
+    choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     choose(steps_per_episode)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
     open_one = partial(_open_one, open_variant(bundle), task, senses or {})
@@ -150,53 +145,13 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
-        _check_recordable(record, processes, [bundle] * settings.envs)
-        open_learner = _learner(settings, infant, open_one, growth_of(bundle, settings), (threads, processes))
+        if record is not None:
+            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
+        open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
+        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
+        session = _Session(settings, infant, open_envs, record, report, report_row)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
-            return _trained(folder, _Session(settings, open_learner, record, progress or _unheard, on_row or _unheard))
-
-
-def _learns_on(device: str, algo: str, envs: int | None, refused: Mapping[str, Any]) -> tuple[str, int]:
-    """Return what learns on a device in place of an algorithm on the CPU, and with how many environments.
-
-    Raises:
-        TrainingError: If it is another than PPO, or something is asked for that is not there on a device.
-        MissingExtraError: If rsl_rl is not installed.
-    """
-    if device == "cpu":
-        return algo, ENVS if envs is None else envs
-    if algo not in ("ppo", ON_DEVICE):
-        raise TrainingError(f"'{algo}' learns on the CPU only; on device '{device}' it is ppo: leave out --algo")
-    for name, value in refused.items():
-        if value is not None:
-            raise TrainingError(f"{name}: not there on device '{device}'; leave it out, or the device")
-    for module in ("rsl_rl", "mujoco_warp"):
-        try:
-            import_module(module)
-        except ImportError:
-            raise MissingExtraError(module, "gpu") from None
-    return ON_DEVICE, ENVS_ON_DEVICE if envs is None else envs
-
-
-def _learner(
-    settings: TrainingSettings, infant: InfantEnv, open_one: Callable[..., InfantEnv], growth: Any, shared: Any
-) -> Callable[[], Learner]:
-    """Return what opens the environments and what learns in them; *shared* is how their work is, on the CPU.
-
-    On a device, infants feel all points of their skin, as on the CPU, so that what they learn runs there, too.
-    """
-    if settings.device == "cpu":
-        open_envs = partial(make_vector_env, open_one, settings, growth, *shared)
-        return partial(Sb3Learner, settings, infant, open_envs)
-    from mimoc.runtime.device.vector_env import DeviceEnv
-    from mimoc.training.device_learner import DeviceLearner
-    from mimoc.training.rsl_env import RslEnv
-
-    def open_on_device() -> RslEnv:
-        limit, device = settings.steps_per_episode, settings.device.removeprefix("warp:")
-        return RslEnv(DeviceEnv([open_one()], settings.envs, device, "SameStep", limit, "torch", "points"), limit)
-
-    return partial(DeviceLearner, settings, infant, open_on_device)
+            return _trained(folder, session)
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,26 +159,23 @@ class _Session:
     """What a training has from its first interval to its last, besides its folder."""
 
     settings: TrainingSettings
-    open_learner: Callable[[], Learner]
-    """Opens what learns, with the parallel environments."""
+    infant: InfantEnv
+    """One like those that are trained."""
+    open_envs: Callable[[], VecNormalize]
+    """Opens the parallel environments."""
     record: str | Path | None
     """Folder to record the episodes in."""
     report: ProgressCallback
     on_row: RowCallback
+    watch: RewardWatch = field(default_factory=RewardWatch)
 
 
-def _unheard(*args: Any) -> None:
-    """Say nothing."""
-
-
-def _check_recordable(record: str | Path | None, processes: bool | None, bundles: Sequence[Bundle]) -> None:
-    """Check that a training can be recorded in a folder, if it is to be, before anything is written."""
-    if record is None:
-        return
+def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, before anything is written."""
     if processes is not None:
         advice = "leave out --processes and --one-process, or the recording"
         raise TrainingError(f"a training is recorded with all environments together; {advice}")
-    check_recordable(Path(record).expanduser(), bundles)
+    check_recordable(folder, bundles)
 
 
 def _open_one(infant: Variant, task: Any, senses: Mapping[str, Any], variants: Variants | None = None) -> InfantEnv:
@@ -243,35 +195,39 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
     checkpoint = folder.read_checkpoint()
     with _naming_checkpoint_of(folder):
         before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
-    speed = ""
     if before.steps < session.settings.steps:
         with ExitStack() as opened:
             opened.callback(torch.set_num_threads, torch.get_num_threads())
             torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
-            learner = session.open_learner()
-            opened.callback(learner.close)
+            env = session.open_envs()
+            opened.callback(_close, env)
+            agent = make_agent(env, session.settings)
             recording = None
             if session.record is not None:
-                recording = opened.enter_context(Recording(learner.infants, session.record))
-            reached = _train_to_end(folder, session, learner, recording)
-            speed = learner.speed()
+                together: Any = env.unwrapped
+                recording = opened.enter_context(Recording(together.infants.infants, session.record))
+            reached = _train_to_end(folder, session, agent, env, recording)
     _write_curve(folder, reached)
-    return Training(reached.curve, folder.path / POLICY, before.steps, speed)
+    return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
-def _train_to_end(folder: RunFolder, session: _Session, learner: Learner, recording: Recording | None) -> Progress:
+def _train_to_end(
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, recording: Recording | None
+) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
     settings = session.settings
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
-            reached = learner.restore(checkpoint)
-    with learner.tracked(folder.path):
+            reached = restore(checkpoint, agent, env)
+    with tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
+            seek(env, settings, reached.steps)
             if recording is not None:  # What a killed process has recorded of this interval comes again.
                 recording.mark(settings.digest(), reached.steps)
-            reached = _train_interval(folder, session, learner, reached)
-            folder.write_checkpoint(reached.steps, learner.policy(), learner.checkpoint(reached))
+            reached = _train_interval(folder, session, agent, env, reached)
+            policy = pack_policy(agent, env, settings, session.infant)
+            folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
             folder.write(CURVE, reached.curve.to_csv().encode())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write(PICTURE, _plot(reached))
@@ -279,19 +235,25 @@ def _train_to_end(folder: RunFolder, session: _Session, learner: Learner, record
     return reached
 
 
-def _train_interval(folder: RunFolder, session: _Session, learner: Learner, before: Progress) -> Progress:
+def _train_interval(
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, before: Progress
+) -> Progress:
     """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
-    settings, total = session.settings, session.settings.steps
-    interval = learner.interval(before, lambda done: session.report(min(done, total), total), session.on_row)
+    settings = session.settings
+    step_s, total = ms_to_s(session.infant.manifest.step_ms), settings.steps
+    recorder = Recorder(
+        before, step_s, lambda done: session.report(min(done, total), total), session.on_row, session.watch
+    )
+    start_interval(agent, settings.seed)
     try:
-        interval.learn(settings.end_of_interval(before.steps))
+        agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
     except BaseException:  # Ctrl-C, or an error in a task of the user's own.
         with suppress(Exception):  # That one is what matters.
-            if learner.has_learnt():
-                folder.write(POLICY, learner.policy())
-            _write_curve(folder, interval.progress())
+            if has_learnt(agent):
+                folder.write(POLICY, pack_policy(agent, env, settings, session.infant))
+            _write_curve(folder, recorder.progress())
         raise
-    return interval.progress()
+    return recorder.progress()
 
 
 def _write_curve(folder: RunFolder, progress: Progress) -> None:
@@ -301,6 +263,11 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
+
+
+def _close(env: VecNormalize) -> None:
+    with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
+        env.close()
 
 
 @contextmanager
