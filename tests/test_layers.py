@@ -113,8 +113,8 @@ LAYERS = {
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording opening",
-        "gymnasium mujoco stable_baselines3 torch tensorboard",
+        f"{BUILDING} compiler {RUNNING} device plots rollout policies recording opening",
+        "gymnasium mujoco stable_baselines3 torch tensorboard rsl_rl tensordict",
     ),
     "movement": layer(
         "movement", f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening", "mujoco scipy PIL"
@@ -145,7 +145,7 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ plugin vector_environments registration notebook",
+        "__init__ plugin vector_environments policy_files registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
         "opening viewer studies motion movement retargeting",
         "gymnasium",
