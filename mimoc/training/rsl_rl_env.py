@@ -1,5 +1,7 @@
 """Many infants on a device as rsl_rl learns from them."""
 
+from collections.abc import Callable
+from functools import wraps
 from types import MappingProxyType
 from typing import Any
 
@@ -23,6 +25,17 @@ LIMIT = 2**31 - 1
 """Length of episodes that nothing ends, as a number."""
 
 
+def without_gradients(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method that computes no gradients, and whose tensors can be written to after rsl_rl's inference mode."""
+
+    @wraps(method)
+    def inner(*arguments: Any) -> Any:
+        with torch.inference_mode(False), torch.no_grad():
+            return method(*arguments)
+
+    return inner
+
+
 class InfantRslEnv(VecEnv):
     """rsl_rl's view of many infants: those whose episode ends are reset in the same step.
 
@@ -42,7 +55,7 @@ class InfantRslEnv(VecEnv):
         space: Any = infants.single_action_space
         self.infants, self.num_envs, self.num_actions = infants, infants.num_envs, space.shape[0]
         limits = infants.worlds.ended.limits
-        self.max_episode_length: int = min(int(limits.max()), LIMIT)
+        self.max_episode_length = min(int(limits.max()), LIMIT)
         """Control steps after which the longest episode is truncated."""
         self.device, self.cfg = limits.device, MappingProxyType[str, Any]({})
         self.reset(seed)
@@ -56,14 +69,17 @@ class InfantRslEnv(VecEnv):
     def episode_length_buf(self, steps: torch.Tensor) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
         self.infants.worlds.ended.steps.copy_(steps)
 
+    @without_gradients
     def reset(self, seed: int | None = None) -> TensorDict:
         """Begin an episode of each infant, and return what they observe."""
         return self._grouped(self.infants.reset(seed=seed)[0])
 
+    @without_gradients
     def get_observations(self) -> TensorDict:
         """Return what the infants observe."""
         return self._grouped(self.infants.worlds.observation)
 
+    @without_gradients
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
         """Make a control step with an action of each infant, shape (num_envs, num_actions).
 
