@@ -29,9 +29,9 @@ def without_gradients(method: Callable[..., Any]) -> Callable[..., Any]:
     """Return a method that computes no gradients, and whose tensors can be written to after rsl_rl's inference mode."""
 
     @wraps(method)
-    def inner(*arguments: Any) -> Any:
+    def inner(*arguments: Any, **named: Any) -> Any:
         with torch.inference_mode(False), torch.no_grad():
-            return method(*arguments)
+            return method(*arguments, **named)
 
     return inner
 
