@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import torch
-import warp as wp
 from rsl_rl.algorithms import PPO
 from rsl_rl.models import MLPModel
 from rsl_rl.modules import EmpiricalNormalization
@@ -21,6 +20,7 @@ from mimoc.policies.network import Network, pack_network
 from mimoc.runtime.device.arrays import present, put
 from mimoc.runtime.device.episode_ends import DeviceTask
 from mimoc.runtime.device.signals import check_infant, find_device
+from mimoc.runtime.device.usage import most_memory_mb, only_warnings
 from mimoc.runtime.device.vector_env import DeviceEnv, StartingInfant
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.agents import Modules, interval_seed
@@ -161,12 +161,12 @@ class DeviceLearner:
             return
         storage: Any = self._ppo.storage
         parts = self._ppo.num_learning_epochs * self._ppo.num_mini_batches
-        told = {f"train/{name}": value * parts / storage.parts for name, value in losses.items()}
-        told |= {"train/parts": storage.parts, "train/std": float(self._ppo.actor.output_std.detach().mean())}
+        numbers = {f"train/{name}": value * parts / storage.parts for name, value in losses.items()}
+        numbers |= {"train/parts": storage.parts, "train/std": float(self._ppo.actor.output_std.detach().mean())}
         if row.episodes:
-            told |= {"rollout/ep_rew_mean": row.episode_return, "rollout/ep_len_mean": row.episode_steps}
-            told |= {"rollout/success_rate": row.success_rate}
-        for name, value in told.items():
+            numbers |= {"rollout/ep_rew_mean": row.episode_return, "rollout/ep_len_mean": row.episode_steps}
+            numbers |= {"rollout/success_rate": row.success_rate}
+        for name, value in numbers.items():
             self._logger.record(name, value)
         self._logger.dump(row.steps)
 
@@ -188,11 +188,8 @@ class DeviceLearner:
         """Return what was taken of the device."""
         manifest, device = self._infant.manifest, self._env.infants.device
         rate = self._steps / max(self._taken_s, 1e-9)
-        period, memory_mb = to_steps(manifest.step_ms, manifest.timestep_ms), None
-        if device.is_cuda:
-            taken = torch.cuda.max_memory_reserved(self._env.device) + wp.get_mempool_used_mem_high(device)
-            memory_mb = taken / 1e6
-        return DeviceUse(f"{device.name} ({self._settings.device})", rate, rate * period, memory_mb, self._overflowed)
+        period, name = to_steps(manifest.step_ms, manifest.timestep_ms), f"{device.name} ({self._settings.device})"
+        return DeviceUse(name, rate, rate * period, most_memory_mb(device), self._overflowed)
 
 
 def make_ppo(env: InfantRslEnv, settings: TrainingSettings) -> PPO:
@@ -254,8 +251,7 @@ def device_learner(
     settings: TrainingSettings, infant: InfantEnv, open_one: Callable[..., InfantEnv]
 ) -> Iterator[DeviceLearner]:
     """Open the infants on their device, and what learns from them; Warp says nothing of its kernels meanwhile."""
-    kept, wp.config.log_level = wp.config.log_level, wp.LOG_WARNING
-    try:
+    with only_warnings():
         infants = DeviceEnv(
             [open_one(kind=StartingInfant)],
             settings.envs,
@@ -266,5 +262,3 @@ def device_learner(
         )
         with closing(infants):
             yield DeviceLearner(settings, infant, InfantRslEnv(infants, settings.seed))
-    finally:
-        wp.config.log_level = kept

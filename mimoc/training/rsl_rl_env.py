@@ -92,10 +92,10 @@ class InfantRslEnv(VecEnv):
             MimocError: As `DeviceEnv.step` does.
         """
         observation, reward, terminated, truncated, info = self.infants.step(actions)
-        told = {name: info[name] for name in ("is_success", "overflowed")}
-        log = {f"/{name}": flags.float().mean() for name, flags in told.items()}
+        flags_by_name = {name: info[name] for name in ("is_success", "overflowed")}
+        log = {f"/{name}": flags.float().mean() for name, flags in flags_by_name.items()}
         log |= {f"/reward_terms/{name}": term.float().mean() for name, term in info["reward_terms"].items()}
-        extras = {"time_outs": truncated & ~terminated, **told, "log": log}
+        extras = {"time_outs": truncated & ~terminated, **flags_by_name, "log": log}
         return self._grouped(observation), reward.float(), terminated | truncated, extras
 
     def close(self) -> None:

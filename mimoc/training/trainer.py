@@ -1,7 +1,7 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -21,12 +21,12 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.checkpoint import Progress, read_progress
 from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.learner import DeviceUse, Learner, device_learner, refuse_on_device
+from mimoc.training.learner import DeviceUse, Learner
+from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_on_device
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.sb3_learner import sb3_learner
 from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
 from mimoc.training.tracking import tracked
-from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env
+from mimoc.training.vector_env import growth_settings
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
@@ -137,8 +137,7 @@ def train(
         >>> training.curve.steps, training.policy.name
         (64, 'policy.zip')
     """
-    if device != CPU:
-        refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
+    refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     choose(steps_per_episode, device)  # Fails now if a setting is out of range.
@@ -148,15 +147,9 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode), device)
-        if record is not None:
-            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
-        if device == CPU:
-            open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
-            open_learner = partial(sb3_learner, settings, infant, open_envs, record)
-        else:
-            open_learner = device_learner(settings, infant, open_one)
-        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
-        session = _Session(settings, infant, open_learner, report, report_row)
+        _check_recordable(record, processes, [bundle] * settings.envs)
+        open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
+        session = _Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
 
@@ -166,20 +159,20 @@ class _Session:
     """What a training has from its first interval to its last, besides its folder."""
 
     settings: TrainingSettings
-    infant: InfantEnv
-    """One like those that are trained."""
-    open_learner: Callable[[], AbstractContextManager[Learner]]
+    open_learner: LearnerOpener
     """Opens the parallel environments, and what learns from them."""
     report: ProgressCallback
     on_row: RowCallback
 
 
-def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
-    """Check that a training can be recorded in a folder, before anything is written."""
+def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, if it is, before anything is written."""
+    if folder is None:
+        return
     if processes is not None:
         advice = "leave out --processes and --one-process, or the recording"
         raise TrainingError(f"a training is recorded with all environments together; {advice}")
-    check_recordable(folder, bundles)
+    check_recordable(Path(folder).expanduser(), bundles)
 
 
 def _open_one(

@@ -14,7 +14,7 @@ import mimoc
 from mimoc.base.errors import MimocError, PolicyError
 from mimoc.bundle.arrays import unpack_arrays
 from mimoc.policies.archive import Archive
-from mimoc.training import learner
+from mimoc.training import learner_choice
 from mimoc.training.agents import restore_state
 from mimoc.training.device_learner import make_ppo
 from mimoc.training.rsl_rl_env import InfantRslEnv
@@ -198,4 +198,4 @@ def test_rsl_rls_own_runner_learns(bundle, capsys):
 def test_the_table_of_refusals_names_options_of_training():
     from inspect import signature
 
-    assert learner.ONLY_ON_CPU.keys() <= signature(mimoc.train).parameters.keys()
+    assert learner_choice.ONLY_ON_CPU.keys() <= signature(mimoc.train).parameters.keys()
