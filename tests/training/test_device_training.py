@@ -85,8 +85,8 @@ def test_its_policy_acts_on_the_cpu_as_on_the_device(bundle, device_run):
         with torch.no_grad():
             wanted = ppo.actor(env.get_observations()).clamp(-1, 1).numpy()
         seen = {name: array.numpy().copy() for name, array in env.infants.worlds.observation.items()}
-    infant = mimoc.make(bundle).unwrapped
-    policy = mimoc.load_policy(device_run / "policy.zip")(infant)
+    infant: Any = mimoc.make(bundle).unwrapped
+    policy: Any = mimoc.load_policy(device_run / "policy.zip")(infant)
     assert np.abs(policy(None, seen) - wanted).max() < 1e-4
     for row in range(4):
         alone = policy(None, {name: array[row] for name, array in seen.items()})
@@ -116,7 +116,7 @@ def test_commands_run_its_policy(device_run, invoke):
 
 
 def test_a_policy_for_another_infant_or_a_damaged_one_is_refused(device_run, built, tmp_path):
-    other = mimoc.make(built(senses={"vestibular": {}})).unwrapped
+    other: Any = mimoc.make(built(senses={"vestibular": {}})).unwrapped
     with pytest.raises(PolicyError, match="trained for a different infant, 'reaching': observation"):
         mimoc.load_policy(device_run / "policy.zip")(other)
     content = (device_run / "policy.zip").read_bytes()
