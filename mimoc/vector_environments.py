@@ -166,12 +166,15 @@ def rsl_rl_env(
     """
     if device == "cpu":
         raise MimocError("rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out")
+    from mimoc.runtime.device.usage import only_warnings
     from mimoc.training.rsl_rl_env import InfantRslEnv
 
-    if not isinstance(source, VectorEnv):
-        fixed: dict[str, Any] = {"arrays": "torch", "autoreset_mode": AutoresetMode.SAME_STEP}
-        source = make_vec(source, num_envs, device=device, **fixed, **options)  # pyright: ignore[reportAssignmentType]
-    return InfantRslEnv(cast("DeviceEnv", source), seed)
+    with only_warnings():
+        if not isinstance(source, VectorEnv):
+            fixed: dict[str, Any] = {"arrays": "torch", "autoreset_mode": AutoresetMode.SAME_STEP}
+            made: Any = make_vec(source, num_envs, device=device, **fixed, **options)
+            return InfantRslEnv(made, seed)
+        return InfantRslEnv(cast("DeviceEnv", source), seed)
 
 
 def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | DeviceEnv":
