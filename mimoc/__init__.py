@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from mimoc.movement import measure_movement as measure_movement
     from mimoc.plugins import register as register
     from mimoc.policies.many import policy_vec as policy_vec
+    from mimoc.policy_files import load_policy as load_policy
     from mimoc.recording import record as record
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.reading import read_recording as read_recording
@@ -50,8 +51,8 @@ if TYPE_CHECKING:
     from mimoc.studies.milestones import validate_milestones as validate_milestones
     from mimoc.studies.movement import validate_movement as validate_movement
     from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
-    from mimoc.training import evaluate as evaluate, load_policy as load_policy, train as train
-    from mimoc.vector_environments import make_vec as make_vec, sb3_vec_env as sb3_vec_env
+    from mimoc.training import evaluate as evaluate, train as train
+    from mimoc.vector_environments import make_vec as make_vec, rsl_rl_env as rsl_rl_env, sb3_vec_env as sb3_vec_env
     from mimoc.version import __version__ as __version__
     from mimoc.viewer.viewing import View as View, view as view
 

@@ -7,9 +7,9 @@ from copy import deepcopy
 from functools import partial
 from numbers import Integral
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast, runtime_checkable
 
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc import environments
 from mimoc.base.errors import MimocError, UnknownNameError
@@ -21,6 +21,7 @@ from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
     from mimoc.runtime.device.vector_env import DeviceEnv
+    from mimoc.training.rsl_rl_env import InfantRslEnv
     from mimoc.training.vector_env import VecMonitor
 
 Source = Bundle | InfantSpec | str | Path
@@ -135,6 +136,45 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
             stacklevel=2,
         )
     return monitored(infants)
+
+
+def rsl_rl_env(
+    source: "Sources | DeviceEnv", num_envs: int | None = None, device: str = "cuda:0", seed: int = 0, **options: Any
+) -> "InfantRslEnv":
+    """Return many infants on a device as an environment of rsl_rl, to learn from with its `OnPolicyRunner`.
+
+    Its observations have one group, `policy`: all that an infant observes, in the order of sorted names. An infant
+    whose episode ends is reset in the same step.
+
+    Args:
+        source: As for `make_vec`, or what `make_vec` returned with `arrays="torch"` and `autoreset_mode="SameStep"`.
+        num_envs: Number of infants; by default, as many as sources.
+        device: As for `make_vec`, but for `cpu`: `cuda:0`, say, or `warp:cpu` to try it out.
+        seed: Infant i begins with the start of seed + i.
+        options: Others of `make_vec` on a device, such as `task` and `max_episode_steps`.
+
+    Raises:
+        MissingExtraError: If MuJoCo Warp or rsl_rl is not installed.
+        MimocError: If the infants see images, or are on the CPU; and as `make_vec` does.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.rsl_rl_env("reach.yaml", num_envs=2, device="warp:cpu", max_episode_steps=100)
+        >>> env.get_observations()["policy"].shape[0], env.num_envs, env.max_episode_length
+        (2, 2, 100)
+        >>> env.close()
+    """
+    if device == "cpu":
+        raise MimocError("rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out")
+    from mimoc.runtime.device.usage import only_warnings
+    from mimoc.training.rsl_rl_env import InfantRslEnv
+
+    with only_warnings():
+        if not isinstance(source, VectorEnv):
+            fixed: dict[str, Any] = {"arrays": "torch", "autoreset_mode": AutoresetMode.SAME_STEP}
+            made: Any = make_vec(source, num_envs, device=device, **fixed, **options)
+            return InfantRslEnv(made, seed)
+        return InfantRslEnv(cast("DeviceEnv", source), seed)
 
 
 def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | DeviceEnv":

@@ -29,7 +29,6 @@ BROUGHT_ALONG = {
     "pydantic_core": "pydantic",
     "glfw": "mujoco",
     "websockets": "viser",
-    "tensordict": "rsl-rl-lib",
 }
 """What is imported without being asked for, and what needs it."""
 

@@ -145,7 +145,7 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ plugin vector_environments registration notebook",
+        "__init__ plugin vector_environments policy_files registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
         "opening viewer studies motion movement retargeting",
         "gymnasium",

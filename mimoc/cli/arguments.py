@@ -89,7 +89,7 @@ def load_infant(path: Path) -> "Bundle":
 
 def load_trained(path: str) -> "PolicyMaker":
     """Return the trained policy in a file; PyTorch is only imported when there is one."""
-    from mimoc.training import load_policy
+    from mimoc.policy_files import load_policy
 
     return load_policy(path)
 

@@ -53,6 +53,10 @@ Record = Annotated[
 GrowSteps = Annotated[
     int | None, typer.Option(min=1, help="Control steps that growth takes, summed over all environments; default: all.")
 ]
+Device = Annotated[
+    str,
+    typer.Option(help="Where the infants live and learn: cpu, cuda:0 (needs `mimoc[gpu]`), or warp:cpu to try that."),
+]
 
 
 def train(
@@ -61,7 +65,7 @@ def train(
     algo: Annotated[str, typer.Option(help="Learning algorithm: ppo or sac.")] = "ppo",
     steps: Steps = 500_000,
     seed: Annotated[int, typer.Option(min=0, help="Random seed; the same seed gives the same result.")] = 0,
-    envs: Annotated[int, typer.Option(min=1, max=1024, help="Number of parallel environments.")] = 8,
+    envs: Annotated[int, typer.Option(min=1, max=65536, help="Number of parallel environments.")] = 8,
     steps_per_episode: StepsPerEpisode = None,
     checkpoint_every: CheckpointEvery = None,
     assignments: Assignments = None,
@@ -72,18 +76,20 @@ def train(
     schedule: Schedule = "grown",
     grow_steps: GrowSteps = None,
     record: Record = None,
+    device: Device = "cpu",
     force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
     from mimoc.cli import training_output
-    from mimoc.training.settings import parse
+    from mimoc.training.settings import check_envs, parse
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
-    others |= {"threads": threads, "processes": processes, "force": force}
+    others |= {"threads": threads, "processes": processes, "force": force, "device": device}
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": checkpoint_every}
+    check_envs(envs, device)
     bundle = load_infant(infant)
-    others |= {"hyper": parse(algo, assignments or []), "task": import_object(task) if task else None}
+    others |= {"hyper": parse(algo, assignments or [], device), "task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):
         others |= {"progress": show.report, "on_row": show.on_row}
         done = training.train(bundle, out, algo=algo, steps=steps, seed=seed, envs=envs, **others)

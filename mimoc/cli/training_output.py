@@ -13,6 +13,7 @@ from mimoc.cli import console
 from mimoc.cli.terminal import printable
 from mimoc.quantities.outcome import CURVE
 from mimoc.training import CurvePoint, Training
+from mimoc.training.learner import DeviceUse
 
 PACKAGE = Path(__file__).parents[1]
 LINES_S, LINES_SHARE = 10.0, 1 / 20
@@ -97,9 +98,18 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
     opened.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     opened.print(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
+    if training.use:
+        opened.print(_taken(training.use))
     option = f" --task {task}" if task else ""
     tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{option}"
     print(printable(f"{out}: {tried}"))
+
+
+def _taken(use: DeviceUse) -> str:
+    """Return what a training took of a device, in one line."""
+    memory = f", {use.memory_mb:,.0f} MB of its memory" if use.memory_mb is not None else ""
+    speed = f"{use.control_steps_per_s:,.0f} control steps/s, {use.physics_steps_per_s:,.0f} physics steps/s"
+    return f"on {use.device}: {speed}{memory}; {use.overflowed} episodes cut where contacts did not fit"
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Cell, Code, Details, Drawings, Page, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
-from mimoc.training.settings import HYPERPARAMETERS
+from mimoc.training.settings import hyperparameters_of
 from mimoc.version import __version__
 
 NAMES = {
@@ -129,7 +129,7 @@ def _settings(run: RunFile) -> Section:
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
     rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in (run.origin or {}).items()]
-    defaults = {name: _text(item.default) for name, item in HYPERPARAMETERS.get(settings.algo, {}).items()}
+    defaults = {name: _text(item.default) for name, item in hyperparameters_of(settings.algo, settings.device).items()}
     hyper = [
         (Cell(name, "code"), number(_text(value)), number(defaults.get(name, "")))
         for name, value in sorted(settings.hyper.items())

@@ -25,6 +25,10 @@ _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SA
 _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
+Modules = Mapping[str, torch.nn.Module | torch.optim.Optimizer]
+"""Networks and optimisers, by name."""
+
+
 def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
     """Return an untrained agent; the same seed gives the same initial weights."""
     return _ALGORITHMS[settings.algo](
@@ -91,7 +95,12 @@ def agent_state(agent: BaseAlgorithm) -> dict[str, np.ndarray]:
     (`policy.optimizer/0/exp_avg`), and of variables (`log_ent_coef`).
     """
     modules, variables = _learnt(agent)
-    state = {name: getattr(agent, name).numpy(force=True) for name in variables}
+    return {**{name: getattr(agent, name).numpy(force=True) for name in variables}, **state_of(modules)}
+
+
+def state_of(modules: Modules) -> dict[str, np.ndarray]:
+    """Return the weights of networks and what optimisers know, with names as in `agent_state`."""
+    state = dict[str, np.ndarray]()
     for name, module in modules.items():
         if isinstance(module, torch.optim.Optimizer):
             known = module.state_dict()["state"].items()
@@ -104,15 +113,20 @@ def agent_state(agent: BaseAlgorithm) -> dict[str, np.ndarray]:
 def restore_agent(agent: BaseAlgorithm, state: Mapping[str, np.ndarray]) -> None:
     """Restore what `agent_state` has returned; raise a Key-, Runtime- or ValueError if it is of another agent."""
     modules, variables = _learnt(agent)
+    restore_state(modules, state)
+    with torch.no_grad():
+        for name in variables:  # In place: an optimiser holds a reference to it.
+            getattr(agent, name).copy_(torch.from_numpy(state[name].copy()))
+
+
+def restore_state(modules: Modules, state: Mapping[str, np.ndarray]) -> None:
+    """Restore what `state_of` has returned; raise a Key-, Runtime- or ValueError if it is of other networks."""
     for name, module in modules.items():
         part = {key.removeprefix(f"{name}/"): array for key, array in state.items() if key.startswith(f"{name}/")}
         if isinstance(module, torch.optim.Optimizer):
             _restore_optimiser(module, part)
         else:
             set_weights(module, part)
-    with torch.no_grad():
-        for name in variables:  # In place: an optimiser holds a reference to it.
-            getattr(agent, name).copy_(torch.from_numpy(state[name].copy()))
 
 
 ADAM = ("step", "exp_avg", "exp_avg_sq")

@@ -15,11 +15,12 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import parse_json
+from mimoc.policies.archive import DAMAGED, Archive
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
-from mimoc.training.agents import agent_state, restore_agent
+from mimoc.training.agents import Modules, agent_state, restore_agent, restore_state, state_of
 from mimoc.training.curve import Curve
-from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS, Archive
+from mimoc.training.policies import OF_TORCH, SCALE, WEIGHTS
 from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"
@@ -52,8 +53,7 @@ def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
     """Return the content of a checkpoint file: all that an agent has learnt, statistics, replay buffer and progress."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
-        archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
-        archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
+        _pack_progress(archive, progress)
         archive.writestr(WEIGHTS, pack_arrays(agent_state(agent)))
         archive.writestr(SCALE, pack_arrays(statistics(env)), zipfile.ZIP_DEFLATED)
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
@@ -77,6 +77,26 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
     return progress
 
 
+def pack_modules(modules: Modules, progress: Progress) -> bytes:
+    """Return the content of a checkpoint file of networks with their statistics, optimisers and progress."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        _pack_progress(archive, progress)
+        archive.writestr(WEIGHTS, pack_arrays(state_of(modules)))
+    return content.getvalue()
+
+
+def restore_modules(content: bytes, modules: Modules) -> Progress:
+    """Restore what `pack_modules` has packed; return the progress at that point.
+
+    Raises:
+        TrainingError: If the file is damaged or belongs to other networks.
+    """
+    with _opened(content) as archive:
+        restore_state(modules, unpack_arrays(archive.content(WEIGHTS)))
+        return _progress(archive)
+
+
 def read_progress(content: bytes) -> Progress:
     """Return the progress stored in a checkpoint file, or raise a TrainingError if the file is damaged."""
     with _opened(content) as archive:
@@ -94,6 +114,11 @@ def _opened(content: bytes) -> Iterator[Archive]:
     except DAMAGED:
         raise TrainingError(UNUSABLE) from None
     raise TrainingError(OUTDATED)
+
+
+def _pack_progress(archive: zipfile.ZipFile, progress: Progress) -> None:
+    archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
+    archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
 
 
 def _progress(archive: Archive) -> Progress:

@@ -13,16 +13,18 @@ from mimoc.base.errors import BundleError, MimocError, OutputError, TrainingErro
 from mimoc.bundle.files import check_unlinked, discard, make_folder, remove, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
+from mimoc.policies.archive import MOST_BYTES
 from mimoc.recording.folder import digest, lock_folder, versions
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded
 from mimoc.training.curve import Curve
-from mimoc.training.policies import MOST_BYTES
-from mimoc.training.settings import TrainingSettings
+from mimoc.training.settings import CPU, TrainingSettings
 
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
+DEVICE_LIBRARIES = ("mujoco", "mujoco-warp", "warp-lang", "gymnasium", "numpy", "torch", "rsl-rl-lib")
+"""Of a training on a device."""
 
 
 class RunFile(Model):
@@ -177,7 +179,8 @@ def _write_description(
     path: Path, previous: RunFile | None, settings: TrainingSettings, bundle: Bundle, origin: Mapping[str, Any] | None
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
-    sessions, software = [dict(session) for session in previous.sessions] if previous else [], versions(LIBRARIES)
+    sessions = [dict(session) for session in previous.sessions] if previous else []
+    software = versions(LIBRARIES if settings.device == CPU else DEVICE_LIBRARIES)
     if software not in sessions[-1:]:
         sessions.append(software)
     if previous:  # A finished run may be called again with fewer steps.

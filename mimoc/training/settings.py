@@ -59,17 +59,46 @@ hidden layers of `width` units. Observations are normalised: divided by their st
 `observation_floor` (in the observation's unit) if they vary less, so that tremor of joints at rest is not amplified,
 and clipped at `observation_clip`."""
 
+CPU = "cpu"
+"""The device of infants in MuJoCo itself; all others are those of MuJoCo Warp, where rsl_rl learns."""
+DEVICE_HYPERPARAMETERS: Mapping[str, Mapping[str, Hyperparameter]] = {
+    "ppo": {
+        **{name: item for name, item in HYPERPARAMETERS["ppo"].items() if name != "batch_size"},
+        "init_std": Hyperparameter(0.6, 1e-3, 10.0),
+        "max_grad_norm": Hyperparameter(1.0, 1e-3, 1e6),
+        "mini_batches": Hyperparameter(4, 1, 2**20),
+        "n_epochs": Hyperparameter(5, 1, 1000),
+        "n_steps": Hyperparameter(32, 2, 2**20),
+        "target_kl": Hyperparameter(0.03, 1e-6, 1e6),
+        "width": Hyperparameter(256, 1, 2**14),
+    }
+}
+"""Likewise on a device, for thousands of infants. The learning rate stays as it is: with the many commands of an
+infant, one that follows the KL divergence is unstable. An update has `n_epochs` passes over the rollout in
+`mini_batches` parts, and ends early where that divergence exceeds `target_kl`. Gradients are clipped at
+`max_grad_norm`. Commands are drawn with a deviation of `init_std` at first."""
 
-def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
+
+def hyperparameters_of(algo: str, device: str = CPU) -> Mapping[str, Hyperparameter]:
+    """Return the hyperparameters of an algorithm, by name.
+
+    Raises:
+        UnknownNameError: If there is no such algorithm on the device.
+    """
+    tables = HYPERPARAMETERS if device == CPU else DEVICE_HYPERPARAMETERS
+    if algo not in tables:
+        raise UnknownNameError("learning algorithm" + ("" if device == CPU else " on a device"), algo, tables)
+    return tables[algo]
+
+
+def complete(algo: str, chosen: Mapping[str, Number], device: str = CPU) -> dict[str, Number]:
     """Return all hyperparameters of an algorithm, with defaults for those that were not chosen.
 
     Raises:
         UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
         TrainingError: If a value is out of range.
     """
-    if algo not in HYPERPARAMETERS:
-        raise UnknownNameError("learning algorithm", algo, HYPERPARAMETERS)
-    known = HYPERPARAMETERS[algo]
+    known = hyperparameters_of(algo, device)
     for name in chosen.keys() - known.keys():
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
     values: dict[str, Number] = {}
@@ -82,7 +111,7 @@ def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
     return values
 
 
-def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
+def parse(algo: str, assignments: list[str], device: str = CPU) -> dict[str, Number]:
     """Return the hyperparameters set by assignments such as `learning_rate=1e-3`.
 
     Raises:
@@ -96,7 +125,7 @@ def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
             chosen[name] = float(value)
         except ValueError:
             raise TrainingError(f"'{text}' is not an assignment; write NAME=NUMBER, such as gamma=0.99") from None
-    completed = complete(algo, chosen)
+    completed = complete(algo, chosen, device)
     return {name: completed[name] for name in chosen}
 
 
@@ -123,6 +152,8 @@ class TrainingSettings:
     that growth takes, summed over all environments."""
     steps_per_episode: int | None = None
     """Control steps after which an episode is truncated; None in runs of earlier versions, which do not say it."""
+    device: str = CPU
+    """Where the infants live, as for `mimoc.make_vec`."""
 
     @classmethod
     def choose(
@@ -136,6 +167,7 @@ class TrainingSettings:
         custom: Mapping[str, str] = MappingProxyType({}),
         growth: Mapping[str, Any] = MappingProxyType({}),
         steps_per_episode: int | None = None,
+        device: str = CPU,
     ) -> Self:
         """Return settings with defaults for the hyperparameters that are not given.
 
@@ -153,9 +185,11 @@ class TrainingSettings:
         if seed < 0:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
         every = max(CHECKPOINT_EVERY, envs * (steps_per_episode or 0)) if checkpoint_every is None else checkpoint_every
-        known = complete(algo, hyper), dict(custom), dict(growth), steps_per_episode
+        known = complete(algo, hyper, device), dict(custom), dict(growth), steps_per_episode, device
         chosen = cls(algo, steps, seed, envs, every, *known)
-        if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
+        if device != CPU:
+            _check_parts(chosen)
+        elif algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
                 f"{chosen.hyper['batch_size']}; choose a batch_size that divides it"
@@ -173,8 +207,9 @@ class TrainingSettings:
         return -(-wanted // self.rollout_steps) * self.rollout_steps
 
     def data(self) -> dict[str, Any]:
-        """Return the settings as a dictionary for JSON."""
-        return asdict(self)
+        """Return the settings as a dictionary for JSON; the device only if it is not the CPU."""
+        data = asdict(self)
+        return data if self.device != CPU else {name: value for name, value in data.items() if name != "device"}
 
     def digest(self) -> str:
         """Return a name for all trainings with these settings, however long they are: their episodes are the same."""
@@ -193,10 +228,11 @@ class TrainingSettings:
         """Return the options of `mimoc train` that give these settings."""
         options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         options += ["--checkpoint-every", str(self.checkpoint_every)]
+        options += ["--device", self.device] if self.device != CPU else []
         options += ["--steps-per-episode", str(self.steps_per_episode)] if self.steps_per_episode else []
         options += ["--task", self.custom["task"]] if "task" in self.custom else []
         options += [part for name, value in self.growth.items() for part in (f"--{name.replace('_', '-')}", str(value))]
-        defaults = HYPERPARAMETERS[self.algo]
+        defaults = hyperparameters_of(self.algo, self.device)
         changed = {name: value for name, value in self.hyper.items() if value != defaults[name].default}
         return options + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
 
@@ -204,7 +240,25 @@ class TrainingSettings:
 def _flat(settings: TrainingSettings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
-    return {**data.pop("hyper"), **data.pop("custom"), **data.pop("growth"), **data}
+    return {**data.pop("hyper"), **data.pop("custom"), **data.pop("growth"), **data, "device": settings.device}
+
+
+def check_envs(envs: int, device: str) -> None:
+    """Raise a TrainingError if there are more infants than anyone has on the CPU, where they need memory and time."""
+    if device == CPU and envs > MOST_ON_CPU:
+        raise TrainingError(f"envs: expected at most {MOST_ON_CPU} on the CPU, got {envs}; give fewer, or a --device")
+
+
+MOST_ON_CPU = 1024
+
+
+def _check_parts(settings: TrainingSettings) -> None:
+    """Check that a rollout has whole parts to learn from."""
+    if settings.rollout_steps % (parts := settings.hyper["mini_batches"]):
+        raise TrainingError(
+            f"a rollout of {settings.rollout_steps} steps (n_steps x envs) has no {parts} equal parts; choose "
+            "mini_batches that divide it"
+        )
 
 
 MIN_IMAGE_PX = 36

@@ -11,7 +11,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy.typing as npt
-from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import KVWriter, Logger
 
@@ -27,20 +26,19 @@ ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
 
 
 @contextmanager
-def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[None]:
-    """Let an agent tell its trackers what Stable-Baselines3 logs, or raise a MimocError if one of them cannot begin."""
+def tracked(folder: Path, settings: Mapping[str, Any], steps: int) -> Iterator[Logger]:
+    """Open all trackers of a training that goes on after some steps, or raise a MimocError if one cannot begin."""
     with ExitStack() as opened:
         writers = list[KVWriter]()
-        for writer in _writers(agent, folder, settings):
+        for writer in _writers(folder, settings, steps):
             opened.callback(writer.close)
             writers.append(writer)
-        agent.set_logger(Logger(str(folder), writers))
-        yield
+        yield Logger(str(folder), writers)
 
 
-def _writers(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[KVWriter]:
+def _writers(folder: Path, settings: Mapping[str, Any], steps: int) -> Iterator[KVWriter]:
     with suppress(ImportError):  # An installation from before it was part of `mimoc[train]`.
-        yield _tensorboard(make_folder(folder / TENSORBOARD, below=folder), agent.num_timesteps)
+        yield _tensorboard(make_folder(folder / TENSORBOARD, below=folder), steps)
     for name, begin in {"wandb": _wandb, "mlflow": _mlflow}.items():
         if ASKED_BY[name] in os.environ:
             with suppress(ImportError):

@@ -3,34 +3,30 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import torch
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.base.errors import TrainingError
-from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.compiler import pipeline
 from mimoc.recording.folder import check_recordable
-from mimoc.recording.recorder import Recording
 from mimoc.render.plots.file import encode, require_matplotlib
 from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.training.agents import has_learnt, make_agent, start_interval
-from mimoc.training.checkpoint import Progress, pack, read_progress, restore
+from mimoc.training.checkpoint import Progress, read_progress
 from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.policies import pack_policy
+from mimoc.training.learner import DeviceUse, Learner
+from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_on_device
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.settings import Number, TrainingSettings, check_learnable, episode_limit
-from mimoc.training.tracking import Recorder, RewardWatch, tracked
-from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
+from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
+from mimoc.training.tracking import tracked
+from mimoc.training.vector_env import growth_settings
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
@@ -54,6 +50,8 @@ class Training:
     """File of the trained policy, for `load_policy`."""
     resumed_at: int
     """Control steps at which the run was resumed; 0 if it was not."""
+    use: DeviceUse | None = None
+    """What it took of a device; None on the CPU."""
 
 
 def train(
@@ -79,6 +77,7 @@ def train(
     grow_steps: int | None = None,
     record: str | Path | None = None,
     origin: Mapping[str, Any] | None = None,
+    device: str = CPU,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -117,6 +116,8 @@ def train(
         record: Folder to record every episode of the training in, for `mimoc.read_recording`; a training that is
             resumed continues it. It needs all environments together: leave out *processes*.
         origin: What the run belongs to, as plain data for `run.json`, such as the name of a cohort and of a job.
+        device: Where the infants live, as for `mimoc.make_vec`: on `cuda:0`, say, rsl_rl's PPO learns from thousands of
+            them. Observations must not be images there, and nothing grows or is recorded.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -136,20 +137,19 @@ def train(
         >>> training.curve.steps, training.policy.name
         (64, 'policy.zip')
     """
+    refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
-    choose(steps_per_episode)  # Fails now if a setting is out of range.
+    choose(steps_per_episode, device)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
     open_one = partial(_open_one, open_variant(bundle), task, senses or {})
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     with closing(open_one()) as infant:
         check_learnable(infant)
-        settings = choose(episode_limit(infant, steps_per_episode))
-        if record is not None:
-            _check_recordable(Path(record).expanduser(), processes, [bundle] * settings.envs)
-        open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
-        report, report_row = progress or (lambda done, total: None), on_row or (lambda row: None)
-        session = _Session(settings, infant, open_envs, record, report, report_row)
+        settings = choose(episode_limit(infant, steps_per_episode), device)
+        _check_recordable(record, processes, [bundle] * settings.envs)
+        open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
+        session = _Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             return _trained(folder, session)
 
@@ -159,28 +159,31 @@ class _Session:
     """What a training has from its first interval to its last, besides its folder."""
 
     settings: TrainingSettings
-    infant: InfantEnv
-    """One like those that are trained."""
-    open_envs: Callable[[], VecNormalize]
-    """Opens the parallel environments."""
-    record: str | Path | None
-    """Folder to record the episodes in."""
+    open_learner: LearnerOpener
+    """Opens the parallel environments, and what learns from them."""
     report: ProgressCallback
     on_row: RowCallback
-    watch: RewardWatch = field(default_factory=RewardWatch)
 
 
-def _check_recordable(folder: Path, processes: bool | None, bundles: Sequence[Bundle]) -> None:
-    """Check that a training can be recorded in a folder, before anything is written."""
+def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+    """Check that a training can be recorded in a folder, if it is, before anything is written."""
+    if folder is None:
+        return
     if processes is not None:
         advice = "leave out --processes and --one-process, or the recording"
         raise TrainingError(f"a training is recorded with all environments together; {advice}")
-    check_recordable(folder, bundles)
+    check_recordable(Path(folder).expanduser(), bundles)
 
 
-def _open_one(infant: Variant, task: Any, senses: Mapping[str, Any], variants: Variants | None = None) -> InfantEnv:
+def _open_one(
+    infant: Variant,
+    task: Any,
+    senses: Mapping[str, Any],
+    variants: Variants | None = None,
+    kind: type[InfantEnv] = InfantEnv,
+) -> InfantEnv:
     """Open one of the parallel environments, with a copy of the model and of a script's objects of its own."""
-    return InfantEnv(infant.again(), variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
+    return kind(infant.again(), variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
@@ -192,42 +195,32 @@ def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
 
 def _trained(folder: RunFolder, session: _Session) -> Training:
     """Train until the run in a folder has all its steps."""
-    checkpoint = folder.read_checkpoint()
+    checkpoint, use = folder.read_checkpoint(), None
     with _naming_checkpoint_of(folder):
         before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
     if before.steps < session.settings.steps:
         with ExitStack() as opened:
             opened.callback(torch.set_num_threads, torch.get_num_threads())
             torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
-            env = session.open_envs()
-            opened.callback(_close, env)
-            agent = make_agent(env, session.settings)
-            recording = None
-            if session.record is not None:
-                together: Any = env.unwrapped
-                recording = opened.enter_context(Recording(together.infants.infants, session.record))
-            reached = _train_to_end(folder, session, agent, env, recording)
+            learner = opened.enter_context(session.open_learner())
+            reached = _train_to_end(folder, session, learner)
+            use = learner.use()
     _write_curve(folder, reached)
-    return Training(reached.curve, folder.path / POLICY, before.steps)
+    return Training(reached.curve, folder.path / POLICY, before.steps, use)
 
 
-def _train_to_end(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, recording: Recording | None
-) -> Progress:
+def _train_to_end(folder: RunFolder, session: _Session, learner: Learner) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
     settings = session.settings
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
-            reached = restore(checkpoint, agent, env)
-    with tracked(agent, folder.path, settings.data()):
+            reached = learner.restore(checkpoint)
+    with tracked(folder.path, settings.data(), reached.steps) as logger:
+        learner.log_to(logger)
         while reached.steps < settings.steps:
-            seek(env, settings, reached.steps)
-            if recording is not None:  # What a killed process has recorded of this interval comes again.
-                recording.mark(settings.digest(), reached.steps)
-            reached = _train_interval(folder, session, agent, env, reached)
-            policy = pack_policy(agent, env, settings, session.infant)
-            folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
+            reached = _train_interval(folder, session, learner, reached)
+            folder.write_checkpoint(reached.steps, learner.policy(), learner.checkpoint(reached))
             folder.write(CURVE, reached.curve.to_csv().encode())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write(PICTURE, _plot(reached))
@@ -235,25 +228,18 @@ def _train_to_end(
     return reached
 
 
-def _train_interval(
-    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, before: Progress
-) -> Progress:
+def _train_interval(folder: RunFolder, session: _Session, learner: Learner, before: Progress) -> Progress:
     """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
-    settings = session.settings
-    step_s, total = ms_to_s(session.infant.manifest.step_ms), settings.steps
-    recorder = Recorder(
-        before, step_s, lambda done: session.report(min(done, total), total), session.on_row, session.watch
-    )
-    start_interval(agent, settings.seed)
+    total = session.settings.steps
     try:
-        agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
+        learner.learn(before, lambda done: session.report(min(done, total), total), session.on_row)
     except BaseException:  # Ctrl-C, or an error in a task of the user's own.
         with suppress(Exception):  # That one is what matters.
-            if has_learnt(agent):
-                folder.write(POLICY, pack_policy(agent, env, settings, session.infant))
-            _write_curve(folder, recorder.progress())
+            if learner.has_learnt:
+                folder.write(POLICY, learner.policy())
+            _write_curve(folder, learner.progress())
         raise
-    return recorder.progress()
+    return learner.progress()
 
 
 def _write_curve(folder: RunFolder, progress: Progress) -> None:
@@ -263,11 +249,6 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 def _plot(progress: Progress) -> bytes:
     return encode(learning_sheet({"": [progress.curve.columns()]}))
-
-
-def _close(env: VecNormalize) -> None:
-    with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
-        env.close()
 
 
 @contextmanager

@@ -32,7 +32,8 @@ class EpisodeEnds:
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, max_steps: int | None, mode: AutoresetMode):
         """Begin the first episodes, of which none is longer than *max_steps* control steps."""
         limits = [min(NEVER if limit is None else limit for limit in (env.max_steps, max_steps)) for env in infants]
-        self._limits, self._mode = put(limits)[body], mode
+        self._mode, self.limits = mode, put(limits)[body]
+        """Control steps after which each episode is truncated."""
         self.steps, self.episode = torch.zeros_like(body), torch.zeros_like(body)
         self.ended = torch.zeros_like(body, dtype=torch.bool)
         """Whether the episode has ended and another one has not begun."""
@@ -54,7 +55,7 @@ class EpisodeEnds:
         """Whether contacts or constraints of the infant did not fit, and were lost."""
         self.terminated = (is_judged & judgement.terminated) | self.unstable
         self.steps += 1
-        self.truncated = ((self.steps >= self._limits) | self.overflowed) & ~is_waiting
+        self.truncated = ((self.steps >= self.limits) | self.overflowed) & ~is_waiting
         self.finished = self.truncated | self.terminated
         """Whether an episode has ended in this very step."""
         self.report = report(worlds, actions, self.unstable, self.overflowed)

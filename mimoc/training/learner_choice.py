@@ -1,0 +1,69 @@
+"""Which learner a training has, and what is refused on a device."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from mimoc.base.errors import TrainingError
+from mimoc.bundle.io import Bundle
+from mimoc.runtime.env import InfantEnv
+from mimoc.training.learner import Learner
+from mimoc.training.sb3_learner import sb3_learner
+from mimoc.training.settings import CPU, TrainingSettings
+from mimoc.training.vector_env import growth_of, make_vector_env
+
+LearnerOpener = Callable[[], AbstractContextManager[Learner]]
+"""Opens parallel environments, and what learns from them."""
+
+
+def choose_learner(
+    settings: TrainingSettings,
+    infant: InfantEnv,
+    bundle: Bundle,
+    open_one: Callable[..., InfantEnv],
+    threads: int | None,
+    processes: bool | None,
+    record: str | Path | None,
+) -> LearnerOpener:
+    """Return what opens the parallel environments of a training, and what learns from them; see `train`.
+
+    Raises:
+        DeviceError: If the infant cannot live on the device.
+        MimocError: If it sees images there, or cannot grow between the ages of the training.
+    """
+    if settings.device != CPU:
+        from mimoc.training.device_learner import check_on_device, device_learner
+
+        check_on_device(settings.device, infant)
+        return partial(device_learner, settings, infant, open_one)
+    open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
+    return partial(sb3_learner, settings, infant, open_envs, record)
+
+
+ONLY_ON_CPU = {
+    "grow": "infants do not grow in a training on a device; leave out --grow, or --device",
+    "record": "a training on a device is not recorded; leave out --record, or --device",
+    "threads": "threads are for infants on the CPU; leave out --threads, or --device",
+    "processes": "processes are for infants on the CPU; leave out --processes and --one-process, or --device",
+}
+
+
+def refuse_on_device(device: str, **options: Any) -> None:
+    """Check that a device is there, and that nothing is asked for that cannot be on one.
+
+    Raises:
+        TrainingError: If something is.
+        DeviceError: If there is no such device.
+        MissingExtraError: If MuJoCo Warp or rsl_rl is not installed.
+    """
+    if device == CPU:
+        return
+    for name, reason in ONLY_ON_CPU.items():
+        if options[name] is not None:
+            raise TrainingError(reason)
+    from mimoc.runtime.device.signals import find_device
+    from mimoc.training import rsl_rl_env  # noqa: F401 - It says if rsl_rl is missing.
+
+    find_device(device.removeprefix("warp:"))

@@ -1,0 +1,115 @@
+"""Many infants on a device as rsl_rl learns from them."""
+
+from collections.abc import Callable
+from functools import wraps
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.vector import AutoresetMode
+
+from mimoc.base.errors import MimocError, MissingExtraError
+from mimoc.runtime.device.vector_env import DeviceEnv
+
+try:
+    from rsl_rl.env import VecEnv
+    from tensordict import TensorDict
+except ImportError:
+    raise MissingExtraError("rsl-rl-lib", "gpu") from None
+
+GROUP = "policy"
+"""Name of the only group of observations."""
+NO_IMAGES = "is an image, which networks of plain layers do not learn from on a device; leave out vision, or device"
+LIMIT = 2**31 - 1
+"""Length of episodes that nothing ends, as a number."""
+
+
+def without_gradients(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method that computes no gradients, and whose tensors can be written to after rsl_rl's inference mode."""
+
+    @wraps(method)
+    def inner(*arguments: Any, **named: Any) -> Any:
+        with torch.inference_mode(False), torch.no_grad():
+            return method(*arguments, **named)
+
+    return inner
+
+
+class InfantRslEnv(VecEnv):
+    """rsl_rl's view of many infants: those whose episode ends are reset in the same step.
+
+    All that an infant observes is side by side in the group `policy`, in the order of the sorted names of its
+    observations, shape (num_envs, numbers), in single precision.
+    """
+
+    def __init__(self, infants: DeviceEnv, seed: int = 0):
+        """Give infants to rsl_rl, and reset them with a seed; closing them stays with the caller.
+
+        Raises:
+            MimocError: If they are not reset in the same step, their arrays are not torch's, or they see images.
+        """
+        if infants.autoreset_mode != AutoresetMode.SAME_STEP or infants.arrays != "torch":
+            raise MimocError("rsl_rl needs infants made with arrays='torch' and autoreset_mode='SameStep'")
+        check_plain(infants.single_observation_space)
+        space: Any = infants.single_action_space
+        self.infants, self.num_envs, self.num_actions = infants, infants.num_envs, space.shape[0]
+        limits = infants.worlds.ended.limits
+        self.max_episode_length = min(int(limits.max()), LIMIT)
+        """Control steps after which the longest episode is truncated."""
+        self.device, self.cfg = limits.device, MappingProxyType[str, Any]({})
+        self.reset(seed)
+
+    @property
+    def episode_length_buf(self) -> torch.Tensor:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Control steps of each episode so far, shape (num_envs,); rsl_rl sets it to begin with episodes under way."""
+        return self.infants.worlds.ended.steps
+
+    @episode_length_buf.setter
+    def episode_length_buf(self, steps: torch.Tensor) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        self.infants.worlds.ended.steps.copy_(steps)
+
+    @without_gradients
+    def reset(self, seed: int | None = None) -> TensorDict:
+        """Begin an episode of each infant, and return what they observe."""
+        return self._grouped(self.infants.reset(seed=seed)[0])
+
+    @without_gradients
+    def get_observations(self) -> TensorDict:
+        """Return what the infants observe."""
+        return self._grouped(self.infants.worlds.observation)
+
+    @without_gradients
+    def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
+        """Make a control step with an action of each infant, shape (num_envs, num_actions).
+
+        Returns:
+            What they observe then, after the reset of those whose episode has ended; rewards; whether an episode has
+            ended, all of shape (num_envs,); and, by name, `time_outs`, whether it was truncated, `is_success`,
+            `overflowed`, whether contacts did not fit (see `DeviceEnv`), and `log`, numbers for rsl_rl's logger.
+
+        Raises:
+            MimocError: As `DeviceEnv.step` does.
+        """
+        observation, reward, terminated, truncated, info = self.infants.step(actions)
+        flags_by_name = {name: info[name] for name in ("is_success", "overflowed")}
+        log = {f"/{name}": flags.float().mean() for name, flags in flags_by_name.items()}
+        log |= {f"/reward_terms/{name}": term.float().mean() for name, term in info["reward_terms"].items()}
+        extras = {"time_outs": truncated & ~terminated, **flags_by_name, "log": log}
+        return self._grouped(observation), reward.float(), terminated | truncated, extras
+
+    def close(self) -> None:
+        """Close the infants."""
+        self.infants.close()
+
+    def _grouped(self, observation: dict[str, torch.Tensor]) -> TensorDict:
+        """Return a copy of all observations side by side: the next step overwrites the originals."""
+        parts = [observation[name].flatten(1) for name in sorted(observation)]
+        return TensorDict({GROUP: torch.cat(parts, dim=1)}, batch_size=[self.num_envs], device=self.device)
+
+
+def check_plain(space: Any) -> None:
+    """Raise a MimocError if there is an image among observations: uint8 is not for a plain network."""
+    for name, part in space.spaces.items():
+        if part.dtype == np.uint8:
+            raise MimocError(f"'{name}' {NO_IMAGES}")
