@@ -42,6 +42,7 @@ BUILT = {
     "body.skin": False,
     "actuation.model": "muscle",
     "actuation.arousal": 0.5,
+    "actuation.bandwidth_hz": 4.0,
     "actuation.strength_age_months": 12,
     "actuation.strength": {"neck": 0.5},
     "actuation.regions": ["arms"],

@@ -49,7 +49,7 @@ class Recipe:
 
 _HELD = Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15, stiffness_per_rad=1.0)
 RECIPES: Mapping[str, Recipe] = {
-    "roll": Recipe(ROLLING, 2, 1.0, 0.4, spread=1.0),
+    "roll": Recipe(ROLLING, 3, 1.0, 0.4, spread=0.7),
     "sit_up": Recipe(ROLLING, 3, 1.0, 0.4, spread=1.0),
     "sit": _HELD,
     "crawl": Recipe(ROLLING, 2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.6),

@@ -1,6 +1,6 @@
 """A search for a movement by which an infant has a skill: the cross-entropy method over a few postures.
 
-Vectors are drawn around a mean; those whose movements score most move it, and narrow what is drawn next. What no draw
+Vectors are drawn around a mean; the best ones so far move it, and narrow what is drawn next. What no draw
 does may still be possible: a search that finds nothing says so much about itself as about the body.
 """
 
@@ -87,16 +87,21 @@ def search(
     searcher, random = Searcher(env), np.random.default_rng(seed)
     scale = searcher.form.scale()
     mean, spread, curve, tried = np.zeros(len(scale)), scale.copy(), list[float](), 0
+    best, scores, successes = np.zeros((0, len(scale))), np.zeros(0), np.zeros(0, bool)
     while tried < tries:
         draws = mean + spread * random.standard_normal((DRAWS, len(mean)))
         outcomes = [searcher.play(searcher.form.movement(draw), seed * 1000 + tried // DRAWS) for draw in draws]
-        rewards, tried = np.array([reward for reward, _ in outcomes]), tried + DRAWS
-        kept = np.argsort(rewards)[-KEPT:]
-        mean = mean + SMOOTHING * (draws[kept].mean(axis=0) - mean)
-        spread = np.maximum(spread + SMOOTHING * (draws[kept].std(axis=0) - spread), LEAST_SPREAD * scale)
-        curve.append(round(float(rewards[kept].mean()), 3))
+        tried += DRAWS
+        best = np.concatenate([best, draws])
+        scores = np.concatenate([scores, [score for score, _ in outcomes]])
+        successes = np.concatenate([successes, [success for _, success in outcomes]])
+        kept = np.argsort(scores)[-KEPT:]
+        best, scores, successes = best[kept], scores[kept], successes[kept]
+        mean = mean + SMOOTHING * (best.mean(axis=0) - mean)
+        spread = np.maximum(spread + SMOOTHING * (best.std(axis=0) - spread), LEAST_SPREAD * scale)
+        curve.append(round(float(scores.mean()), 3))
         progress(tried)
-        if sum(outcomes[place][1] for place in kept) > KEPT // 2 and _passes(searcher, mean):
+        if successes.sum() > KEPT // 2 and _passes(searcher, mean):
             break
     movement = searcher.form.movement(mean)
     return Outcome(movement, searcher.success(movement, FIRST_TEST, starts), tried, tuple(curve))
