@@ -21,7 +21,7 @@ PolicyName = Annotated[
     ),
 ]
 Out = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Results to write: .json.")]
-Names = Annotated[str | None, typer.Option(metavar="NAMES", help="Only these tasks, as in reach,catch.")]
+Names = Annotated[str | None, typer.Option(metavar="NAMES", help="Only these tasks, as in reach,grasp.")]
 Months = Annotated[str | None, typer.Option(metavar="MONTHS", help="Only these ages, as in 6,9.")]
 Episodes = Annotated[
     int | None,

@@ -54,8 +54,8 @@ def run_bench(
 
     Example:
         >>> import mimoc
-        >>> results = mimoc.run_bench("zero", "zero.json", tasks=["catch"], ages_months=[18], episodes=2)
-        >>> results.cells["catch/18"].success
+        >>> results = mimoc.run_bench("zero", "zero.json", tasks=["stand"], ages_months=[11], episodes=2)
+        >>> results.cells["stand/11"].success
         0.0
     """
     out = checked_file(out)
@@ -108,9 +108,9 @@ def verify_bench(
 
     Example:
         >>> import mimoc
-        >>> _ = mimoc.run_bench("zero", "zero.json", tasks=["catch"], ages_months=[18], episodes=2)
+        >>> _ = mimoc.run_bench("zero", "zero.json", tasks=["stand"], ages_months=[11], episodes=2)
         >>> mimoc.verify_bench("zero.json")
-        {'catch/18': []}
+        {'stand/11': []}
     """
     results = read_results(path)
     every = {cell: text_for(results.policy, cell) for cell in results.scored}

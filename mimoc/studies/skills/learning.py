@@ -157,7 +157,6 @@ def learn_skill(
     child = spec or InfantSpec.model_validate(CHILD)
     task = {"kind": skill, **(options or {})}
     infants = {age: child.with_(task=None).with_(age_months=age, task=task, scene=None) for age in sorted(ages)}
-    make_folder(out, below=out.parent)
     budget = (tries, starts) if device == "cpu" else (steps, starts, device, str(out))
     jobs = [(infant, seed, *budget) for infant in infants.values() for seed in range(seeds)]
     attempts = _attempts(jobs, out, processes, progress, searched if device == "cpu" else _trainer())
@@ -187,6 +186,7 @@ def _attempts(
     progress(len(jobs) - len(missing), len(jobs))
     for count, (place, attempt) in enumerate(_made(jobs, missing, processes, attempt_of), len(jobs) - len(missing) + 1):
         done[place] = attempt
+        make_folder(out, below=out.parent)
         keep(files[place], attempt, below=out)
         progress(count, len(jobs))
     return [attempt for attempt in done if attempt is not None]
