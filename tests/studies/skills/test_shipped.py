@@ -1,0 +1,68 @@
+"""Results of skills that come with mimoc, and the movements that do."""
+
+import json
+
+import pytest
+
+import mimoc
+from mimoc.base.errors import PolicyError
+from mimoc.policies import skill
+from mimoc.policies.postures import read_postures
+from mimoc.studies.skills.attempt import Attempt
+from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport
+from mimoc.studies.skills.search import Searcher
+from mimoc.studies.skills.shipped import RESULTS, shipped_skills
+from mimoc.tasks import SKILLS
+
+SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
+
+
+def report(kind: str, success: dict[float, float]) -> SkillReport:
+    results = [AgeResult([Attempt(age_months=a, seed=0, success=s, starts=20)]) for a, s in success.items()]
+    return SkillReport(kind, results, REAL_AGES[kind])
+
+
+def test_what_a_search_writes_is_what_is_shown(tmp_path):
+    for kind, success in (("roll", {2.0: 0.0, 6.0: 1.0}), ("walk", {6.0: 1.0})):
+        (tmp_path / f"{kind}.json").write_text(json.dumps(report(kind, success).to_data()))
+    skills = shipped_skills(tmp_path)
+    assert [(item.skill, item.from_months, item.verdict) for item in skills.skills] == [
+        ("roll", 4.0, "inside"),
+        ("walk", 6.0, "too early"),
+    ]
+    assert not skills.passed
+    assert set(skills.waiting) == set(SKILLS) - {"roll", "walk"}
+    json.dumps(skills.to_data())
+    assert [row.label for row in skills.rows] == ["roll", "walk"]
+
+
+def test_without_results_it_says_how_they_are_made(tmp_path):
+    with pytest.raises(mimoc.MimocError, match="make skills"):
+        shipped_skills(tmp_path)
+
+
+@pytest.mark.parametrize("path", sorted(RESULTS.glob("*.json")), ids=lambda path: path.stem)
+def test_shipped_results_are_of_a_skill(path):
+    assert path.stem in {item.skill for item in shipped_skills().skills}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", sorted(skill.shipped()), ids=str)
+def test_a_shipped_movement_has_its_skill_more_often_than_not(key):
+    """In half of its starts, by a sample of six: at least one."""
+    kind, age_months = key
+    movement = read_postures(skill.shipped()[key])
+    assert (movement.task, movement.age_months) == (kind, age_months)
+    keys = {"mimoc": 1, "name": "kim", "age_months": age_months, "senses": SENSES}
+    env = mimoc.make(mimoc.InfantSpec(**keys, task={"kind": kind})).unwrapped
+    assert Searcher(env).success(movement, 20_000, 6) > 0
+
+
+def test_the_movement_of_the_nearest_age_is_taken(tmp_path, monkeypatch):
+    form = {"joints": ["robot:left_knee"], "postures": [[0.0]], "task": "roll"}
+    for age in (4, 8):
+        (tmp_path / f"roll_{age}_months.json").write_text(json.dumps({**form, "age_months": float(age)}))
+    monkeypatch.setattr(skill, "SHIPPED", tmp_path)
+    assert [skill.movement_of("roll", age).age_months for age in (1, 5.9, 6, 6.1, 24)] == [4, 4, 4, 8, 8]
+    with pytest.raises(PolicyError, match=r"walk.*\(roll do\)"):
+        skill.movement_of("walk", 12)
