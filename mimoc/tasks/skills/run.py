@@ -41,7 +41,7 @@ class BodyMeasures(Term):
 
     def __call__(self, worlds: Worlds, memory: Any) -> tuple[Any, Any]:
         """Return the measures, shape (k, m), and the place on the way, shape (k,), [m]."""
-        xp, turns, places_m = worlds.xp, xp_take(worlds, "xmat", self.trunk), xp_take(worlds, "xpos", self.trunk)
+        xp, turns, places_m = worlds.xp, _rows_of(worlds, "xmat", self.trunk), _rows_of(worlds, "xpos", self.trunk)
         fronts_z, up_z = turns[..., 2, 0], turns[..., 2, 2]
         flat = xp.sqrt(xp.maximum(1 - fronts_z * fronts_z, xp.zeros_like(fronts_z)))
         turned = xp.sum(xp.atan2(flat, fronts_z), axis=-1) / (2 * pi)
@@ -49,7 +49,7 @@ class BodyMeasures(Term):
         length = xp.maximum(xp.hypot(ahead[:, 0], ahead[:, 1]), xp.ones_like(turned) * 1e-6)
         facing = (ahead[:, 0] * heading[:, 0] + ahead[:, 1] * heading[:, 1]) / length
         way = self.way_of(worlds, heading)
-        away = xp_take(worlds, "xpos", self.held)
+        away = _rows_of(worlds, "xpos", self.held)
         near = -xp.sqrt(xp.vecdot(away[:, 1] - away[:, 0], away[:, 1] - away[:, 0]))
         measures = (
             xp.min(up_z, axis=-1),
@@ -174,7 +174,7 @@ class Skill(Term):
         return Judgement(terms, remembered["reached"], fell, remembered, changes if self.helper else {})
 
 
-def xp_take(worlds: Worlds, field: str, rows: Any) -> Any:
+def _rows_of(worlds: Worlds, field: str, rows: Any) -> Any:
     """Return some rows of a field of k infants."""
     return worlds.xp.take(getattr(worlds, field), rows, axis=1)
 
