@@ -25,7 +25,7 @@ _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SA
 _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
-Modules = Mapping[str, torch.nn.Module | torch.optim.Optimizer]
+Modules = Mapping[str, Any]
 """Networks and optimisers, by name."""
 
 
