@@ -56,18 +56,18 @@ class DeviceNoise:
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
         chance.is_used = True
         self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES
-        self.state: torch.Tensor | None = None
+        self._state: torch.Tensor | None = None
 
     def __call__(self, signal: torch.Tensor, elapsed_s: float) -> torch.Tensor:
         """Return a signal of all worlds with noise, shape (worlds, n), some time after the last one."""
-        noisy, self.state = self._noise(self._draw(self._first, elapsed_s), signal, self.state)
+        noisy, self._state = self._noise(self._draw(self._first, elapsed_s), signal, self._state)
         return noisy
 
     def begin(self, signal: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
         """Return the signal with noise of worlds that begin an episode, shape (worlds,); others keep their noise."""
         noisy, state = self._noise(self._draw(self._first + PLACES, math.inf), signal, None)
-        is_kept = state is not None and self.state is not None
-        self.state = where_worlds(begins, state, self.state) if is_kept else state
+        is_kept = state is not None and self._state is not None
+        self._state = where_worlds(begins, state, self._state) if is_kept else state
         return where_worlds(begins, noisy, signal)
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:

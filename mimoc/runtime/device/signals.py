@@ -59,13 +59,13 @@ class Line:
         self.rests: IntArray = np.unique(delays % period)
         """By how many physics steps delays are longer than whole control steps."""
         self._worlds = torch.arange(len(body), device=body.device)
-        self.parts: list[Part] = []
+        self._parts: list[Part] = []
         for delay in np.unique(delays, axis=1).T:
             mask, of_world = (delays == delay[:, None]).all(axis=0), delay[body.tolist()]
             slots, rests = of_world // period + 1, of_world % period
             worlds_by_rest = {rest: _rows(rests == rest) for rest in np.unique(rests).tolist()}
             ring = torch.zeros((int(slots.max()), len(body), int(mask.sum())), dtype=dtype, device=body.device)
-            self.parts.append(Part(_rows(mask), put(slots), worlds_by_rest, ring))
+            self._parts.append(Part(_rows(mask), put(slots), worlds_by_rest, ring))
         self.arrived = torch.zeros((len(body), delays.shape[1]), dtype=dtype, device=body.device)
         """What has arrived, shape (worlds, n)."""
 
@@ -85,11 +85,11 @@ class Line:
 
     def fill(self, begin: torch.Tensor, start: torch.Tensor) -> None:
         """Forget all that is on the way in worlds that begin, shape (worlds,); rows of *start* come out until then."""
-        for part in self.parts:
+        for part in self._parts:
             torch.where(begin[:, None], start[:, part.columns], part.ring, out=part.ring)
 
     def _due(self, rest: int | None) -> Iterator[tuple[Part, Rows]]:
-        for part in self.parts:
+        for part in self._parts:
             if rest is None:
                 yield part, slice(None)
             elif rest in part.worlds_by_rest:
@@ -137,7 +137,7 @@ class DeviceSense:
         """What reads it if it is no term."""
         terms: list[Any] = [infant.senses[name].term for infant in infants]
         self._term: Any = None if device else term_of_worlds(f"sense '{name}'", terms, body)
-        self.noise = noise_of(name, infants, body, chance)
+        self._noise = noise_of(name, infants, body, chance)
         self._timestep_s, self._period = ms_to_s(manifest.timestep_ms), round(manifest.step_ms / manifest.timestep_ms)
         self.spaces: list[Mapping[str, Box]] = [
             getattr(self.reader, "spaces", infant.senses[name].spaces) for infant in infants
@@ -159,9 +159,9 @@ class DeviceSense:
         if rest not in self.line.rests:
             return
         sample = self.reader(worlds.datas[0]) if self.reader else self._term(worlds).flatten(1)
-        if self.noise:
+        if self._noise:
             earlier = min((other - rest) % self._period or self._period for other in self.line.rests)
-            sample = self.noise(sample, float(earlier) * self._timestep_s)
+            sample = self._noise(sample, float(earlier) * self._timestep_s)
         self.line.send(clock, sample, rest)
 
     def arrive(self, clock: torch.Tensor, observation: Mapping[str, torch.Tensor]) -> None:
@@ -174,7 +174,7 @@ class DeviceSense:
 
     def refill(self, sample: torch.Tensor, begin: torch.Tensor) -> None:
         """Forget what is on the way in worlds that begin, shape (worlds,), with samples; noise is drawn anew."""
-        self.line.fill(begin, self.noise.begin(sample, begin) if self.noise else sample)
+        self.line.fill(begin, self._noise.begin(sample, begin) if self._noise else sample)
 
 
 def device_part(name: str, sense: Sense) -> Code | None:

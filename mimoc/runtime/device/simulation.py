@@ -42,7 +42,7 @@ class DeviceSimulation:
         max_steps: int | None,
     ):
         """Set everything up on Warp's present device; see `DeviceEnv`."""
-        self.infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
+        self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
         manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
         self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
         arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
@@ -67,21 +67,21 @@ class DeviceSimulation:
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
-        first, count = self.infants[0], len(self.body)
-        setup = DeviceSetup(self.infants, self.body, self.model, touch)
+        first, count = self._infants[0], len(self.body)
+        setup = DeviceSetup(self._infants, self.body, self.model, touch)
         self.senses = {name: DeviceSense(name, setup, self.chance) for name in first.senses}
-        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self.infants)]
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self._infants)]
         self._actuators = put(first.actuation.actuators)
-        delays = [delays_of(infant, MOTOR, len(self._actuators)) for infant in self.infants]
+        delays = [delays_of(infant, MOTOR, len(self._actuators)) for infant in self._infants]
         self.commands = Line(np.stack(delays), self.period, self.body)
         self.actions = torch.zeros_like(self.commands.arrived)
         """Of the present control step, shape (worlds, n)."""
-        commands: list[Any] = [infant.actuation.command for infant in self.infants]
+        commands: list[Any] = [infant.actuation.command for infant in self._infants]
         self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
-        self.motor_noise = noise_of(MOTOR, self.infants, self.body, self.chance)
+        self._motor_noise = noise_of(MOTOR, self._infants, self.body, self.chance)
         sampled = {int(self.period - rest) for sense in self.senses.values() for rest in sense.line.rests}
         applied = {int(rest) for rest in self.commands.rests}
-        noisy = range(self.period) if self.motor_noise else ()
+        noisy = range(self.period) if self._motor_noise else ()
         self._segments = tuple(pairwise(sorted({0, self.period, *sampled, *applied, *noisy})))
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
@@ -92,7 +92,7 @@ class DeviceSimulation:
     def starts(self, pose: str | None) -> InitialStates:
         """Return the starts of all bodies in a pose."""
         readers = {name: sense.reader for name, sense in self.senses.items() if sense.reader}
-        return sample_initial_states(self.infants, self.body, self._most_starts, pose, readers, self.model, self.data)
+        return sample_initial_states(self._infants, self.body, self._most_starts, pose, readers, self.model, self.data)
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Give new seeds to some worlds, which choose the same starts again, after the first."""
@@ -106,8 +106,8 @@ class DeviceSimulation:
         controls = self._worlds.ctrl[:, self._actuators]
         self.commands.fill(begins, controls)
         self.commands.arrived = where_worlds(begins, controls, self.commands.arrived)
-        if self.motor_noise:
-            self.motor_noise.begin(self.commands.arrived, begins)
+        if self._motor_noise:
+            self._motor_noise.begin(self.commands.arrived, begins)
         for name, sense in self.senses.items():
             sense.refill(starts.samples[name][start], begins)
         self.arousal.begin(begins)
@@ -170,7 +170,7 @@ class DeviceSimulation:
         if wanted == self.room.present:
             return False
         try:
-            self.data = enlarged(self.data, self.infants[0].model, wanted.contacts, wanted.constraints)
+            self.data = enlarged(self.data, self._infants[0].model, wanted.contacts, wanted.constraints)
         except RuntimeError as error:
             if NO_MEMORY not in str(error):
                 raise
@@ -192,8 +192,8 @@ class DeviceSimulation:
         if self.chance.is_used:
             self.chance.steps += 1
         commands = self.commands.receive(self.clock, index)
-        if self.motor_noise:
-            commands = self.motor_noise(commands, self._timestep_s)
+        if self._motor_noise:
+            commands = self._motor_noise(commands, self._timestep_s)
         self._worlds.ctrl.index_copy_(1, self._actuators, commands)
 
     def _physics(self, steps: int) -> None:

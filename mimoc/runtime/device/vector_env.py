@@ -26,7 +26,6 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import InitialStates
-from mimoc.runtime.device.saved_state import read_state, write_state
 from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
 from mimoc.runtime.device.vision.reader import VISION, NoVision
@@ -212,30 +211,15 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         """
         raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
 
-    def get_state(self) -> dict[str, np.ndarray]:
-        """Return the state of all infants together, as arrays of NumPy by name, from which `set_state` goes on.
+    def get_state(self, *states: Any) -> NoReturn:
+        """States cannot be saved or restored on a device.
 
         Raises:
-            ClosedEnvironmentError: If the environment is closed.
+            DeviceError: Always.
         """
-        with present(self.device):
-            self.worlds.settle()
-            return read_state(self.worlds)
+        raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
 
-    def set_state(self, state: dict[str, np.ndarray]) -> dict[str, Any]:
-        """Restore the state of all infants together; return what they observe.
-
-        What follows is what followed it then, to the bit on the same device if that computes the same twice. A new
-        environment is reset first.
-
-        Raises:
-            ValueError: If it is no state of as many infants that sense and are delayed alike; nothing has changed then.
-            ClosedEnvironmentError: If the environment is closed.
-        """
-        with present(self.device):
-            self.worlds.settle()
-            write_state(self.worlds, state)
-            return self._observed()
+    set_state = get_state
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""

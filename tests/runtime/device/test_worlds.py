@@ -225,7 +225,7 @@ def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
 def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
     env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
     env.reset(seed=0)
-    for absent in (lambda: env.grow(to=10),):
+    for absent in (lambda: env.grow(to=10), env.get_state, lambda: env.set_state([])):
         with pytest.raises(DeviceError, match=rf"on device '{WARP_DEVICE}' .* leave out device"):
             absent()
     command = np.zeros(env.action_space.shape, np.float32)
