@@ -111,7 +111,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
         self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
-        self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
+        self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None

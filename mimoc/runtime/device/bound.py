@@ -1,0 +1,61 @@
+"""What infants on a device sense, are commanded and are judged by, bound to the bodies that live in the worlds now."""
+
+from itertools import pairwise
+from typing import Any
+
+import torch
+
+from mimoc.base.units import to_steps
+from mimoc.delays.spec import MOTOR
+from mimoc.runtime.device.arrays import put, term_of_worlds
+from mimoc.runtime.device.episode_ends import DeviceTask
+from mimoc.runtime.device.noise import CounterRandom, DeviceNoise, noise_of
+from mimoc.runtime.device.signals import DeviceSense, DeviceSetup, line_of, space_of
+
+
+class Bound:
+    """The senses, commands and tasks of all infants."""
+
+    def __init__(self, setup: DeviceSetup, chance: CounterRandom):
+        """Find what is sensed and commanded, with its delays and noise, which draw from *chance*.
+
+        Raises:
+            MixtureError: If the infants cannot share a batch.
+            DeviceError: If a task cannot be judged on a device.
+        """
+        infants, first = setup.infants, setup.infants[0]
+        self.infants, self.body = infants, setup.body
+        """The different bodies, and which of them lives in each world, shape (worlds,)."""
+        self.task = DeviceTask(infants, setup.body)
+        self.senses = {name: DeviceSense(name, setup, chance) for name in first.senses}
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]
+        """What each of the bodies observes."""
+        self.actuators = put(first.actuation.actuators)
+        self.commands = line_of(MOTOR, setup, len(self.actuators), chance, [None] * len(infants))
+        commands: list[Any] = [infant.actuation.command for infant in infants]
+        self.controls_of: Any = commands[0] and term_of_worlds("commands", commands, setup.body)
+        self.motor_noise = noise_of(MOTOR, infants, setup.body, chance)
+        period = to_steps(first.manifest.step_ms, first.manifest.timestep_ms)
+        sampled = {int(period - rest) for sense in self.senses.values() for rest in sense.line.rests}
+        applied = {int(rest) for rest in self.commands.rests}
+        noisy = range(period) if self.motor_noise else ()
+        self.segments = tuple(pairwise(sorted({0, period, *sampled, *applied, *noisy})))
+        """The physics steps between two of which nothing but physics happens."""
+
+    @property
+    def noises(self) -> dict[str, DeviceNoise]:
+        """The noise of each signal that has any."""
+        noises = {name: sense.noise for name, sense in self.senses.items()} | {MOTOR: self.motor_noise}
+        return {name: noise for name, noise in noises.items() if noise}
+
+    def carry_on(self, former: "Bound", clock: torch.Tensor) -> None:
+        """Go on with what infants remember, and with the signals on their way, in bodies of another age."""
+        for name, values in self.task.memory.items():
+            values.copy_(former.task.memory[name])
+        lines = {name: sense.line for name, sense in former.senses.items()}
+        for name, sense in self.senses.items():
+            sense.line.carry_on(lines[name], clock)
+        self.commands.carry_on(former.commands, clock)
+        for name, noise in self.noises.items():
+            if name in former.noises:
+                noise.state = former.noises[name].state
