@@ -50,11 +50,6 @@ class DeviceArousal:
             now = more_spring(*self._relaxed, self._of_hinges, more)
             stiffness[:, self._hinges], rest_rad[:, self._angles] = now
 
-    def carry_on(self, former: "DeviceArousal") -> None:
-        """Go on with the arousal that infants had before other bodies came to live in some worlds."""
-        if former._is_set:
-            self.set(former.level)
-
     def begin(self, begins: torch.Tensor) -> None:
         """Let infants that begin an episode have the arousal that they are built for; a mask of shape (worlds,)."""
         if self._is_set:

@@ -11,6 +11,7 @@ from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.episode_ends import DeviceTask
 from mimoc.runtime.device.noise import CounterRandom, DeviceNoise, noise_of
 from mimoc.runtime.device.signals import DeviceSense, DeviceSetup, line_of, space_of
+from mimoc.runtime.device.states import HISTORY, Path, Slot, attribute, in_place, nested
 
 
 class Bound:
@@ -48,14 +49,17 @@ class Bound:
         noises = {name: sense.noise for name, sense in self.senses.items()} | {MOTOR: self.motor_noise}
         return {name: noise for name, noise in noises.items() if noise}
 
-    def carry_on(self, former: "Bound", clock: torch.Tensor) -> None:
-        """Go on with what infants remember, and with the signals on their way, in bodies of another age."""
-        for name, values in self.task.memory.items():
-            values.copy_(former.task.memory[name])
-        lines = {name: sense.line for name, sense in former.senses.items()}
-        for name, sense in self.senses.items():
-            sense.line.carry_on(lines[name], clock)
-        self.commands.carry_on(former.commands, clock)
-        for name, noise in self.noises.items():
-            if name in former.noises:
-                noise.state = former.noises[name].state
+    def slots(self, clock: torch.Tensor) -> dict[Path, Slot]:
+        """Return what infants remember, and the signals on their way at a time."""
+        lines = {name: sense.line for name, sense in self.senses.items()} | {MOTOR: self.commands}
+        memory = {name: in_place(values) for name, values in self.task.memory.items()}
+        sent = {name: line.slot(clock) for name, line in lines.items()}
+        deviations = {name: attribute(line, "deviations") for name, line in lines.items()}
+        noise = {name: attribute(noise, "state") for name, noise in self.noises.items()}
+        return {
+            **dict(nested(memory, "task")),
+            **dict(nested(sent, *HISTORY)),
+            **dict(nested(deviations, "signals", "deviations")),
+            **dict(nested(noise, "signals", "noise")),
+            ("signals", "commanded"): in_place(self.commands.arrived),
+        }

@@ -23,6 +23,7 @@ import torch
 
 from mimoc.delays.signals import Mask
 from mimoc.runtime.device.arrays import put, where_worlds
+from mimoc.runtime.device.states import Slot
 from mimoc.senses.sense import IntArray
 
 Rows = torch.Tensor | slice
@@ -120,12 +121,9 @@ class Line:
             ages = ((self._now(clock) - slots) % part.slots).clamp(max=history.shape[1] - 1)
             part.ring.copy_(history[self._worlds, ages][:, :, part.columns])
 
-    def carry_on(self, former: "Line", clock: torch.Tensor) -> None:
-        """Go on with what is on its way in a line with the delays of other ages; see `restore`."""
-        self.restore(clock, former.history(clock))
-        self.arrived.copy_(former.arrived)
-        channels = min(self.deviations.shape[1], former.deviations.shape[1])
-        self.deviations[:, :channels] = former.deviations[:, :channels]
+    def slot(self, clock: torch.Tensor) -> Slot:
+        """Return the history of the line at a time, as a part of states."""
+        return Slot(lambda: self.history(clock), lambda history: self.restore(clock, history))
 
     def _rests(self, steps: IntArray) -> IntArray:
         return np.unique(steps % self._period)

@@ -18,9 +18,10 @@ from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, pla
 from mimoc.runtime.device.bound import Bound
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
 from mimoc.runtime.device.episode_ends import EpisodeEnds
-from mimoc.runtime.device.initial_states import InitialStates, changed_fields, sample_initial_states
+from mimoc.runtime.device.initial_states import InitialStates, changed_fields, changed_rows, sample_initial_states
 from mimoc.runtime.device.noise import CounterRandom
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
+from mimoc.runtime.device.states import PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import IntArray
 
@@ -86,17 +87,31 @@ class DeviceSimulation:
         bodies, has_moved = self._fields.fit(models, changed_fields(infants))
         if has_moved:
             self._graphs = {}  # They have the places of the former arrays in memory.
-        former, self.bound, arousal = self.bound, self._bound(infants, body_of_world), self.arousal
-        level = arousal.level
-        arousal.set(arousal.as_built)
-        arousal.level = level
+        bound, kept = self._bound(infants, body_of_world), kept_in(self.slots())
+        self.arousal.set(self.arousal.as_built)
         self._fields.write(bodies, worlds, body_of_world[worlds])
         place_fixed(self.data, models, worlds, body_of_world[worlds])
-        self.bound.carry_on(former, self.clock)
+        self.bound = bound
         self.arousal = self._aroused()
-        self.arousal.carry_on(arousal)
+        write_to(self.slots(), kept)
         self.ended.limit(infants, self.bound.body)
         self.default_starts = self.starts(None)
+
+    def slots(self) -> dict[Path, Slot]:
+        """Return all that the next steps of the worlds depend on."""
+        data = {name: in_place(array) for name in PHYSICS if (array := wp.to_torch(getattr(self.data, name))).numel()}
+        rows = {name: put(which) for name, which in changed_rows(self.bound.infants[0]).items()}
+        model = {name: in_place(wp.to_torch(getattr(self.model, name)), which) for name, which in rows.items()}
+        counted = {name: attribute(self.ended, name) for name in ("steps", "episode", "ended")}
+        drawn = {"seed": attribute(self.chance, "seeds"), "steps": attribute(self.chance, "steps")}
+        return {
+            **dict(nested(data, "physics")),
+            **dict(nested(model, "model")),
+            **dict(nested(counted)),
+            **dict(nested(drawn, "random")),
+            **self.bound.slots(self.clock),
+            ("arousal",): Slot(lambda: self.arousal.level, self.arousal.set),
+        }
 
     def _bound(self, infants: Sequence[InfantEnv], body_of_world: IntArray) -> Bound:
         return Bound(DeviceSetup(infants, put(body_of_world), self.model, self._touch), self.chance)
