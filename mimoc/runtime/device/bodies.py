@@ -27,6 +27,13 @@ BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) an
 """Fields that can be another in each world."""
 
 
+COUNTS = {
+    **{"nbody": "bodies", "njnt": "joints", "ngeom": "geoms", "nmesh": "meshes", "nmat": "materials"},
+    **{"nlight": "lights", "neq": "locks and welds", "nu": "actuators"},
+}
+"""What models are said to differ in, rather than in the fields that follow from it."""
+
+
 class WorldsError(MimocError):
     """Some infants cannot live in worlds of one model."""
 
@@ -135,11 +142,18 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     options = _differing([model.opt for model in models], _names(mjw.Option))
     shared = [*sorted(differing - BATCHED), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
     if shared:
+        counts = [_counted(models, name, what) for name, what in COUNTS.items() if name in differing]
         raise WorldsError(
-            f"these infants cannot live side by side on this device: their models differ in {first_of(shared)}, which "
-            "all worlds share; make an environment of each kind"
+            "these infants, with what lies around them, cannot live side by side on this device: their models differ in "
+            f"{first_of(counts or shared)}, which all worlds share; make an environment of each kind"
         )
     return differing
+
+
+def _counted(models: Sequence[mjw.Model], name: str, what: str) -> str:
+    """Return how many there are in the first model, and in another one."""
+    first, *others = [getattr(model, name) for model in models]
+    return f"the number of {what} ({first}, {next(count for count in others if count != first)})"
 
 
 def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Model:

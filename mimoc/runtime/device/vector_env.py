@@ -28,14 +28,13 @@ from mimoc.runtime.device.initial_states import InitialStates
 from mimoc.runtime.device.residents import Residents, StartingInfant
 from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
-from mimoc.runtime.device.states import check_states, joined, kept_in, states_of, write_to
+from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, SEED, options_given, variant_of_state
 
 __all__ = ["DeviceEnv", "DeviceError", "StartingInfant"]
 
 CARRIED = ("physics", "model", "arousal")
-"""Parts of states that growing changes on the CPU, or looks at."""
 STARTS = 256
 """InitialStates that are drawn of each infant whose episodes begin with chance."""
 
@@ -230,14 +229,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         with present(self.device):
             self.worlds.settle()
             former, worlds = self.residents, residents.changed(self.residents)
-            kept = kept_in(self.worlds.slots())
-            states = states_of({path: values for path, values in kept.items() if path[0] in CARRIED})
+            kept = kept_in(self._carried())
+            states = states_of(kept)
             for world in worlds:
                 now: Any = residents.infant(world)
                 states[world] |= former.infant(world).grown_into(now, states[world])
             self._live(residents)
-            if len(worlds):
-                write_to(self.worlds.slots(), joined(states, {path: kept[path] for path in kept if path[0] in CARRIED}))
+            write_to(self._carried(), joined(states, kept))
             self.worlds.observe()
             return self._observed()
 
@@ -293,6 +291,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
                 check_infant(infant)
             self.worlds.become(residents.infants, residents.body, worlds)
             self.residents, self._starts = residents, {None: self.worlds.default_starts}
+
+    def _carried(self) -> dict[Path, Slot]:
+        """Return the parts of the state that growing changes on the CPU, or looks at."""
+        return {path: slot for path, slot in self.worlds.slots().items() if path[0] in CARRIED}
 
     def _known_options(self) -> list[str]:
         """Return the options of a reset."""
