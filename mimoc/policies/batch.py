@@ -66,7 +66,9 @@ def batch_of(envs: Any) -> Batch:
         return Batch(envs.infants, lambda: np.array([[infant.arousal] for infant in envs.infants]))
     infants = _Residents(envs)
     if envs.arrays == "numpy":
-        return Batch(infants, lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True)
+        return Batch(
+            infants, lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True
+        )
     if envs.arrays != "torch":
         raise PolicyError(f"policies take no arrays of '{envs.arrays}'; make the environment with arrays=\"torch\"")
     xp, put = torch_library(envs.worlds.arousal.level)

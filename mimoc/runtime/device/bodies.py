@@ -25,11 +25,14 @@ KEYFRAMES = "key_"
 SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
 BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
 """Fields that can be another in each world."""
-
-
 COUNTS = {
-    **{"nbody": "bodies", "njnt": "joints", "ngeom": "geoms", "nmesh": "meshes", "nmat": "materials"},
-    **{"nlight": "lights", "neq": "locks and welds", "nu": "actuators"},
+    "nbody": "bodies",
+    "njnt": "joints",
+    "ngeom": "geoms",
+    "nmesh": "meshes",
+    "nmat": "materials",
+    "nlight": "lights",
+    "neq": "locks and welds",
 }
 """What models are said to differ in, rather than in the fields that follow from it."""
 
@@ -101,9 +104,7 @@ def batched_data(
     return batched
 
 
-def place_fixed(
-    data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArray, body_of_world: IntArray
-) -> None:
+def place_fixed(data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArray, body_of_world: IntArray) -> None:
     """Write where the geoms of the bodies are that live in some worlds, shape (worlds,), before anything moves."""
     states = [mujoco.MjData(model) for model in models]
     for model, state in zip(models, states, strict=True):
@@ -144,7 +145,7 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     if shared:
         counts = [_counted(models, name, what) for name, what in COUNTS.items() if name in differing]
         raise WorldsError(
-            "these infants, with what lies around them, cannot live side by side on this device: their models differ in "
+            "these infants and what lies around them cannot live side by side on this device: their models differ in "
             f"{first_of(counts or shared)}, which all worlds share; make an environment of each kind"
         )
     return differing

@@ -78,7 +78,7 @@ class Line:
         self.arrived = torch.zeros((len(body), columns.shape[1]), dtype=dtype, device=body.device)
         """What has arrived, shape (worlds, n)."""
         self.deviations = torch.zeros((len(body), 0), dtype=torch.int64, device=body.device)
-        """By how many physics steps delays are longer now, shape (worlds, channels); no channels if they do not vary."""
+        """By how many physics steps delays are longer now, shape (worlds, channels); none if they do not vary."""
 
     def send(self, clock: torch.Tensor, values: torch.Tensor, rest: int | None = None) -> None:
         """Send values, shape (worlds, n), or those whose delay is *rest* physics steps over whole control steps."""

@@ -26,6 +26,7 @@ from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import IntArray, Sense
 
+
 @dataclass(frozen=True)
 class DeviceSetup:
     """What the device part of a sense is bound to: the different bodies, and which of them lives in each world."""

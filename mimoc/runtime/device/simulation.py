@@ -137,6 +137,7 @@ class DeviceSimulation:
         """Start an episode in the worlds that a start is chosen for, shape (worlds,); -1 is none."""
         starts.restore(chosen, self.model, self.data, self.bound.task.memory)
         start, begins = chosen.clamp(min=0), chosen >= 0
+        self._worlds.cvel.masked_fill_(begins[:, None, None], 0.0)  # Welds read that of the step before.
         controls = self._worlds.ctrl[:, self.bound.actuators]
         self.bound.commands.fill(begins, controls)
         self.bound.commands.arrived = where_worlds(begins, controls, self.bound.commands.arrived)

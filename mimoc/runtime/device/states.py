@@ -10,9 +10,9 @@ from mimoc.base.state_form import check_form, demand
 
 PHYSICS = (
     *("time", "qpos", "qvel", "act", "ctrl", "qacc_warmstart", "qfrc_applied", "xfrc_applied", "eq_active"),
-    *("mocap_pos", "mocap_quat", "userdata"),
+    *("mocap_pos", "mocap_quat", "userdata", "cvel"),
 )
-"""Fields of a simulation that its next steps depend on."""
+"""Fields of a simulation that its next steps depend on; MuJoCo Warp's welds read `cvel` before it is computed anew."""
 Path = tuple[str, ...]
 """The names that lead to a part of a state."""
 Kept = dict[Path, torch.Tensor | None]

@@ -25,14 +25,12 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import InitialStates
-from mimoc.runtime.device.residents import Residents, StartingInfant
-from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
+from mimoc.runtime.device.residents import Residents
+from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
 from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, SEED, options_given, variant_of_state
-
-__all__ = ["DeviceEnv", "DeviceError", "StartingInfant"]
 
 CARRIED = ("physics", "model", "arousal")
 STARTS = 256
@@ -153,7 +151,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self.worlds.arouse(levels)
             self.worlds.ended.ended[which] = False
             self.worlds.observe()
-            return self._observed(), {AGE: self._give(self._ages), f"_{AGE}": self._give(torch.ones_like(self.worlds.ended.ended))}
+            return self._observed(), {
+                AGE: self._give(self._ages),
+                f"_{AGE}": self._give(torch.ones_like(self.worlds.ended.ended)),
+            }
 
     def set_arousal(self, levels: Any) -> None:
         """Change the arousal of infants for the rest of their episodes.

@@ -143,5 +143,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(envs):
         with pytest.raises(ValueError, match=text):
             envs.set_state(bad)
     now = envs.get_state()
-    assert all((one["physics"]["qpos"] == other["physics"]["qpos"]).all() for one, other in zip(now, states, strict=True))
+    assert all(
+        (one["physics"]["qpos"] == other["physics"]["qpos"]).all() for one, other in zip(now, states, strict=True)
+    )
     assert [state["age_months"] for state in now] == [1, 12, 1]

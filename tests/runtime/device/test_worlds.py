@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.error import ClosedEnvironmentError
-from support.devices import DEVICE, WARP_DEVICE
+from support.devices import CLOSE, DEVICE, WARP_DEVICE, assert_close
 
 import mimoc
 from mimoc.actuation.torque.run import bind
@@ -19,14 +19,14 @@ from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.base.kinds import ActuationKind
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.bodies import WorldsError
-from mimoc.runtime.device.vector_env import DeviceEnv, DeviceError
+from mimoc.runtime.device.signals import DeviceError
+from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term
 
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 ALL = {"include": ["velocity", "torque", "limits", "actuation"]}
 SENSES = {"proprioception": ALL, "vestibular": {}, "touch": {"density": 0.5}}
-CLOSE = 1e-4
 
 
 @cache
@@ -60,16 +60,6 @@ def pair():
 def actions(env, generator: np.random.Generator) -> np.ndarray:
     space = env.single_action_space
     return generator.uniform(space.low, space.high, env.action_space.shape).astype(np.float32)
-
-
-def assert_close(ours, theirs, infant, limit=CLOSE):
-    """Compare observations: angles in [rad]; other quantities relatively, if they are large."""
-    for name, values in theirs.items():
-        errors = np.abs(ours[name] - values) / np.maximum(1.0, np.abs(values))
-        layout = infant.layout(name) if name == "proprioception" else ()
-        angles = [index for index, number in enumerate(layout) if number.endswith("[rad]")]
-        assert errors[:, angles].max(initial=0.0) < limit, name
-        assert errors.max() < 30 * limit, name
 
 
 @pytest.mark.slow
