@@ -107,12 +107,14 @@ class Residents:
             ValueError: If these are not an age and a seed.
             MimocError: If there is no such infant.
         """
+        if not any(map(_is_change, wanted)):
+            return self
         made: dict[Any, InfantEnv] = {}
         known = {self._key(world, self.infant(world)): self.infant(world) for world in range(len(self.body))}
         now: list[InfantEnv] = []
         for world, options in enumerate(wanted):
             infant = self.infant(world)
-            if not isinstance(options, Mapping) or options.keys() & {growing.AGE, growing.SEED}:
+            if _is_change(options):
                 question = self.body[world], self.source[world], repr(_asked(options))
                 if question not in made:
                     infant = _at(infant, options, find)
@@ -134,6 +136,11 @@ class Residents:
 
     def _key(self, world: int, infant: InfantEnv) -> Any:
         return int(self.source[world]), infant.age_months, infant.manifest.seed
+
+
+def _is_change(options: Any) -> bool:
+    """Return whether options, or a state, ask for an age or a scene; what is no dictionary is refused where it is."""
+    return not isinstance(options, Mapping) or growing.AGE in options or growing.SEED in options
 
 
 def _asked(options: Any) -> Any:

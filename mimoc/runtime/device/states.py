@@ -7,6 +7,7 @@ import numpy as np
 import torch
 
 from mimoc.base.state_form import check_form, demand
+from mimoc.runtime.growing import AGE, SEED
 
 PHYSICS = (
     *("time", "qpos", "qvel", "act", "ctrl", "qacc_warmstart", "qfrc_applied", "xfrc_applied", "eq_active"),
@@ -79,7 +80,12 @@ def check_states(states: Any, kept: Kept) -> None:
     count = next(len(values) for values in kept.values() if values is not None)
     if not isinstance(states, (list, tuple)) or len(states) != count:
         raise ValueError(f"expected a list of {count} states, one for each infant")
-    form = {**valid, "signals": {name: valid["signals"][name] for name in valid["signals"] if name != HISTORY[1]}}
+    form = {
+        **valid,
+        AGE: 0.0,
+        SEED: 0,
+        "signals": {name: valid["signals"][name] for name in valid["signals"] if name != HISTORY[1]},
+    }
     for number, state in enumerate(states):
         where = f"states[{number}]"
         check_form(state, form, where)

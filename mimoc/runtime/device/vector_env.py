@@ -102,6 +102,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         with present(self.device):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
+            self._ages = self._present_ages()
             self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
             self.worlds.observe()
@@ -292,6 +293,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
                 check_infant(infant)
             self.worlds.become(residents.infants, residents.body, worlds)
             self.residents, self._starts = residents, {None: self.worlds.default_starts}
+            self._ages = self._present_ages()
 
     def _carried(self) -> dict[Path, Slot]:
         """Return the parts of the state that growing changes on the CPU, or looks at."""
@@ -302,8 +304,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         has_scenes = all(getattr(infant, "has_other_scenes", False) for infant in self.infants)
         return ["pose", AROUSAL, RESET_MASK, AGE, *([SEED] if has_scenes else [])]
 
-    @property
-    def _ages(self) -> torch.Tensor:
+    def _present_ages(self) -> torch.Tensor:
         """Return the age of the infant in each world, in months."""
         return put([infant.age_months for infant in self.infants])[self.worlds.bound.body]
 
