@@ -249,7 +249,8 @@ def _on_device(
     options: dict[str, Any],
 ) -> "DeviceEnv":
     """Return infants in worlds of MuJoCo Warp."""
-    from mimoc.runtime.device.vector_env import DeviceEnv, StartingInfant
+    from mimoc.runtime.device.residents import StartingInfant
+    from mimoc.runtime.device.vector_env import DeviceEnv
 
     known = ["task", "senses", "max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
     for name in options.keys() - known:

@@ -55,6 +55,10 @@ class ModelFields:
         ModelFields(built, self._fields).state = self._as_built
         return built
 
+    def forget(self) -> None:
+        """Let the model be as built again."""
+        self.state = self._as_built
+
     def inherit(self, former: "ModelFields") -> None:
         """Take over what an episode has changed in the model of the same infant at another age.
 

@@ -77,13 +77,16 @@ class Timing:
             groups = [(signal, delay.ms, ~in_legs), (f"{signal}.legs", delay.legs_ms, in_legs)]
         return [(name, to_steps(ms, self.timestep_ms), part) for name, ms, part in groups]
 
+    def jitter(self, delay_steps: int) -> int:
+        """Return by how many physics steps a delay of some varies at most: never by more than there are."""
+        return min(to_steps(self.noise.delay_jitter_ms, self.timestep_ms), delay_steps)
+
     def _jittered(
         self, signal: str, in_legs: Mask | None, streams: NoiseStreams
     ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
         """Return the delays of a signal in physics steps, the numbers that have them, and the jitter; see `groups`."""
-        jitter = to_steps(self.noise.delay_jitter_ms, self.timestep_ms)
         return [
-            (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
+            (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := self.jitter(late)) else None)
             for name, late, part in self.groups(signal, in_legs)
         ]
 

@@ -20,7 +20,7 @@ class Batch:
     What is bound to an age has to look again where infants grow: `infants[i].bundle` is another one then.
     """
 
-    infants: tuple[InfantEnv, ...]
+    infants: Sequence[InfantEnv]
     """The environment of each; on a device, one of the same body that stands for it and is not stepped."""
     arousals: Callable[[], Any]
     """Returns the arousal of each now, shape (k, 1)."""
@@ -62,13 +62,29 @@ def batch_of(envs: Any) -> Batch:
     """
     if not hasattr(envs, "infants"):
         raise PolicyError(f"expected a vector environment of mimoc.make_vec, got {type(envs).__name__}")
-    infants = tuple(envs.infants[row % len(envs.infants)] for row in range(envs.num_envs))
     if not hasattr(envs, "worlds"):
-        return Batch(infants, lambda: np.array([[infant.arousal] for infant in infants]))
-    level = envs.worlds.arousal.level
+        return Batch(envs.infants, lambda: np.array([[infant.arousal] for infant in envs.infants]))
+    infants = _Residents(envs)
     if envs.arrays == "numpy":
-        return Batch(infants, lambda: level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True)
+        return Batch(
+            infants, lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True
+        )
     if envs.arrays != "torch":
         raise PolicyError(f"policies take no arrays of '{envs.arrays}'; make the environment with arrays=\"torch\"")
-    xp, put = torch_library(level)
-    return Batch(infants, lambda: level[:, None], xp, put, is_on_device=True)
+    xp, put = torch_library(envs.worlds.arousal.level)
+    return Batch(infants, lambda: envs.worlds.arousal.level[:, None], xp, put, is_on_device=True)
+
+
+class _Residents(Sequence[InfantEnv]):
+    """The infants that stand for those in the worlds of a device now."""
+
+    def __init__(self, envs: Any):
+        self._envs = envs
+
+    def __len__(self) -> int:
+        return self._envs.num_envs
+
+    def __getitem__(self, row: Any) -> Any:
+        if row >= len(self):
+            raise IndexError(row)
+        return self._envs.residents.infant(row)

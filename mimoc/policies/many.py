@@ -58,15 +58,17 @@ class SumOfMany:
     def __init__(self, batch: Batch, policies: Sequence[BatchPolicy]):
         """Add policies of the same infants."""
         self._batch, self._policies = batch, tuple(policies)
-        self._limits = tuple(map(batch.put, batch.limits()))
+        self._ages, self._limits = list[float](), ()
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> Any:
         """Return the actions, shape (k, n)."""
         actions = [policy(generators, observations) for policy in self._policies]
         if len(actions) == 1:
             return actions[0]
-        limits = self._limits if self._batch.is_on_device else self._batch.limits()
-        return self._batch.actions(summed(self._batch.xp, actions, *limits))
+        ages = [infant.age_months for infant in self._batch.infants]
+        if ages != self._ages:
+            self._ages, self._limits = ages, tuple(map(self._batch.put, self._batch.limits()))
+        return self._batch.actions(summed(self._batch.xp, actions, *self._limits))
 
     def reset(self, rows: Any) -> None:
         """Let the infants of some rows, a boolean array of shape (k,), begin an episode."""

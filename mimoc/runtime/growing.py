@@ -118,12 +118,18 @@ def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
 
 
 def carry_on(former: SimulationState, now: SimulationState) -> None:
-    """Let an infant that has just been bound go on where it was at another age.
+    """Let an infant that has just been bound go on where it was at another age, with the signals on their way.
 
     Args:
         former: The infant at the age before.
         now: The same infant at the new age, which has not been started.
     """
+    carry_body(former, now)
+    now.schedule.carry_on(former.schedule, now.data)
+
+
+def carry_body(former: SimulationState, now: SimulationState) -> None:
+    """Let the body, the task and what lies around go on as in `carry_on`."""
     mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
     now.fields.inherit(former.fields)
     now.arousal.level = former.arousal.level
@@ -136,7 +142,6 @@ def carry_on(former: SimulationState, now: SimulationState) -> None:
     mujoco.mj_kinematics(now.model, now.data)
     now.constraints.carry_on(former.constraints, former.data, now.data)
     mujoco.mj_forward(now.model, now.data)
-    now.schedule.carry_on(former.schedule, now.data)
 
 
 def _age(age_months: Any) -> float:

@@ -229,5 +229,8 @@ class GeneralMovements:
 
 def draw(generators: Sequence[np.random.Generator], uniforms: int, normals: int) -> tuple[FloatArray, FloatArray]:
     """Return random numbers of k infants, each from its own generator, shapes (k, uniforms) and (k, normals)."""
-    rows = [(generator.random(uniforms), generator.standard_normal(normals)) for generator in generators]
-    return np.stack([row[0] for row in rows]), np.stack([row[1] for row in rows])
+    uniform, normal = np.empty((len(generators), uniforms)), np.empty((len(generators), normals))
+    for generator, uniform_row, normal_row in zip(generators, uniform, normal, strict=True):
+        generator.random(out=uniform_row)
+        generator.standard_normal(out=normal_row)
+    return uniform, normal

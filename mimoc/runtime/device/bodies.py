@@ -7,11 +7,11 @@ from typing import Any
 import mujoco
 import mujoco_warp as mjw
 import numpy as np
-import numpy.typing as npt
 import warp as wp
 
 from mimoc.base.errors import MimocError
 from mimoc.runtime.batch.gymnasium_forms import first_of
+from mimoc.senses.sense import IntArray
 
 TOLERANCE = 1e-8
 """Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad
@@ -25,52 +25,96 @@ KEYFRAMES = "key_"
 SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
 BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
 """Fields that can be another in each world."""
+COUNTS = {
+    "nbody": "bodies",
+    "njnt": "joints",
+    "ngeom": "geoms",
+    "nmesh": "meshes",
+    "nmat": "materials",
+    "nlight": "lights",
+    "neq": "locks and welds",
+}
+"""What models are said to differ in, rather than in the fields that follow from it."""
 
 
 class WorldsError(MimocError):
     """Some infants cannot live in worlds of one model."""
 
 
-def batched_model(
-    models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], changed: Collection[str] = ()
-) -> mjw.Model:
-    """Return the model of many worlds, on Warp's present device.
+class WorldsModel:
+    """The model of many worlds, on Warp's present device; what is written to it keeps its place in memory.
 
-    What differs is found by comparing what MuJoCo Warp makes of each model, not from a list of fields.
-
-    Args:
-        models: The different bodies; at least one.
-        body_of_world: Which of them lives in each world, shape (worlds,).
-        changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
-
-    Raises:
-        WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
+    What differs is found by comparing what MuJoCo Warp makes of each model, not from a list of fields. Where it first
+    differs later, when infants have grown, a field moves to a larger place.
     """
-    put = [_put(model) for model in models] if len(models) > 1 else []
-    differing = own_fields(put) if put else set()
-    batched = _put(models[0], dict.fromkeys(sorted(differing.union(changed)), len(body_of_world)))
-    for name in differing:
-        values = np.concatenate([getattr(model, name).numpy() for model in put])
-        getattr(batched, name).assign(values[body_of_world])
-    batched.opt.tolerance.fill_(TOLERANCE)
-    batched.opt.warn_overflow = 0  # What overflows is reported by `capacity.report` instead of a printed line.
-    return batched
+
+    def __init__(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray, changed: Collection[str] = ()):
+        """Put bodies into worlds.
+
+        Args:
+            models: The different bodies; at least one.
+            body_of_world: Which of them lives in each world, shape (worlds,).
+            changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
+
+        Raises:
+            WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
+        """
+        self._source, self._count, self._own = models[0], len(body_of_world), set(changed)
+        self._first = _put(models[0])
+        self.warp = _put(models[0], dict.fromkeys(sorted(changed), self._count))
+        """MuJoCo Warp's model."""
+        self.warp.opt.tolerance.fill_(TOLERANCE)
+        self.warp.opt.warn_overflow = 0  # What overflows is reported by `capacity.report` instead of a printed line.
+        self.write(self.fit(models)[0], np.arange(self._count), body_of_world)
+
+    def fit(self, models: Sequence[mujoco.MjModel], changed: Collection[str] = ()) -> tuple[list[mjw.Model], bool]:
+        """Make room for bodies that differ; return MuJoCo Warp's model of each, and whether a field has moved.
+
+        Raises:
+            WorldsError: As at the beginning; nothing has changed then.
+        """
+        put = [_put(model) for model in models]
+        new = own_fields([self._first, *put]).union(changed) - self._own
+        if new:
+            larger = _put(self._source, dict.fromkeys(sorted(new), self._count))
+            for name in new:
+                setattr(self.warp, name, getattr(larger, name))
+            self._own |= new
+        return put, bool(new)
+
+    def write(self, put: Sequence[mjw.Model], worlds: IntArray, body_of_world: IntArray) -> None:
+        """Write the bodies that live in some worlds as they are built, shape (worlds,)."""
+        for name in sorted(self._own):
+            values = np.concatenate([getattr(model, name).numpy() for model in put])
+            array = getattr(self.warp, name)
+            whole = array.numpy()
+            whole[worlds] = values[body_of_world]
+            array.assign(whole)
 
 
 def batched_data(
-    models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], contacts: int, constraints: int
+    models: Sequence[mujoco.MjModel], body_of_world: IntArray, contacts: int, constraints: int
 ) -> mjw.Data:
     """Return the states of many worlds, each with room for some contacts and rows of constraints.
 
     MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
     """
     batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
+    place_fixed(batched, models, np.arange(len(body_of_world)), body_of_world)
+    return batched
+
+
+def place_fixed(data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArray, body_of_world: IntArray) -> None:
+    """Write where the geoms of the bodies are that live in some worlds, shape (worlds,), before anything moves."""
     states = [mujoco.MjData(model) for model in models]
     for model, state in zip(models, states, strict=True):
         mujoco.mj_kinematics(model, state)
-    batched.geom_xpos.assign(np.stack([state.geom_xpos for state in states])[body_of_world])
-    batched.geom_xmat.assign(np.stack([state.geom_xmat.reshape(-1, 3, 3) for state in states])[body_of_world])
-    return batched
+    for name in ("geom_xpos", "geom_xmat"):
+        array = getattr(data, name)
+        whole = array.numpy()
+        values = np.stack([getattr(state, name) for state in states]).reshape(len(states), *whole.shape[1:])
+        whole[worlds] = values[body_of_world]
+        array.assign(whole)
 
 
 def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
@@ -99,11 +143,18 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     options = _differing([model.opt for model in models], _names(mjw.Option))
     shared = [*sorted(differing - BATCHED), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
     if shared:
+        counts = [_counted(models, name, what) for name, what in COUNTS.items() if name in differing]
         raise WorldsError(
-            f"these infants cannot live side by side on this device: their models differ in {first_of(shared)}, which "
-            "all worlds share; make an environment of each kind"
+            "these infants and what lies around them cannot live side by side on this device: their models differ in "
+            f"{first_of(counts or shared)}, which all worlds share; make an environment of each kind"
         )
     return differing
+
+
+def _counted(models: Sequence[mjw.Model], name: str, what: str) -> str:
+    """Return how many there are in the first model, and in another one."""
+    first, *others = [getattr(model, name) for model in models]
+    return f"the number of {what} ({first}, {next(count for count in others if count != first)})"
 
 
 def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Model:

@@ -31,14 +31,19 @@ class EpisodeEnds:
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, max_steps: int | None, mode: AutoresetMode):
         """Begin the first episodes, of which none is longer than *max_steps* control steps."""
-        limits = [min(NEVER if limit is None else limit for limit in (env.max_steps, max_steps)) for env in infants]
-        self._mode, self.limits = mode, put(limits)[body]
-        """Control steps after which each episode is truncated."""
+        self._max_steps, self._mode = max_steps, mode
+        self.limit(infants, body)
         self.steps, self.episode = torch.zeros_like(body), torch.zeros_like(body)
         self.ended = torch.zeros_like(body, dtype=torch.bool)
         """Whether the episode has ended and another one has not begun."""
         self.report: torch.Tensor | None = None
         """What the CPU must know of the last step; see `capacity.report`."""
+
+    def limit(self, infants: Sequence[InfantEnv], body: torch.Tensor) -> None:
+        """Let episodes be as long as those of the body that lives in each world, shape (worlds,)."""
+        pairs = [(infant.max_steps, self._max_steps) for infant in infants]
+        self.limits = put([min(NEVER if limit is None else limit for limit in pair) for pair in pairs])[body]
+        """Control steps after which each episode is truncated."""
 
     def judge(
         self, judgement: Judgement, worlds: Worlds, actions: torch.Tensor, starts: InitialStates, seeds: torch.Tensor

@@ -1,6 +1,6 @@
 """How episodes begin on a device: a table of starts of each infant, which single environments have drawn."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import torch
 import warp as wp
 from gymnasium.utils import seeding
 
+from mimoc.actuation.arousal import Arousal
 from mimoc.base.model_fields import rows_by_name
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.device.arrays import put, where_worlds
@@ -21,6 +22,8 @@ from mimoc.tasks.task import FORCES, NOTHING
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""
+Start = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]
+"""Fields, what the task remembers, and samples at a start."""
 BITS_32 = 2**32 - 1
 
 
@@ -80,6 +83,12 @@ def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
     return {name: rows[name] for name in rows.keys() & BATCHED if len(rows[name])}
 
 
+def changed_fields(infants: Sequence[InfantEnv]) -> set[str]:
+    """Return which fields of their models episodes of some infants change, arousal included."""
+    aroused = {name for env in infants for name in Arousal(env.manifest.actuation, env.model).fields}
+    return aroused | {name for infant in infants for name in changed_rows(infant)}
+
+
 def sample_initial_states(
     infants: Sequence[InfantEnv],
     body: torch.Tensor,
@@ -88,6 +97,7 @@ def sample_initial_states(
     readers: Mapping[str, Any],
     model: mjw.Model,
     data: mjw.Data,
+    drawn: MutableMapping[InfantEnv, dict[str | None, list[Start]]],
 ) -> InitialStates:
     """Return the starts of all infants.
 
@@ -101,9 +111,13 @@ def sample_initial_states(
         readers: What reads senses that are no terms.
         model: The model of all worlds.
         data: Their states, which are lent to see what eyes see at the starts.
+        drawn: The starts that have been drawn before, by infant and pose; others are added.
     """
     options, rows = {} if pose is None else {"pose": pose}, changed_rows(infants[0])
-    starts = [_starts(infant, most, options, rows, readers) for infant in infants]
+    for infant in infants:
+        if pose not in drawn.setdefault(infant, {}):
+            drawn[infant][pose] = _starts(infant, most, options, rows, readers)
+    starts = [drawn[infant][pose] for infant in infants]
     counts = [len(of_infant) for of_infant in starts]
     fields, memory, samples = (
         {name: put(np.stack([part[name] for part in parts])) for name in parts[0]}
@@ -122,9 +136,9 @@ def sample_initial_states(
 
 def _starts(
     infant: InfantEnv, most: int, options: dict[str, Any], rows: Mapping[str, IntArray], readers: Mapping[str, Any]
-) -> list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]]:
+) -> list[Start]:
     """Return fields, what the task remembers, and samples at each start of an infant; of noise, each episode draws."""
-    starts = []
+    starts: list[Start] = []
     for seed in range(most):
         infant.reset(seed=seed, options=options)
         fields = {name: getattr(infant.data, name).copy() for name in STATE}

@@ -15,10 +15,13 @@ from mimoc.delays.spec import MOTOR
 from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, is_disturbed, noise_amount
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.device.arrays import term_of_worlds, where_worlds
+from mimoc.runtime.device.lines import Uniforms
 from mimoc.runtime.env import InfantEnv
 
 PLACES = 1 << 23
 """How many random numbers a channel has at a time."""
+CHANNELS = 128
+"""How many channels of noise there are at most; the places of others are behind theirs."""
 SEEDS = 2**31
 """How many different seeds worlds can have."""
 
@@ -42,9 +45,17 @@ class CounterRandom:
 
     def normals(self, first: int, shape: Sequence[int]) -> torch.Tensor:
         """Return random numbers with mean 0 and standard deviation 1 of shape (worlds, ...), from a first place on."""
+        return self._drawn(_draw, first, shape)
+
+    def uniforms_of(self, number: int) -> Uniforms:
+        """Return what draws numbers from 0 to less than 1, of shape (worlds, ...), for a signal with some number."""
+        self.is_used = True
+        return lambda shape: self._drawn(_draw_uniforms, (CHANNELS + number) * PLACES, shape)
+
+    def _drawn(self, kernel: wp.Kernel, first: int, shape: Sequence[int]) -> torch.Tensor:
         numbers = torch.empty((shape[0], math.prod(shape[1:])), device=self.seeds.device)
         inputs = [wp.from_torch(self.seeds), wp.from_torch(self.steps), first]
-        wp.launch(_draw, tuple(numbers.shape), inputs, [wp.from_torch(numbers)])
+        wp.launch(kernel, tuple(numbers.shape), inputs, [wp.from_torch(numbers)])
         return numbers.reshape(tuple(shape))
 
 
@@ -56,18 +67,19 @@ class DeviceNoise:
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
         chance.is_used = True
         self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES
-        self._state: torch.Tensor | None = None
+        self.state: torch.Tensor | None = None
+        """The state of the noise in each world, shape (worlds, ...), if it has any."""
 
     def __call__(self, signal: torch.Tensor, elapsed_s: float) -> torch.Tensor:
         """Return a signal of all worlds with noise, shape (worlds, n), some time after the last one."""
-        noisy, self._state = self._noise(self._draw(self._first, elapsed_s), signal, self._state)
+        noisy, self.state = self._noise(self._draw(self._first, elapsed_s), signal, self.state)
         return noisy
 
     def begin(self, signal: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
         """Return the signal with noise of worlds that begin an episode, shape (worlds,); others keep their noise."""
         noisy, state = self._noise(self._draw(self._first + PLACES, math.inf), signal, None)
-        is_kept = state is not None and self._state is not None
-        self._state = where_worlds(begins, state, self._state) if is_kept else state
+        is_kept = state is not None and self.state is not None
+        self.state = where_worlds(begins, state, self.state) if is_kept else state
         return where_worlds(begins, noisy, signal)
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:
@@ -94,10 +106,19 @@ def noise_of(
     return DeviceNoise(signal, [bind(infant) for infant in infants], body, chance)
 
 
+@wp.func
+def _generator(world_seed: int, step: int, place: int) -> wp.uint32:
+    """Return a generator of a place; places in which those of two worlds coincide now differ next time."""
+    return wp.rand_init(wp.int32(wp.rand_init(world_seed, step)), wp.int32(wp.rand_init(place, step)))
+
+
 @wp.kernel(enable_backward=False)
 def _draw(seeds: wp.array[int], steps: wp.array[int], first: int, numbers: wp.array2d[float]):
-    """Draw numbers; places in which the generators of two worlds coincide now differ next time."""
     world, number = wp.tid()
-    of_world = wp.rand_init(seeds[world], steps[world])
-    of_place = wp.rand_init(first + number, steps[world])
-    numbers[world, number] = wp.randn(wp.rand_init(wp.int32(of_world), wp.int32(of_place)))
+    numbers[world, number] = wp.randn(_generator(seeds[world], steps[world], first + number))
+
+
+@wp.kernel(enable_backward=False)
+def _draw_uniforms(seeds: wp.array[int], steps: wp.array[int], first: int, numbers: wp.array2d[float]):
+    world, number = wp.tid()
+    numbers[world, number] = wp.randf(_generator(seeds[world], steps[world], first + number))

@@ -1,19 +1,9 @@
-"""The senses of all infants on a device: reading, noise, delay lines and observations.
-
-What is sampled or commanded now arrives later, for each number and infant after its delay. A delay line is a ring of
-slots, one for each control step that the longest delay of any infant takes and one more: with a delay of L control
-steps, what was sent L steps ago is in slot (clock - L) modulo (L + 1), which is the next to be written. So a reset only
-fills all slots. With L = 2:
-
-    clock      0   1   2   3   4
-    sent to    0   1   2   0   1
-    arrives    -   -   0   1   2      what was sent at clock 0, 1, 2
-"""
+"""The senses of all infants on a device: reading, noise, delay lines and observations."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import mujoco_warp as mjw
 import numpy as np
@@ -23,82 +13,18 @@ from gymnasium.spaces import Box, Dict
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import Code, function_of
-from mimoc.base.units import ms_to_s
+from mimoc.base.units import ms_to_s, to_steps
 from mimoc.bundle.model import in_subtrees
-from mimoc.delays.signals import Mask
 from mimoc.delays.spec import MOTOR
 from mimoc.delays.timing import timing_of
 from mimoc.runtime.device.arrays import put, term_of_worlds
+from mimoc.runtime.device.lines import Delays, JitteredLine, Line
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import IntArray, Sense
-
-Rows = torch.Tensor | slice
-
-
-class Part(NamedTuple):
-    """Numbers of a signal that have the same delay as each other in every infant."""
-
-    columns: Rows
-    slots: torch.Tensor
-    """One more than the whole control steps of the delay, shape (worlds,)."""
-    worlds_by_rest: dict[int, Rows]
-    """The worlds whose delay takes some physics steps more."""
-    ring: torch.Tensor
-    """What is on its way, shape (slots, worlds, columns)."""
-
-
-class Line:
-    """What is on its way of one signal of all infants."""
-
-    def __init__(self, delays: IntArray, period: int, body: torch.Tensor, dtype: torch.dtype = torch.float32):
-        """Begin with nothing on the way; delays and the control step are in physics steps, shape (bodies, n) and ()."""
-        self.rests: IntArray = np.unique(delays % period)
-        """By how many physics steps delays are longer than whole control steps."""
-        self._worlds = torch.arange(len(body), device=body.device)
-        self._parts: list[Part] = []
-        for delay in np.unique(delays, axis=1).T:
-            mask, of_world = (delays == delay[:, None]).all(axis=0), delay[body.tolist()]
-            slots, rests = of_world // period + 1, of_world % period
-            worlds_by_rest = {rest: _rows(rests == rest) for rest in np.unique(rests).tolist()}
-            ring = torch.zeros((int(slots.max()), len(body), int(mask.sum())), dtype=dtype, device=body.device)
-            self._parts.append(Part(_rows(mask), put(slots), worlds_by_rest, ring))
-        self.arrived = torch.zeros((len(body), delays.shape[1]), dtype=dtype, device=body.device)
-        """What has arrived, shape (worlds, n)."""
-
-    def send(self, clock: torch.Tensor, values: torch.Tensor, rest: int | None = None) -> None:
-        """Send values, shape (worlds, n), or those whose delay is *rest* physics steps over whole control steps."""
-        for part, rows in self._due(rest):
-            slots = (clock % part.slots)[rows]
-            part.ring[slots, self._worlds[rows]] = values[:, part.columns][rows]
-
-    def receive(self, clock: torch.Tensor, rest: int | None = None) -> torch.Tensor:
-        """Return what has arrived, shape (worlds, n), where those numbers are new that `send` sends."""
-        for part, rows in self._due(rest):
-            slots = ((clock + 1) % part.slots)[rows]
-            places = rows if isinstance(rows, slice) or isinstance(part.columns, slice) else rows[:, None]
-            self.arrived[places, part.columns] = part.ring[slots, self._worlds[rows]]
-        return self.arrived
-
-    def fill(self, begin: torch.Tensor, start: torch.Tensor) -> None:
-        """Forget all that is on the way in worlds that begin, shape (worlds,); rows of *start* come out until then."""
-        for part in self._parts:
-            torch.where(begin[:, None], start[:, part.columns], part.ring, out=part.ring)
-
-    def _due(self, rest: int | None) -> Iterator[tuple[Part, Rows]]:
-        for part in self._parts:
-            if rest is None:
-                yield part, slice(None)
-            elif rest in part.worlds_by_rest:
-                yield part, part.worlds_by_rest[rest]
-
-
-def _rows(mask: Mask) -> Rows:
-    """Return where a mask is true, as a slice if it is everywhere."""
-    return slice(None) if mask.all() else put(np.flatnonzero(mask))
 
 
 @dataclass(frozen=True)
@@ -137,7 +63,8 @@ class DeviceSense:
         """What reads it if it is no term."""
         terms: list[Any] = [infant.senses[name].term for infant in infants]
         self._term: Any = None if device else term_of_worlds(f"sense '{name}'", terms, body)
-        self._noise = noise_of(name, infants, body, chance)
+        self.noise = noise_of(name, infants, body, chance)
+        """Its noise, if it has any."""
         self._timestep_s, self._period = ms_to_s(manifest.timestep_ms), round(manifest.step_ms / manifest.timestep_ms)
         self.spaces: list[Mapping[str, Box]] = [
             getattr(self.reader, "spaces", infant.senses[name].spaces) for infant in infants
@@ -146,22 +73,19 @@ class DeviceSense:
         boxes = list(self.spaces[0].values())
         self._sizes = [int(np.prod(box.shape)) for box in boxes]
         self._is_picture = boxes[0].dtype == np.uint8 and device is not None
-        delays = np.stack([self._delays(name, infant) for infant in infants])
-        self.line = Line(delays, self._period, body, torch.uint8 if self._is_picture else torch.float32)
+        bodies = [getattr(self.reader, "bodies", infant.senses[name].bodies) for infant in infants]
+        self.line = line_of(name, setup, sum(self._sizes), chance, bodies, self._is_picture)
         bounds = [np.stack([_bound(spaces, which) for spaces in self.spaces]) for which in ("low", "high")]
         self._bounds = [put(rows[:1]) if (rows == rows[:1]).all() else put(rows)[body] for rows in bounds]
-
-    def _delays(self, name: str, infant: InfantEnv) -> IntArray:
-        return delays_of(infant, name, sum(self._sizes), getattr(self.reader, "bodies", infant.senses[name].bodies))
 
     def sample(self, worlds: Worlds, clock: torch.Tensor, rest: int) -> None:
         """Read what arrives *rest* physics steps less than whole control steps later, if anything does."""
         if rest not in self.line.rests:
             return
         sample = self.reader(worlds.datas[0]) if self.reader else self._term(worlds).flatten(1)
-        if self._noise:
+        if self.noise:
             earlier = min((other - rest) % self._period or self._period for other in self.line.rests)
-            sample = self._noise(sample, float(earlier) * self._timestep_s)
+            sample = self.noise(sample, float(earlier) * self._timestep_s)
         self.line.send(clock, sample, rest)
 
     def arrive(self, clock: torch.Tensor, observation: Mapping[str, torch.Tensor]) -> None:
@@ -174,7 +98,7 @@ class DeviceSense:
 
     def refill(self, sample: torch.Tensor, begin: torch.Tensor) -> None:
         """Forget what is on the way in worlds that begin, shape (worlds,), with samples; noise is drawn anew."""
-        self.line.fill(begin, self._noise.begin(sample, begin) if self._noise else sample)
+        self.line.fill(begin, self.noise.begin(sample, begin) if self.noise else sample)
 
 
 def device_part(name: str, sense: Sense) -> Code | None:
@@ -182,8 +106,27 @@ def device_part(name: str, sense: Sense) -> Code | None:
     return SENSES[name].device if name in SENSES and not isinstance(sense, CustomSense) else None
 
 
-def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> IntArray:
-    """Return the delay of each of n numbers of a signal of an infant, shape (n,), in physics steps.
+def line_of(
+    signal: str,
+    setup: DeviceSetup,
+    count: int,
+    chance: CounterRandom,
+    bodies: Sequence[IntArray | None],
+    is_picture: bool = False,
+) -> Line:
+    """Return the delay line of a signal of all infants, whose delays vary where those of any do; see `delays_of`."""
+    infants, manifest = setup.infants, setup.infants[0].manifest
+    delays = [delays_of(infant, signal, count, where) for infant, where in zip(infants, bodies, strict=True)]
+    together = Delays(*map(np.stack, zip(*delays, strict=True)))
+    kind, period = torch.uint8 if is_picture else torch.float32, to_steps(manifest.step_ms, manifest.timestep_ms)
+    if not any(infant.manifest.noise.delay_jitter_ms for infant in infants):
+        return Line(together, period, setup.body, kind)
+    signals = [*infants[0].senses, MOTOR]
+    return JitteredLine(together, period, setup.body, chance.uniforms_of(signals.index(signal)), kind)
+
+
+def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> Delays:
+    """Return the delay of each of n numbers of a signal of an infant, and how it varies.
 
     Args:
         infant: The infant.
@@ -196,10 +139,11 @@ def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | Non
         bodies = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
     if bodies is not None:
         in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])[bodies].repeat(count // len(bodies))
-    steps = np.empty(count, np.intp)
-    for _, late, part in timing.groups(signal, in_legs):
-        steps[... if part is None else part] = late
-    return steps
+    delays = Delays(*np.zeros((len(Delays._fields), count), np.intp))
+    for channel, (_, late, part) in enumerate(timing.groups(signal, in_legs)):
+        for values, value in zip(delays, (late, timing.jitter(late), channel), strict=True):
+            values[... if part is None else part] = value
+    return delays
 
 
 def space_of(infant: InfantEnv, senses: Mapping[str, DeviceSense], body: int) -> Dict:
@@ -242,8 +186,3 @@ def check_infant(infant: InfantEnv) -> None:
                 f"sense '{sense}' is not a term and has no device part: give it one (docs/own_sense.md), or leave out "
                 "device"
             )
-    if infant.manifest.noise.delay_jitter_ms:
-        raise DeviceError(
-            f"infant '{infant.manifest.name}' has delays with jitter, which are not there on a device; "
-            "leave out delay_jitter_ms, or device"
-        )

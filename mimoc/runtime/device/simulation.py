@@ -1,8 +1,8 @@
 """The worlds of all infants on a device: one control step of all of them, without a word to the CPU."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import mujoco_warp as mjw
 import numpy as np
@@ -12,15 +12,16 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc.actuation.arousal import Arousal
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.delays.spec import MOTOR
 from mimoc.runtime.device.arousal import DeviceArousal
-from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
-from mimoc.runtime.device.bodies import batched_data, batched_model, enlarged
+from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
+from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
+from mimoc.runtime.device.bound import Bound
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
-from mimoc.runtime.device.episode_ends import DeviceTask, EpisodeEnds
-from mimoc.runtime.device.initial_states import InitialStates, changed_rows, sample_initial_states
-from mimoc.runtime.device.noise import CounterRandom, noise_of
-from mimoc.runtime.device.signals import DeviceError, DeviceSense, DeviceSetup, Line, delays_of, space_of
+from mimoc.runtime.device.episode_ends import EpisodeEnds
+from mimoc.runtime.device.initial_states import InitialStates, changed_fields, changed_rows, sample_initial_states
+from mimoc.runtime.device.noise import CounterRandom
+from mimoc.runtime.device.signals import DeviceError, DeviceSetup
+from mimoc.runtime.device.states import PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import IntArray
 
@@ -42,13 +43,11 @@ class DeviceSimulation:
         max_steps: int | None,
     ):
         """Set everything up on Warp's present device; see `DeviceEnv`."""
-        self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
+        self._mode, self._most_starts, self._touch, self._device = mode, starts, touch, wp.get_device()
         manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
         self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
-        arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
-        changed = {name for infant in infants for name in changed_rows(infant)}
-        changed |= {name for arousal in arousals for name in arousal.fields}
-        self.model = batched_model(models, body_of_world, changed)
+        self._fields = WorldsModel(models, body_of_world, changed_fields(infants))
+        self.model = self._fields.warp
         self.room = Room.at_first(infants, self.model.nxn_geom_pair_filtered.numpy(), room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
@@ -56,43 +55,78 @@ class DeviceSimulation:
         """Whether physics steps are captured as graphs, and those of some numbers of steps."""
         present = self.room.present
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
-        self._worlds = device_worlds(self.data)
-        self.body, self.clock = put(body_of_world), put(0)
-        """Which body lives in each world, and control steps so far."""
-        self.arousal = DeviceArousal(arousals, self.body, models[0].jnt_qposadr, self.model)
-        self.task, self.chance = DeviceTask(infants, self.body), CounterRandom(put(np.arange(count)))
-        self._open_signals(touch)
-        self.ended = EpisodeEnds(infants, self.body, max_steps, mode)
-        self.default_starts = self.starts(None)
-
-    def _open_signals(self, touch: str) -> None:
-        """Find what is sensed and commanded, with its delays and noise."""
-        first, count = self._infants[0], len(self.body)
-        setup = DeviceSetup(self._infants, self.body, self.model, touch)
-        self.senses = {name: DeviceSense(name, setup, self.chance) for name in first.senses}
-        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self._infants)]
-        self._actuators = put(first.actuation.actuators)
-        delays = [delays_of(infant, MOTOR, len(self._actuators)) for infant in self._infants]
-        self.commands = Line(np.stack(delays), self.period, self.body)
-        self.actions = torch.zeros_like(self.commands.arrived)
+        self._worlds, self.clock = device_worlds(self.data), put(0)
+        self.chance, self._drawn = CounterRandom(put(np.arange(count))), WeakKeyDictionary[InfantEnv, Any]()
+        self.bound = self._bound(infants, body_of_world)
+        """What is sensed, commanded and judged now."""
+        self.arousal = self._aroused()
+        self.ended = EpisodeEnds(infants, self.bound.body, max_steps, mode)
+        self.actions = torch.zeros_like(self.bound.commands.arrived)
         """Of the present control step, shape (worlds, n)."""
-        commands: list[Any] = [infant.actuation.command for infant in self._infants]
-        self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
-        self._motor_noise = noise_of(MOTOR, self._infants, self.body, self.chance)
-        sampled = {int(self.period - rest) for sense in self.senses.values() for rest in sense.line.rests}
-        applied = {int(rest) for rest in self.commands.rests}
-        noisy = range(self.period) if self._motor_noise else ()
-        self._segments = tuple(pairwise(sorted({0, self.period, *sampled, *applied, *noisy})))
-        spaces: dict[str, Any] = dict(self.spaces[0].items())
+        spaces: dict[str, Any] = dict(self.bound.spaces[0].items())
         self.observation = {
             name: put(np.zeros((count, *space.shape))).to(torch.uint8 if space.dtype == np.uint8 else torch.float32)
             for name, space in spaces.items()
         }
+        self.default_starts = self.starts(None)
+
+    def become(self, infants: Sequence[InfantEnv], body_of_world: IntArray, worlds: IntArray) -> None:
+        """Let other bodies live in some worlds, as they are built; all else goes on as it is.
+
+        Args:
+            infants: All different bodies from now on.
+            body_of_world: Which of them lives in each world, shape (worlds,).
+            worlds: Where another one lives than before.
+
+        Raises:
+            WorldsError: If their bodies cannot live in worlds of one model; nothing has changed then, as with others.
+            MixtureError: If they cannot share a batch.
+            DeviceError: If an infant needs what is not there on a device.
+        """
+        models = [infant.model for infant in infants]
+        bodies, has_moved = self._fields.fit(models, changed_fields(infants))
+        if has_moved:
+            self._graphs = {}  # They have the places of the former arrays in memory.
+        bound, kept = self._bound(infants, body_of_world), kept_in(self.slots())
+        self.arousal.set(self.arousal.as_built)
+        self._fields.write(bodies, worlds, body_of_world[worlds])
+        place_fixed(self.data, models, worlds, body_of_world[worlds])
+        self.bound = bound
+        self.arousal = self._aroused()
+        write_to(self.slots(), kept)
+        self.ended.limit(infants, self.bound.body)
+        self.default_starts = self.starts(None)
+
+    def slots(self) -> dict[Path, Slot]:
+        """Return all that the next steps of the worlds depend on."""
+        data = {name: in_place(array) for name in PHYSICS if (array := wp.to_torch(getattr(self.data, name))).numel()}
+        rows = {name: put(which) for name, which in changed_rows(self.bound.infants[0]).items()}
+        model = {name: in_place(wp.to_torch(getattr(self.model, name)), which) for name, which in rows.items()}
+        counted = {name: attribute(self.ended, name) for name in ("steps", "episode", "ended")}
+        drawn = {"seed": attribute(self.chance, "seeds"), "steps": attribute(self.chance, "steps")}
+        return {
+            **dict(nested(data, "physics")),
+            **dict(nested(model, "model")),
+            **dict(nested(counted)),
+            **dict(nested(drawn, "random")),
+            **self.bound.slots(self.clock),
+            ("arousal",): Slot(lambda: self.arousal.level, self.arousal.set),
+        }
+
+    def _bound(self, infants: Sequence[InfantEnv], body_of_world: IntArray) -> Bound:
+        return Bound(DeviceSetup(infants, put(body_of_world), self.model, self._touch), self.chance)
+
+    def _aroused(self) -> DeviceArousal:
+        """Return the arousal of all worlds, whose models are as built."""
+        infants, model = self.bound.infants, self.bound.infants[0].model
+        arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
+        return DeviceArousal(arousals, self.bound.body, model.jnt_qposadr, self.model)
 
     def starts(self, pose: str | None) -> InitialStates:
         """Return the starts of all bodies in a pose."""
-        readers = {name: sense.reader for name, sense in self.senses.items() if sense.reader}
-        return sample_initial_states(self._infants, self.body, self._most_starts, pose, readers, self.model, self.data)
+        readers = {name: sense.reader for name, sense in self.bound.senses.items() if sense.reader}
+        infants, body, most = self.bound.infants, self.bound.body, self._most_starts
+        return sample_initial_states(infants, body, most, pose, readers, self.model, self.data, self._drawn)
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Give new seeds to some worlds, which choose the same starts again, after the first."""
@@ -101,14 +135,15 @@ class DeviceSimulation:
 
     def begin(self, starts: InitialStates, chosen: torch.Tensor) -> None:
         """Start an episode in the worlds that a start is chosen for, shape (worlds,); -1 is none."""
-        starts.restore(chosen, self.model, self.data, self.task.memory)
+        starts.restore(chosen, self.model, self.data, self.bound.task.memory)
         start, begins = chosen.clamp(min=0), chosen >= 0
-        controls = self._worlds.ctrl[:, self._actuators]
-        self.commands.fill(begins, controls)
-        self.commands.arrived = where_worlds(begins, controls, self.commands.arrived)
-        if self._motor_noise:
-            self._motor_noise.begin(self.commands.arrived, begins)
-        for name, sense in self.senses.items():
+        self._worlds.cvel.masked_fill_(begins[:, None, None], 0.0)  # Welds read that of the step before.
+        controls = self._worlds.ctrl[:, self.bound.actuators]
+        self.bound.commands.fill(begins, controls)
+        self.bound.commands.arrived = where_worlds(begins, controls, self.bound.commands.arrived)
+        if self.bound.motor_noise:
+            self.bound.motor_noise.begin(self.bound.commands.arrived, begins)
+        for name, sense in self.bound.senses.items():
             sense.refill(starts.samples[name][start], begins)
         self.arousal.begin(begins)
         self.ended.steps.masked_fill_(begins, 0)
@@ -127,14 +162,16 @@ class DeviceSimulation:
         two cuts are one graph; terms run between these graphs.
         """
         self.clock += 1
-        controls = self._controls_of(self._worlds, self.actions) if self._controls_of else self.actions
-        self.commands.send(self.clock, controls)
-        for start, end in self._segments:
+        controls = self.bound.controls_of(self._worlds, self.actions) if self.bound.controls_of else self.actions
+        self.bound.commands.send(self.clock, controls)
+        for sense in self.bound.senses.values():
+            sense.line.advance(self.period)
+        for start, end in self.bound.segments:
             self._command(start)
             self._physics(end - start)
-            for sense in self.senses.values():
+            for sense in self.bound.senses.values():
                 sense.sample(self._worlds, self.clock, self.period - end)
-        judgement = self.task.judge(self._worlds, self.model, self.actions)
+        judgement = self.bound.task.judge(self._worlds, self.model, self.actions)
         self.ended.judge(judgement, self._worlds, self.actions, self.default_starts, self.chance.seeds)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
@@ -170,7 +207,7 @@ class DeviceSimulation:
         if wanted == self.room.present:
             return False
         try:
-            self.data = enlarged(self.data, self._infants[0].model, wanted.contacts, wanted.constraints)
+            self.data = enlarged(self.data, self.bound.infants[0].model, wanted.contacts, wanted.constraints)
         except RuntimeError as error:
             if NO_MEMORY not in str(error):
                 raise
@@ -182,19 +219,20 @@ class DeviceSimulation:
 
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
-        for sense in self.senses.values():
+        for sense in self.bound.senses.values():
             sense.arrive(self.clock, self.observation)
-        for name in self.task.observed:
-            self.observation[name].copy_(self.task.memory[name])
+        for name in self.bound.task.observed:
+            self.observation[name].copy_(self.bound.task.memory[name])
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
         if self.chance.is_used:
             self.chance.steps += 1
-        commands = self.commands.receive(self.clock, index)
-        if self._motor_noise:
-            commands = self._motor_noise(commands, self._timestep_s)
-        self._worlds.ctrl.index_copy_(1, self._actuators, commands)
+        self.bound.commands.advance(1)
+        commands = self.bound.commands.receive(self.clock, index)
+        if self.bound.motor_noise:
+            commands = self.bound.motor_noise(commands, self._timestep_s)
+        self._worlds.ctrl.index_copy_(1, self.bound.actuators, commands)
 
     def _physics(self, steps: int) -> None:
         """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""

@@ -1,8 +1,7 @@
 """The Gymnasium vector environment of many infants on a device."""
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, NoReturn
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import torch
@@ -26,25 +25,16 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import InitialStates
-from mimoc.runtime.device.signals import DeviceError, check_infant, find_device
+from mimoc.runtime.device.residents import Residents
+from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
-from mimoc.runtime.device.vision.reader import VISION, NoVision
+from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AROUSAL, options_given
-from mimoc.senses.sense import Sense
+from mimoc.runtime.growing import AGE, AROUSAL, SEED, options_given, variant_of_state
 
-KNOWN = ("pose", AROUSAL, RESET_MASK)
-"""Options of a reset."""
+CARRIED = ("physics", "model", "arousal")
 STARTS = 256
 """InitialStates that are drawn of each infant whose episodes begin with chance."""
-
-
-class StartingInfant(InfantEnv):
-    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
-
-    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
-        """Bind everything but vision."""
-        super()._bind({VISION: NoVision(), **former})
 
 
 @closable()
@@ -102,16 +92,26 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         check_mixture(infants)
         for infant in infants:
             check_infant(infant)
-        self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
+        self.num_envs = num_envs or len(infants)
         self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
         self.arrays = arrays
         """What observations and rewards are: `numpy`, `torch` or `warp`."""
         which = np.arange(self.num_envs) % len(infants)
+        self.residents = Residents(tuple(infants), which, which)
+        """Who lives in each world."""
         with present(self.device):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
-        self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
-        self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
+            self._ages = self._present_ages()
+            self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
+            self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
+            self.worlds.observe()
+        self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode)
+
+    @property
+    def infants(self) -> tuple[InfantEnv, ...]:
+        """The different infants, as single environments that stand for those in the worlds and are not stepped."""
+        return self.residents.infants
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -120,32 +120,42 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
         Args:
             seed: Infant i is reset with `seed + i`, or with the i-th of a list.
-            options: `pose`, one for all, `arousal`, for all or, as a list or an array, for each, and `reset_mask`.
+            options: `pose`, one for all; `arousal`, `age_months` and, if the infants were made from specs,
+                `scene_seed`, for all or, as a list or an array, for each, where None is none; and `reset_mask`.
 
         Raises:
             TypeError: If the options are no dictionary.
-            ValueError: If a seed is not a non-negative integer, an arousal is none from 0 to 2, or a list has not one
-                value for each infant.
+            ValueError: If a seed is not a non-negative integer, an arousal is none from 0 to 2, an age none from 0 to
+                24 months, or a list has not one value for each infant.
             UnknownNameError: If there is no such pose or option.
+            MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
             ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
         options = options_given(options)
-        for name in options.keys() - KNOWN:
-            raise UnknownNameError("reset option on a device", str(name), KNOWN)
+        for name in options.keys() - (known := self._known_options()):
+            raise UnknownNameError("reset option on a device", str(name), known)
         seeds = seeds_of(seed, self.num_envs)
-        if isinstance(seed, (int, np.integer)):
-            self._np_random, self._np_random_seed = seeding.np_random(int(seed))
-        which, aroused = reset_indices(options, self.num_envs), options_of(options, self.num_envs)
-        levels = {world: checked_arousal(aroused[world][AROUSAL]) for world in which if AROUSAL in aroused[world]}
+        which, given = reset_indices(options, self.num_envs), options_of(options, self.num_envs)
+        levels = {world: checked_arousal(given[world][AROUSAL]) for world in which if AROUSAL in given[world]}
+        chosen = set(which)
+        residents = self.residents.become([given[world] if world in chosen else {} for world in range(self.num_envs)])
+        for infant in residents.infants:
+            pose_of(infant.manifest, options.get("pose"))
         with present(self.device):
             self.worlds.settle()
+            self._live(residents)
+            if isinstance(seed, (int, np.integer)):
+                self._np_random, self._np_random_seed = seeding.np_random(int(seed))
             starts = self._starts_in(options.get("pose"))
             self.worlds.begin(starts, put(self._choices(starts, seeds, which)))
             self.worlds.arouse(levels)
             self.worlds.ended.ended[which] = False
             self.worlds.observe()
-            return self._observed(), {}
+            return self._observed(), {
+                AGE: self._give(self._ages),
+                f"_{AGE}": self._give(torch.ones_like(self.worlds.ended.ended)),
+            }
 
     def set_arousal(self, levels: Any) -> None:
         """Change the arousal of infants for the rest of their episodes.
@@ -203,28 +213,100 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         """
         return dict(self.worlds.overflows)
 
-    def grow(self, to: Any) -> NoReturn:
-        """Infants do not grow on a device; each keeps the age that it was given.
+    def grow(self, to: Any) -> dict[str, Any]:
+        """Let infants have other ages from now on, in the midst of their episodes; return what they observe.
+
+        They go on as on the CPU (`InfantEnv.grow`), which brings each of them into its new body: some milliseconds.
+        Where infants first differ in something that they had in common, physics steps are captured again.
+
+        Args:
+            to: The new age of all, in months, or, as a list or an array, one for each, where None is as old as now.
 
         Raises:
-            DeviceError: Always.
+            ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
+            MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
+            DeviceError: If something went wrong in the step before.
         """
-        raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
+        residents = self.residents.become(options_of({AGE: to}, self.num_envs))
+        with present(self.device):
+            self.worlds.settle()
+            former, worlds = self.residents, residents.changed(self.residents)
+            kept = kept_in(self._carried())
+            states = states_of(kept)
+            for world in worlds:
+                now: Any = residents.infant(world)
+                states[world] |= former.infant(world).grown_into(now, states[world])
+            self._live(residents)
+            write_to(self._carried(), joined(states, kept))
+            self.worlds.observe()
+            return self._observed()
 
-    def get_state(self, *states: Any) -> NoReturn:
-        """States cannot be saved or restored on a device.
+    def get_state(self) -> list[dict[str, Any]]:
+        """Return the state of each infant: all that its next steps depend on, the random numbers of the batch included.
+
+        They are arrays of NumPy, numbers and dictionaries, which are independent of the environment and can be pickled.
+        """
+        with present(self.device):
+            states = states_of(kept_in(self.worlds.slots()))
+        for world, state in enumerate(states):
+            manifest = self.residents.infant(world).manifest
+            state |= {AGE: manifest.child.age_months, SEED: manifest.seed}
+            state["random"]["choices"] = self.np_random.bit_generator.state
+        return states
+
+    def set_state(self, states: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """Restore the state of each infant, with its age and its scene; return what they observe.
+
+        On a CPU device, all later steps are exactly as they would have been from there; on a GPU, which adds up in any
+        order, in single precision. The state of one infant can be given to others of the same parts. Choices of starts
+        go on as in the first one.
 
         Raises:
-            DeviceError: Always.
+            ValueError: If there are not as many states as infants, or one cannot be restored here; nothing has changed
+                then.
+            MimocError: If there is no such infant, or it cannot live beside the others; likewise.
         """
-        raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
-
-    set_state = get_state
+        with present(self.device):
+            kept = kept_in(self.worlds.slots())
+            check_states(states, kept)
+            choices = _checked_choices(states[0])
+            residents = self.residents.become(states, variant_of_state)
+            restored = joined(states, kept)
+            self.worlds.ended.report = None
+            self._live(residents)
+            write_to(self.worlds.slots(), restored)
+            self.np_random.bit_generator.state = choices
+            self.worlds.observe()
+            return self._observed()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""
         for infant in self.infants:
             infant.close()
+
+    def _live(self, residents: Residents) -> None:
+        """Let infants live in worlds in which others have lived, as they are built."""
+        worlds = residents.changed(self.residents)
+        if len(worlds):
+            check_mixture(residents.infants)
+            for infant in residents.infants:
+                check_infant(infant)
+            self.worlds.become(residents.infants, residents.body, worlds)
+            self.residents, self._starts = residents, {None: self.worlds.default_starts}
+            self._ages = self._present_ages()
+
+    def _carried(self) -> dict[Path, Slot]:
+        """Return the parts of the state that growing changes on the CPU, or looks at."""
+        return {path: slot for path, slot in self.worlds.slots().items() if path[0] in CARRIED}
+
+    def _known_options(self) -> list[str]:
+        """Return the options of a reset."""
+        has_scenes = all(getattr(infant, "has_other_scenes", False) for infant in self.infants)
+        return ["pose", AROUSAL, RESET_MASK, AGE, *([SEED] if has_scenes else [])]
+
+    def _present_ages(self) -> torch.Tensor:
+        """Return the age of the infant in each world, in months."""
+        return put([infant.age_months for infant in self.infants])[self.worlds.bound.body]
 
     def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
@@ -240,8 +322,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     def _starts_in(self, pose: str | None) -> InitialStates:
         """Return the starts in a pose, which are drawn when they are first asked for."""
         if pose not in self._starts:
-            for infant in self.infants:
-                pose_of(infant.manifest, pose)
             self._starts[pose] = self.worlds.starts(pose)
         return self._starts[pose]
 
@@ -256,6 +336,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             "unstable": self._give(ended.unstable),
             "overflowed": self._give(ended.overflowed),
             "reward_terms": {name: self._give(term) for name, term in ended.terms.items()},
+            AGE: self._give(self._ages),
         }
         everyone = self._give(torch.ones_like(ended.ended))
         info |= {f"_{name}": everyone for name in info}
@@ -263,3 +344,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
             info["_final_obs"] = self._give(ended.finished)
         return info
+
+
+def _checked_choices(state: Any) -> Any:
+    """Return the random numbers of the batch in a state, or raise a ValueError if these are none."""
+    try:
+        generator = np.random.Generator(np.random.PCG64())
+        generator.bit_generator.state = state["random"]["choices"]
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"this state cannot be restored ({error}); give one that get_state returned") from error
+    return generator.bit_generator.state

@@ -70,5 +70,5 @@ def test_motors_and_muscles_of_a_device_do_what_they_do_on_the_cpu(pair):
     for wrong in (2.1, [0.0, 1.0], [0.0, 1.0, "calm"]):
         with pytest.raises(ValueError, match="arousal"):
             ours.set_arousal(wrong)
-    with pytest.raises(UnknownNameError, match="choose from arousal, pose, reset_mask"):
-        ours.reset(options={"age_months": 9})
+    with pytest.raises(UnknownNameError, match="choose from age_months, arousal, pose, reset_mask"):
+        ours.reset(options={"age": 9})

@@ -10,7 +10,8 @@ from support.devices import DEVICE
 import mimoc
 from mimoc.runtime.device import capacity, simulation as worlds
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS, Capacity, Room
-from mimoc.runtime.device.vector_env import DeviceEnv, DeviceError
+from mimoc.runtime.device.signals import DeviceError
+from mimoc.runtime.device.vector_env import DeviceEnv
 
 CLOSE = 3e-3
 NEFC = int(mjw.OverflowType.NEFC)

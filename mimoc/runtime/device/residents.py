@@ -1,0 +1,154 @@
+"""Who lives in each world of a device, at which age and in which scene, as single environments that stand for them."""
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.base.errors import MimocError
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.variants import Variant, Variants
+from mimoc.runtime import growing
+from mimoc.runtime.device.initial_states import changed_rows
+from mimoc.runtime.device.states import PHYSICS
+from mimoc.runtime.device.vision.reader import VISION, NoVision
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.spaces import check_same_space
+from mimoc.senses.sense import IntArray, Sense
+
+Find = Callable[[Variants | None, Manifest, Any], Variant | None]
+"""`growing.find_variant`, or `growing.variant_of_state`."""
+
+
+class StartingInfant(InfantEnv):
+    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
+
+    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
+        """Bind everything but vision."""
+        super()._bind({VISION: NoVision(), **former})
+
+    @property
+    def has_other_scenes(self) -> bool:
+        """Whether it can be in the scene of another seed."""
+        return self._variants is not None and self._variants.has_other_scenes
+
+    def at(self, wanted: Any, find: Find) -> "StartingInfant":
+        """Return the infant with the age and the scene that are wanted: itself, or another environment.
+
+        Raises:
+            ValueError: If these are not an age and a seed.
+            MimocError: If there is no such infant.
+        """
+        variant = find(self._variants, self.manifest, wanted)
+        if variant is None:
+            return self
+        objects = copy.deepcopy({"task": self._custom_task, "senses": self._custom_senses})
+        infant = StartingInfant(variant, variants=self._variants, **objects)
+        check_same_space(self.observation_space, infant.observation_space)
+        return infant
+
+    def grown_into(self, infant: "StartingInfant", state: dict[str, Any]) -> dict[str, Any]:
+        """Return what becomes of fields of the simulation and the model in a state if it is another age's from now on.
+
+        Raises:
+            MimocError: If the infant has other parts at that age.
+        """
+        growing.check_same_body(self._infant.bare, infant._infant.bare)
+        mujoco.mj_resetData(self.model, self.data)
+        self._living.fields.forget()
+        for name, values in state["physics"].items():
+            _set(self.data, name, values)
+        rows = changed_rows(self)
+        for name, which in rows.items():
+            built = getattr(self.model, name)[which]
+            given = state["model"][name].reshape(built.shape)  # MuJoCo Warp has vectors and matrices.
+            getattr(self.model, name)[which] = np.where(given == built.astype(given.dtype), built, given)
+        self._living.arousal.level = state["arousal"]
+        infant._living.fields.forget()
+        growing.carry_body(self._living, infant._living)
+        physics = {name: np.array(getattr(infant.data, name)) for name in PHYSICS}
+        model = {name: getattr(infant.model, name)[which].copy() for name, which in rows.items()}
+        for living in (self._living, infant._living):
+            living.arousal.level = living.arousal.as_built
+            living.fields.forget()
+        return {"physics": physics, "model": model}
+
+
+def _set(data: mujoco.MjData, name: str, values: Any) -> None:
+    if name == "time":
+        data.time = values
+    else:
+        getattr(data, name)[:] = values
+
+
+@dataclass(frozen=True)
+class Residents:
+    """Who lives in each world."""
+
+    infants: tuple[InfantEnv, ...]
+    """The different ones, each at the ages and in the scenes that some world has it at."""
+    body: IntArray
+    """Which of them it is, shape (worlds,)."""
+    source: IntArray
+    """Of which infant that the environment was made of it is an age, shape (worlds,)."""
+
+    def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = growing.find_variant) -> "Residents":
+        """Return who lives there if each world's infant gets an age and a scene; nothing has changed if that fails.
+
+        Args:
+            wanted: `age_months` and `scene_seed` for each world; those that are missing stay as they are.
+            find: Says which infant that is.
+
+        Raises:
+            ValueError: If these are not an age and a seed.
+            MimocError: If there is no such infant.
+        """
+        if not any(map(_is_change, wanted)):
+            return self
+        made: dict[Any, InfantEnv] = {}
+        known = {self._key(world, self.infant(world)): self.infant(world) for world in range(len(self.body))}
+        now: list[InfantEnv] = []
+        for world, options in enumerate(wanted):
+            infant = self.infant(world)
+            if _is_change(options):
+                question = self.body[world], self.source[world], repr(_asked(options))
+                if question not in made:
+                    infant = _at(infant, options, find)
+                    made[question] = known.setdefault(self._key(world, infant), infant)
+                infant = made[question]
+            now.append(infant)
+        different = list({id(infant): infant for infant in now}.values())
+        places = {id(infant): place for place, infant in enumerate(different)}
+        return Residents(tuple(different), np.array([places[id(infant)] for infant in now]), self.source)
+
+    def infant(self, world: int) -> InfantEnv:
+        """Return the infant that stands for the one in a world."""
+        return self.infants[self.body[world]]
+
+    def changed(self, former: "Residents") -> IntArray:
+        """Return the worlds in which another infant lives than before, shape (n,)."""
+        pairs = enumerate(zip(self.body, former.body, strict=True))
+        return np.array([world for world, (now, then) in pairs if self.infants[now] is not former.infants[then]], int)
+
+    def _key(self, world: int, infant: InfantEnv) -> Any:
+        return int(self.source[world]), infant.age_months, infant.manifest.seed
+
+
+def _is_change(options: Any) -> bool:
+    """Return whether options, or a state, ask for an age or a scene; what is no dictionary is refused where it is."""
+    return not isinstance(options, Mapping) or growing.AGE in options or growing.SEED in options
+
+
+def _asked(options: Any) -> Any:
+    """Return what is asked of an infant by options, or by a state."""
+    return [options.get(name) for name in (growing.AGE, growing.SEED)] if isinstance(options, Mapping) else None
+
+
+def _at(infant: InfantEnv, wanted: Any, find: Find) -> InfantEnv:
+    if not isinstance(infant, StartingInfant):
+        raise MimocError("these infants were opened by their class and keep their ages; make them by mimoc.make_vec")
+    return infant.at(wanted, find)

@@ -1,0 +1,157 @@
+"""Infants on MuJoCo Warp grow as on the CPU, and live in scenes of their own."""
+
+import numpy as np
+import pytest
+from support import store
+from support.devices import CLOSE, DEVICE, assert_close
+
+import mimoc
+from mimoc.base.errors import MimocError
+from mimoc.runtime.device.bodies import KEYFRAMES, NOT_COMPARED, WorldsError
+from mimoc.runtime.device.vector_env import DeviceEnv
+from mimoc.runtime.env import InfantEnv
+
+SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
+ROOM = {"kind": "room", "toys": {"count": [0, 0]}}
+
+
+def spec(age_months: float, **keys: object) -> mimoc.InfantSpec:
+    data = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys}
+    return mimoc.InfantSpec.model_validate(data)
+
+
+def sitting(age_months: float) -> mimoc.Bundle:
+    scene, senses = {"kind": "flat", "pose": "sitting"}, {**SENSES, "touch": {"density": 0.5}}
+    return store.built(spec(age_months, senses=senses, scene=scene, delays={"preset": "physiological"}))
+
+
+@pytest.fixture
+def pair():
+    """Return what makes the same infants on MuJoCo Warp and on the CPU."""
+    made = []
+
+    def make(sources, count=None, **options):
+        made.append(mimoc.make_vec(sources, count, device=DEVICE, **options))
+        made.append(mimoc.make_vec(sources, count, threads=1))
+        return made[-2:]
+
+    yield make
+    for env in made:
+        env.close()
+
+
+def assert_same_steps(ours, theirs, count: int, others: float = 30 * CLOSE):
+    generator, space = np.random.default_rng(1), theirs.single_action_space
+    for _ in range(count):
+        action = generator.uniform(space.low, space.high, theirs.action_space.shape).astype(np.float32)
+        (seen, reward, *_), (expected, wanted, *_) = ours.step(action), theirs.step(action)
+        assert_close(seen, expected, theirs.infants[0], others=others)
+        assert reward == pytest.approx(wanted, rel=1e-3, abs=1e-3)
+    places = [infant.data.qpos for infant in theirs.infants]
+    assert np.abs(ours.worlds.data.qpos.numpy() - places).max() < CLOSE
+
+
+def test_infants_grow_in_the_midst_of_an_episode_as_on_the_cpu(pair):
+    """Older, younger and not at all; what is on its way arrives after the delays of the new age, in order."""
+    ours, theirs = pair([sitting(1), sitting(20)], 3, touch="points")
+    ours.reset(seed=0), theirs.reset(seed=0)
+    assert_same_steps(ours, theirs, 3)
+    for ages in ([6, None, 3], 12, [1, 20, 12]):
+        seen, expected = ours.grow(ages), theirs.grow(ages)
+        assert_close(seen, expected, theirs.infants[0], others=100 * CLOSE)
+        assert_same_steps(ours, theirs, 3, others=100 * CLOSE)
+    info = ours.step(np.zeros(ours.action_space.shape, np.float32))[-1]
+    assert info["age_months"].tolist() == [1, 20, 12]
+    assert [infant.age_months for infant in ours.infants] == [1, 20, 12]
+
+
+def test_grown_infants_have_the_models_of_those_that_were_built_at_that_age():
+    """Also where all were of one age, so that worlds shared what differs now; later growth keeps places in memory."""
+    grown = mimoc.make_vec(sitting(1), 2, device=DEVICE)
+    fresh = mimoc.make_vec([sitting(9), sitting(12)], device=DEVICE)
+    grown.reset(seed=0, options={"age_months": [6, 7]})
+    places = {name: getattr(grown.worlds.model, name).ptr for name in ("geom_size", "body_mass", "dof_damping")}
+    ours = grown.reset(seed=0, options={"age_months": [9, 12]})[0]
+    assert {name: getattr(grown.worlds.model, name).ptr for name in places} == places
+    theirs = fresh.reset(seed=0)[0]
+    for name in grown.worlds.model.__dataclass_fields__:
+        field, same = getattr(grown.worlds.model, name), getattr(fresh.worlds.model, name)
+        if hasattr(field, "numpy") and name not in NOT_COMPARED and not name.startswith(KEYFRAMES):
+            assert np.array_equal(np.broadcast_to(field.numpy(), same.numpy().shape), same.numpy()), name
+    assert np.array_equal(grown.worlds.data.geom_xpos.numpy()[:, 0], fresh.worlds.data.geom_xpos.numpy()[:, 0])
+    for _ in range(2):
+        assert all(ours[name] == pytest.approx(theirs[name], abs=CLOSE) for name in theirs)
+        ours, theirs = (env.step(np.ones(env.action_space.shape, np.float32))[0] for env in (grown, fresh))
+    grown.close(), fresh.close()
+
+
+def test_what_lies_around_what_is_held_and_the_task_stay_when_infants_grow(pair):
+    """The size of the ball, a held hip that moves with the lift, a locked neck, and arousal.
+
+    Where parts just touch after they were parted, forces differ in the third digit, as contacts are 0.1 mm deep then.
+    """
+    held = {"scene": {"held": ["hip"], "pose": "sitting"}, "actuation": {"locked": ["neck"]}}
+    ours, theirs = pair(store.built(spec(12, task={"kind": "reach"}, **held)), 2, starts=3)
+    for envs in (ours, theirs):
+        envs.reset(seed=0)
+        envs.set_arousal([0.3, 1.2])
+    assert_same_steps(ours, theirs, 3)
+    ours.grow([18, None]), theirs.grow([18, None])
+    welds = np.stack([infant.model.eq_data for infant in theirs.infants])
+    assert ours.worlds.model.eq_data.numpy() == pytest.approx(welds, abs=1e-5)
+    sizes = np.stack([infant.model.geom_size for infant in theirs.infants])
+    assert ours.worlds.model.geom_size.numpy() == pytest.approx(sizes, abs=1e-6)
+    assert_same_steps(ours, theirs, 4, others=300 * CLOSE)
+
+
+def test_infants_that_cannot_grow_are_told_and_stay_as_they_are():
+    """A crib of another age has other bars; infants that were opened by their class have no spec."""
+    envs = mimoc.make_vec(spec(3, scene={"kind": "crib"}), 2, device=DEVICE)
+    envs.reset(seed=0)
+    before = envs.get_state()
+    for ages, error, text in (
+        ([None, 24], WorldsError, r"models differ in the number of geoms \(\d+, \d+\)"),
+        (25, ValueError, "24 months"),
+        ([4, "old"], ValueError, "24 months"),
+        ([4, 5, 6], ValueError, "one value for all, or 2, got 3"),
+    ):
+        with pytest.raises(error, match=text):
+            envs.grow(ages)
+        with pytest.raises(error, match=text):
+            envs.reset(options={"age_months": ages})
+    after = envs.get_state()
+    assert [state["age_months"] for state in after] == [3, 3]
+    assert all((a["physics"]["qpos"] == b["physics"]["qpos"]).all() for a, b in zip(before, after, strict=True))
+    envs.close()
+    alone = DeviceEnv([InfantEnv(sitting(9))], device=DEVICE.removeprefix("warp:"))
+    with pytest.raises(MimocError, match=r"make them by mimoc\.make_vec"):
+        alone.grow(10)
+    alone.close()
+
+
+def test_infants_of_one_batch_live_in_rooms_of_different_seeds(pair):
+    """Of three rooms with as many things in them; one with more is told."""
+    rooms = [spec(9, scene={**ROOM, "seed": seed}) for seed in (0, 3)]
+    ours, theirs = pair(rooms)
+    ours.reset(seed=0), theirs.reset(seed=0)
+    assert_same_steps(ours, theirs, 4)
+    seeds = {"scene_seed": [5, None]}
+    ours.reset(seed=0, options=seeds), theirs.reset(seed=0, options=seeds)
+    assert [infant.manifest.seed for infant in ours.infants] == [5, 3]
+    assert_same_steps(ours, theirs, 4)
+    with pytest.raises(WorldsError, match=r"the number of geoms \(51, 50\)"):
+        ours.reset(options={"scene_seed": 1})
+    assert [infant.manifest.seed for infant in ours.infants] == [5, 3]
+
+
+def test_policies_see_that_infants_have_grown_and_what_their_arousal_is(pair):
+    ours, theirs = pair(sitting(1), 2, touch="points")
+    for envs in (ours, theirs):
+        envs.reset(seed=0)
+    policies = [mimoc.policy_vec("general_movements", envs) for envs in (ours, theirs)]
+    generators = [[np.random.default_rng(seed) for seed in range(2)] for _ in policies]
+    for ages in ([1, 1], [3, 12]):
+        seen = [envs.grow(ages) for envs in (ours, theirs)]
+        ours.set_arousal(0.4), theirs.set_arousal(0.4)
+        actions = [policy(*given) for policy, *given in zip(policies, generators, seen, strict=True)]
+        assert actions[0] == pytest.approx(actions[1], abs=1e-4)
