@@ -19,9 +19,10 @@ from mimoc.policies.interface import interface_of
 from mimoc.policies.network import Network, pack_network
 from mimoc.runtime.device.arrays import present, put
 from mimoc.runtime.device.episode_ends import DeviceTask
+from mimoc.runtime.device.residents import StartingInfant
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.usage import most_memory_mb, only_warnings
-from mimoc.runtime.device.vector_env import DeviceEnv, StartingInfant
+from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.agents import Modules, interval_seed
 from mimoc.training.checkpoint import Progress, pack_modules, restore_modules
