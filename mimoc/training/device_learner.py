@@ -260,6 +260,7 @@ def device_learner(
             "SameStep",
             settings.steps_per_episode,
             "torch",
+            "points",  # Of the skin, as on the CPU, where the policy is to run.
         )
         with closing(infants):
             yield DeviceLearner(settings, infant, InfantRslEnv(infants, settings.seed))
