@@ -48,7 +48,12 @@ Actuation = Annotated[str | None, typer.Option(help="torque, muscle or position.
 Scene = Annotated[str | None, typer.Option(help="empty, flat, crib or room.", autocompletion=_of("scene"))]
 Pose = Annotated[str | None, typer.Option(help="supine, prone, sitting or standing.", autocompletion=_of("pose"))]
 Task = Annotated[
-    str | None, typer.Option(help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task"))
+    str | None,
+    typer.Option(
+        help="reach, standup, selfbody, catch, rollover, roll, sit_up, sit, crawl, pull_to_stand, stand, "
+        "cruise, walk or grasp.",
+        autocompletion=_of("task"),
+    ),
 ]
 
 

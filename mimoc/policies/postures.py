@@ -22,7 +22,7 @@ from mimoc.schema.entries import Amount, Label, Number
 from mimoc.senses.sense import FloatArray, Observation
 
 Share = Annotated[float, Field(ge=-1, le=1)]
-SWAYS = ("forward", "left", "forward_speed", "left_speed")
+SWAYS = ("forward", "sideways", "forward_speed", "sideways_speed")
 """What is felt of falling over: gravity's share along x and y of the head, and the head's speeds about y and x."""
 GRAVITY_M_S2 = 9.81
 

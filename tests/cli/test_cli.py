@@ -224,7 +224,7 @@ BAD_INPUT = {
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": (
         "validate --against cdc",
-        "'cdc' is not a comparison; choose from anthrokids, milestones, movement, who",
+        "'cdc' is not a comparison; choose from anthrokids, milestones, movement, skills, who",
     ),
     "ages for what has none": (
         "validate --against who --ages 1",

@@ -148,7 +148,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "a layout that is missing": (_about("observes", "*", value={"shape": [1]}), DAMAGED),
     "commands that are numbers": (_about("commands", value=[1, 2]), DAMAGED),
     "a name that moves the cursor": (_about("infant", value="\x1b[2J"), DAMAGED),
-    "a later version": (_about("policy", value=3), "was saved by another version of mimoc; train it again"),
+    "a later version": (_about("policy", value=4), "was saved by another version of mimoc; train it again"),
     "a version that is text": (_about("policy", value="2"), DAMAGED),
     "weights of another shape": (_weights(lambda weights: {name: part[:1] for name, part in weights.items()}), DAMAGED),
     "weights without names": (
