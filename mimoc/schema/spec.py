@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
+from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.errors import suggestion
 from mimoc.base.units import to_steps
@@ -106,9 +107,10 @@ class InfantKeys(FileModel):
 
     @model_validator(mode="after")
     def _takes_what_its_task_begins_with(self) -> Self:
+        is_noisy = ACTUATIONS[self.actuation.model].command_is_effort if self.actuation.model in ACTUATIONS else False
         for (section, key), value in (TASKS[self.task.kind].defaults if self.task else {}).items():
             given = getattr(self, section)
-            if key not in given.model_fields_set:
+            if key not in given.model_fields_set and (is_noisy or (section, key) != ("noise", "motor")):
                 completed = type(given).model_construct(given.model_fields_set, **{**dict(given), key: value})
                 object.__setattr__(self, section, completed)
         return self

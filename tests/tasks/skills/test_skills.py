@@ -142,6 +142,8 @@ def test_who_learns_a_skill_has_the_nervous_system_of_its_age_unless_told_otherw
     free = spec.with_(task=None)
     assert (free.noise.motor, free.delays.preset, free.actuation.bandwidth_hz) == (0.0, "none", None)
     assert mimoc.InfantSpec(**keys, task={"kind": "rollover"}).actuation.bandwidth_hz is None
+    servos = mimoc.InfantSpec(**keys, task={"kind": "roll"}, actuation={"model": "position"})
+    assert (servos.noise.motor, servos.delays.preset) == (0.0, "physiological")  # Their commands are no effort.
 
 
 @pytest.mark.parametrize("kind", SKILLS)
