@@ -107,7 +107,7 @@ class InfantKeys(FileModel):
 
     @model_validator(mode="after")
     def _takes_what_its_task_begins_with(self) -> Self:
-        is_noisy = ACTUATIONS[self.actuation.model].command_is_effort if self.actuation.model in ACTUATIONS else False
+        is_noisy = ACTUATIONS[self.actuation.model].command_is_effort  # Of servos, no command can have noise.
         for (section, key), value in (TASKS[self.task.kind].defaults if self.task else {}).items():
             given = getattr(self, section)
             if key not in given.model_fields_set and (is_noisy or (section, key) != ("noise", "motor")):

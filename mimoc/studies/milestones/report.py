@@ -1,7 +1,7 @@
 """Milestones of an infant beside those of real infants, and when these reach them."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -32,14 +32,24 @@ class AgeRange(Model):
     source: str
     certainty: Certainty
 
+    def verdict(self, age_months: float | None) -> "Verdict":
+        """Return how the age at which an infant reaches it compares; None is never."""
+        if age_months is None:
+            return "not reached"
+        if age_months < self.youngest_months:
+            return "too early"
+        return "inside" if age_months <= self.oldest_months else "too late"
 
-def _windows() -> Iterator[tuple[str, AgeRange]]:
-    with Path(__file__).with_name("windows.csv").open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            yield row.pop("trial"), AgeRange.model_validate(row)
+
+def read_age_ranges(path: Path) -> dict[str, AgeRange]:
+    """Return the rows of a table of ages by what stands in its first column."""
+    with path.open(encoding="utf-8", newline="") as file:
+        table = csv.DictReader(file)
+        first = (table.fieldnames or [""])[0]
+        return {row.pop(first): AgeRange.model_validate(row) for row in table}
 
 
-WINDOWS: Mapping[str, AgeRange] = dict(_windows())
+WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))
 """By name of the trial. WHO's medians are from memory, the other figures of WHO were read."""
 
 
@@ -60,14 +70,9 @@ class Milestone:
     @property
     def verdict(self) -> Verdict:
         """How the infant compares with real ones."""
-        age = self.result.youngest_months
         if not self.judged or self.window is None:
             return "no verdict"
-        if age is None:
-            return "not reached"
-        if age < self.window.youngest_months:
-            return "too early"
-        return "inside" if age <= self.window.oldest_months else "too late"
+        return self.window.verdict(self.result.youngest_months)
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data."""

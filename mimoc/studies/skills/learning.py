@@ -1,6 +1,5 @@
 """Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
 
-import csv
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from mimoc.policies.postures import write_postures
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.milestones.report import AgeRange, Verdict
+from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
 from mimoc.studies.processes import process_pool
 from mimoc.studies.skills.attempt import Attempt, problem_of
 from mimoc.studies.skills.search import search
@@ -36,12 +35,7 @@ CHILD = {
 """Who learns, unless a spec says otherwise."""
 
 
-def _ages() -> Mapping[str, AgeRange]:
-    with Path(__file__).with_name("ages.csv").open(encoding="utf-8", newline="") as file:
-        return {row.pop("skill"): AgeRange.model_validate(row) for row in csv.DictReader(file)}
-
-
-REAL_AGES: Mapping[str, AgeRange] = _ages()
+REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ages.csv"))
 """When real infants have each skill."""
 
 
@@ -95,13 +89,8 @@ class SkillReport:
     @property
     def verdict(self) -> Verdict:
         """How that compares with real infants."""
-        age = self.from_months
-        if age is None:
-            reaches_far = self.results[-1].age_months >= self.real.oldest_months
-            return "not reached" if reaches_far else "no verdict"
-        if age < self.real.youngest_months:
-            return "too early"
-        return "inside" if age <= self.real.oldest_months else "too late"
+        is_open = self.from_months is None and self.results[-1].age_months < self.real.oldest_months
+        return "no verdict" if is_open else self.real.verdict(self.from_months)
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data, numbers rounded as in files."""
