@@ -1,6 +1,7 @@
 """Physics steps a second of infants of seven ages on a GPU, each control step one captured graph.
 
     python benchmarks/gpu.py [--device cuda:0] [--infants 256,1024,4096,8192] [--steps 100] [--profile]
+                             [--hands mitten,five_finger] [--senses "proprioception,touch sums,both eyes"]
 
 `--device warp:cpu --infants 2 --steps 2` tries it out without a GPU; its numbers mean nothing. Fewer than seven infants
 have the first of the ages.
@@ -81,14 +82,16 @@ def main() -> None:
     parser.add_argument("--device", default="cuda:0")
     parser.add_argument("--infants", default="256,1024,4096,8192")
     parser.add_argument("--steps", type=int, default=100)
+    parser.add_argument("--hands", default="mitten,five_finger")
+    parser.add_argument("--senses", default=",".join(SENSES))
     parser.add_argument("--profile", action="store_true")
     options = parser.parse_args()
     wp.init()
     if options.device not in ["warp:cpu", *(each.alias for each in wp.get_devices())]:
         print(f"there is no device '{options.device}' on this machine, so nothing is measured")
         return
-    for hands in ("mitten", "five_finger"):
-        for senses in SENSES:
+    for hands in options.hands.split(","):
+        for senses in options.senses.split(","):
             sources = bundles(hands, senses)
             for infants in map(int, options.infants.split(",")):
                 found = measure(sources, infants, options.device, options.steps, options.profile)

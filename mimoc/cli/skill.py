@@ -39,6 +39,7 @@ Device = Annotated[
     str, typer.Option(metavar="DEVICE", help="Train a policy on a device, as cuda:0, instead of searching.")
 ]
 Steps = Annotated[int, typer.Option(min=1, help="Control steps of each training on a device.")]
+Envs = Annotated[int, typer.Option(min=1, help="Infants that each training on a device learns from.")]
 Processes = Annotated[
     int | None, typer.Option(min=1, help="Searches side by side; default: as many as there are cores.")
 ]
@@ -55,6 +56,7 @@ def skill(
     starts: Starts = 20,
     device: Device = "cpu",
     steps: Steps = 5_000_000,
+    envs: Envs = 1024,
     processes: Processes = None,
 ) -> None:
     """Let an infant learn a skill at several ages, and show from when on it can, beside real infants.
@@ -86,6 +88,7 @@ def skill(
             processes=processes or os.cpu_count() or 1,
             device=device,
             steps=steps,
+            envs=envs,
             progress=show,
         )
     show_skill(report, folder)

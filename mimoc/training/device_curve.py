@@ -16,7 +16,10 @@ SUMS = ("episodes", "return", "steps", "successes", "steps to success", "overflo
 
 
 class DeviceCurve:
-    """Extends a learning curve during a training interval; the CPU waits for the device once a row."""
+    """Extends a learning curve during a training interval; the CPU waits for the device once a row.
+
+    The first episode of each infant does not count: it is cut at a random time, see `Share.spread`.
+    """
 
     def __init__(self, before: Progress, step_s: float, envs: int, device: Any, on_row: Callable[[CurvePoint], None]):
         """Continue the curve of earlier intervals, of control steps of *step_s*; *on_row* gets each new row."""
@@ -27,6 +30,7 @@ class DeviceCurve:
         """Episodes of the interval that were cut because contacts did not fit."""
         self._rows: list[CurvePoint] = []
         self._returns, self._lengths = (torch.zeros(envs, dtype=torch.float64, device=device) for _ in range(2))
+        self._is_whole = torch.zeros(envs, dtype=torch.bool, device=device)
         self._sums = torch.zeros(len(SUMS), dtype=torch.float64, device=device)
         self._start_s = perf_counter()
 
@@ -35,7 +39,9 @@ class DeviceCurve:
         self.steps += len(rewards)
         self._returns += rewards
         self._lengths += 1
-        ends, succeeds = dones.double(), (extras["is_success"] & dones).double()
+        counts = dones & self._is_whole
+        self._is_whole |= dones
+        ends, succeeds = counts.double(), (extras["is_success"] & counts).double()
         overflows = (extras["overflowed"] & dones).double()
         parts = ends, ends * self._returns, ends * self._lengths, succeeds, succeeds * self._lengths, overflows
         self._sums += torch.stack(parts).sum(dim=1)

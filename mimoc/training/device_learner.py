@@ -1,6 +1,6 @@
 """rsl_rl's PPO, which learns from thousands of infants on a device."""
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from time import perf_counter
 from typing import Any
@@ -31,6 +31,7 @@ from mimoc.training.device_curve import DeviceCurve
 from mimoc.training.learner import DeviceUse
 from mimoc.training.rsl_rl_env import GROUP, InfantRslEnv, check_plain
 from mimoc.training.settings import Number, TrainingSettings
+from mimoc.training.shares import Share
 from mimoc.training.tracking import RewardWatch
 
 MOST_REWARD = 10.0
@@ -101,7 +102,7 @@ class EarlyEnding(RolloutStorage):
 class DeviceLearner:
     """PPO of rsl_rl with its infants; see `Learner`."""
 
-    def __init__(self, settings: TrainingSettings, infant: InfantEnv, env: InfantRslEnv):
+    def __init__(self, settings: TrainingSettings, infant: InfantEnv, env: Share):
         self._settings, self._infant, self._env = settings, infant, env
         torch.manual_seed(interval_seed(settings.seed, 0))
         self._ppo = make_ppo(env, settings)
@@ -124,17 +125,20 @@ class DeviceLearner:
         """Restore a checkpoint, and return the progress at that point."""
         return restore_modules(checkpoint, self._modules)
 
-    def learn(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+    async def learn(
+        self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]
+    ) -> None:
         """Learn until the next checkpoint: from episodes that begin anew, with random numbers that begin anew."""
         start_s, seed = perf_counter(), interval_seed(self._settings.seed, before.steps)
         torch.manual_seed(seed)
         step_s = ms_to_s(self._infant.manifest.step_ms)
         self._curve = DeviceCurve(before, step_s, self._env.num_envs, self._env.device, on_row)
         observation = self._env.reset(seed)
+        self._env.spread()
         self._scale.restart(self._env.device)
         try:
             while self._curve.steps < self._settings.end_of_interval(before.steps):
-                observation = self._rollout(observation, report)
+                observation = await self._rollout(observation, report)
                 losses = self._ppo.update()
                 self.has_learnt = True
                 self._log(losses, self._curve.end_row())
@@ -142,18 +146,20 @@ class DeviceLearner:
             self._steps += self._curve.steps - before.steps
             self._taken_s += perf_counter() - start_s
 
-    @torch.no_grad()
-    def _rollout(self, observation: TensorDict, report: Callable[[int], None]) -> TensorDict:
+    async def _rollout(self, observation: TensorDict, report: Callable[[int], None]) -> TensorDict:
         """Let the policy act for some control steps, and return what is observed then."""
         for _ in range(int(self._settings.hyper["n_steps"])):
-            actions = self._ppo.act(observation)
-            observation, rewards, dones, extras = self._env.step(actions)
+            with torch.no_grad():
+                actions = self._ppo.act(observation)
+            observation, rewards, dones, extras = await self._env.step(actions)
             self._curve.add(rewards, dones, extras)
             if not self._watch.ended:
                 self._watch(rewards.cpu().numpy())
-            self._ppo.process_env_step(observation, self._scale.scaled(rewards, dones), dones, extras)
+            with torch.no_grad():
+                self._ppo.process_env_step(observation, self._scale.scaled(rewards, dones), dones, extras)
             report(self._curve.steps)
-        self._ppo.compute_returns(observation)
+        with torch.no_grad():
+            self._ppo.compute_returns(observation)
         return observation
 
     def _log(self, losses: dict[str, float], row: CurvePoint) -> None:
@@ -185,15 +191,29 @@ class DeviceLearner:
         self._overflowed += self._curve.overflowed
         return pack_modules(self._modules, reached)
 
-    def use(self) -> DeviceUse:
-        """Return what was taken of the device."""
+    async def use(self) -> DeviceUse:
+        """Return what was taken of the device, and what the policy does there."""
         manifest, device = self._infant.manifest, self._env.infants.device
         rate = self._steps / max(self._taken_s, 1e-9)
         period, name = to_steps(manifest.step_ms, manifest.timestep_ms), f"{device.name} ({self._settings.device})"
-        return DeviceUse(name, rate, rate * period, most_memory_mb(device), self._overflowed)
+        success = await self._success()
+        return DeviceUse(name, rate, rate * period, most_memory_mb(device), self._overflowed, success)
+
+    async def _success(self) -> float:
+        """Return the share of the infants that have success in an episode of the commands that the policy means."""
+        observation = self._env.reset(interval_seed(self._settings.seed, self._curve.steps))
+        is_over = torch.zeros(self._env.num_envs, dtype=torch.bool, device=self._env.device)
+        succeeds = is_over.clone()
+        for _ in range(self._env.max_episode_length):
+            with torch.no_grad():
+                actions = self._ppo.actor(observation)
+            observation, _, dones, extras = await self._env.step(actions)
+            succeeds |= extras["is_success"] & dones & ~is_over
+            is_over |= dones
+        return float(succeeds.double().mean())
 
 
-def make_ppo(env: InfantRslEnv, settings: TrainingSettings) -> PPO:
+def make_ppo(env: InfantRslEnv | Share, settings: TrainingSettings) -> PPO:
     """Return rsl_rl's PPO with untrained networks."""
     hyper, observation = settings.hyper, env.get_observations()
     distribution = {"class_name": "GaussianDistribution", "init_std": hyper["init_std"], "std_type": "log"}
@@ -251,11 +271,21 @@ def check_on_device(name: str, infant: InfantEnv) -> None:
 def device_learner(
     settings: TrainingSettings, infant: InfantEnv, open_one: Callable[..., InfantEnv]
 ) -> Iterator[DeviceLearner]:
-    """Open the infants on their device, and what learns from them; Warp says nothing of its kernels meanwhile."""
+    """Open the infants on their device, and what learns from them."""
+    with shared_device(settings, [open_one]) as shares:
+        yield DeviceLearner(settings, infant, shares[0])
+
+
+@contextmanager
+def shared_device(settings: TrainingSettings, openers: Sequence[Callable[..., InfantEnv]]) -> Iterator[list[Share]]:
+    """Open as many infants of each kind as the settings say on their device, and return the share of each kind.
+
+    Warp says nothing of its kernels meanwhile.
+    """
     with only_warnings():
         infants = DeviceEnv(
-            [open_one(kind=StartingInfant)],
-            settings.envs,
+            [open_one(kind=StartingInfant) for open_one in openers],
+            settings.envs * len(openers),
             settings.device.removeprefix("warp:"),
             "SameStep",
             settings.steps_per_episode,
@@ -263,4 +293,5 @@ def device_learner(
             "points",  # Of the skin, as on the CPU, where the policy is to run.
         )
         with closing(infants):
-            yield DeviceLearner(settings, infant, InfantRslEnv(infants, settings.seed))
+            env = InfantRslEnv(infants, settings.seed)
+            yield [Share(env, first, len(openers)) for first in range(len(openers))]

@@ -24,6 +24,8 @@ class DeviceUse:
     """Most memory that PyTorch and Warp had on it; None on the CPU."""
     overflowed: int
     """Episodes that were cut because contacts or constraints of the infant did not fit."""
+    success: float
+    """Share of the infants that have success in an episode in which the trained policy explores nothing."""
 
 
 class Learner(Protocol):
@@ -36,7 +38,9 @@ class Learner(Protocol):
         """Restore a checkpoint, and return the progress at that point."""
         ...
 
-    def learn(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+    async def learn(
+        self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]
+    ) -> None:
         """Learn until the next checkpoint; *report* gets the steps so far, *on_row* each new row of the curve."""
 
     def progress(self) -> Progress:
@@ -56,6 +60,6 @@ class Learner(Protocol):
         """Return the content of a checkpoint file."""
         ...
 
-    def use(self) -> DeviceUse | None:
-        """Return what was taken of a device; None on the CPU."""
+    async def use(self) -> DeviceUse | None:
+        """Return what was taken of a device, and what the policy does there; None on the CPU."""
         ...

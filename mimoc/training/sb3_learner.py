@@ -36,7 +36,9 @@ class SB3Learner:
         """Restore a checkpoint, and return the progress at that point."""
         return restore(checkpoint, self._agent, self._env)
 
-    def learn(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+    async def learn(
+        self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]
+    ) -> None:
         """Learn until the next checkpoint."""
         settings, step_s = self._settings, ms_to_s(self._infant.manifest.step_ms)
         self._recorder = Recorder(before, step_s, report, on_row, self._watch)
@@ -64,7 +66,7 @@ class SB3Learner:
         """Return the content of a checkpoint file."""
         return pack(self._agent, self._env, reached)
 
-    def use(self) -> None:
+    async def use(self) -> None:
         """Return what was taken of a device: nothing."""
 
 

@@ -130,6 +130,8 @@ def parse(algo: str, assignments: list[str], device: str = CPU) -> dict[str, Num
 
 
 CHECKPOINT_EVERY = 20_480
+DEVICE_EPISODES = 4
+"""Episodes of each infant on a device between checkpoints, of which the first is cut at a random time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +174,8 @@ class TrainingSettings:
         """Return settings with defaults for the hyperparameters that are not given.
 
         Without `checkpoint_every`, it is CHECKPOINT_EVERY, or as many control steps as one whole episode of each
-        environment if these are more: environments are reset at each checkpoint, and no episode would ever end.
+        environment if these are more (on a device, DEVICE_EPISODES): environments are reset at each checkpoint, and no
+        episode would ever end.
 
         Raises:
             UnknownNameError: If there is no such algorithm or hyperparameter.
@@ -184,7 +187,9 @@ class TrainingSettings:
                 raise TrainingError(f"{name}: expected at least 1, got {value}")
         if seed < 0:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
-        every = max(CHECKPOINT_EVERY, envs * (steps_per_episode or 0)) if checkpoint_every is None else checkpoint_every
+        episodes = 1 if device == CPU else DEVICE_EPISODES
+        usual = max(CHECKPOINT_EVERY, episodes * envs * (steps_per_episode or 0))
+        every = usual if checkpoint_every is None else checkpoint_every
         known = complete(algo, hyper, device), dict(custom), dict(growth), steps_per_episode, device
         chosen = cls(algo, steps, seed, envs, every, *known)
         if device != CPU:

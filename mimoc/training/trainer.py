@@ -1,11 +1,12 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import torch
@@ -25,6 +26,7 @@ from mimoc.training.learner import DeviceUse, Learner
 from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_on_device
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
+from mimoc.training.together import run_together
 from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import growth_settings
 
@@ -142,20 +144,20 @@ def train(
     choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     choose(steps_per_episode, device)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
-    open_one = partial(_open_one, open_variant(bundle), task, senses or {})
+    open_one = partial(open_copy, open_variant(bundle), task, senses or {})
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode), device)
         _check_recordable(record, processes, [bundle] * settings.envs)
         open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
-        session = _Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
-        with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
-            return _trained(folder, session)
+        session = Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
+        with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder, one_thread():
+            return run_together([trained(folder, session)])[0]
 
 
 @dataclass(frozen=True, slots=True)
-class _Session:
+class Session:
     """What a training has from its first interval to its last, besides its folder."""
 
     settings: TrainingSettings
@@ -175,10 +177,10 @@ def _check_recordable(folder: str | Path | None, processes: bool | None, bundles
     check_recordable(Path(folder).expanduser(), bundles)
 
 
-def _open_one(
+def open_copy(
     infant: Variant,
-    task: Any,
-    senses: Mapping[str, Any],
+    task: Any = None,
+    senses: Mapping[str, Any] = MappingProxyType({}),
     variants: Variants | None = None,
     kind: type[InfantEnv] = InfantEnv,
 ) -> InfantEnv:
@@ -193,23 +195,37 @@ def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
     return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
 
 
-def _trained(folder: RunFolder, session: _Session) -> Training:
-    """Train until the run in a folder has all its steps."""
-    checkpoint, use = folder.read_checkpoint(), None
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Limit torch to one thread: faster for networks this small, and the same result on machines of any size."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+def progress_in(folder: RunFolder) -> Progress:
+    """Return how far the run in a folder is."""
+    checkpoint = folder.read_checkpoint()
     with _naming_checkpoint_of(folder):
-        before = reached = Progress() if checkpoint is None else read_progress(checkpoint)
+        return Progress() if checkpoint is None else read_progress(checkpoint)
+
+
+async def trained(folder: RunFolder, session: Session) -> Training:
+    """Train until the run in a folder has all its steps."""
+    before = reached = progress_in(folder)
+    use = None
     if before.steps < session.settings.steps:
-        with ExitStack() as opened:
-            opened.callback(torch.set_num_threads, torch.get_num_threads())
-            torch.set_num_threads(1)  # Faster for networks this small, and the same result on machines of any size.
-            learner = opened.enter_context(session.open_learner())
-            reached = _train_to_end(folder, session, learner)
-            use = learner.use()
+        with session.open_learner() as learner:
+            reached = await _train_to_end(folder, session, learner)
+            use = await learner.use()
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps, use)
 
 
-def _train_to_end(folder: RunFolder, session: _Session, learner: Learner) -> Progress:
+async def _train_to_end(folder: RunFolder, session: Session, learner: Learner) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
     settings = session.settings
@@ -219,7 +235,7 @@ def _train_to_end(folder: RunFolder, session: _Session, learner: Learner) -> Pro
     with tracked(folder.path, settings.data(), reached.steps) as logger:
         learner.log_to(logger)
         while reached.steps < settings.steps:
-            reached = _train_interval(folder, session, learner, reached)
+            reached = await _train_interval(folder, session, learner, reached)
             folder.write_checkpoint(reached.steps, learner.policy(), learner.checkpoint(reached))
             folder.write(CURVE, reached.curve.to_csv().encode())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
@@ -228,11 +244,11 @@ def _train_to_end(folder: RunFolder, session: _Session, learner: Learner) -> Pro
     return reached
 
 
-def _train_interval(folder: RunFolder, session: _Session, learner: Learner, before: Progress) -> Progress:
+async def _train_interval(folder: RunFolder, session: Session, learner: Learner, before: Progress) -> Progress:
     """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
     total = session.settings.steps
     try:
-        learner.learn(before, lambda done: session.report(min(done, total), total), session.on_row)
+        await learner.learn(before, lambda done: session.report(min(done, total), total), session.on_row)
     except BaseException:  # Ctrl-C, or an error in a task of the user's own.
         with suppress(Exception):  # That one is what matters.
             if learner.has_learnt:

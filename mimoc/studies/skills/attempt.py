@@ -24,6 +24,8 @@ class Attempt(Model):
     """The movement that a search found; None if a policy was trained, or the infant cannot even begin."""
     policy: str = ""
     """Path of the policy that was trained on a device, from the folder of the results."""
+    success_on_device: float | None = None
+    """Share of the infants that had success there with the same policy, one episode each."""
     problem: str = ""
     """Why it cannot begin."""
 

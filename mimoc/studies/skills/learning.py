@@ -1,29 +1,24 @@
 """Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from mimoc.base.errors import SpecError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import rounded
-from mimoc.bundle.files import make_folder, write_file
-from mimoc.environments import open_infant
+from mimoc.bundle.files import write_file
 from mimoc.policies.postures import write_postures
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
-from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
-from mimoc.studies.processes import process_pool
-from mimoc.studies.skills.attempt import Attempt, problem_of
-from mimoc.studies.skills.search import search
+from mimoc.studies.skills.attempt import Attempt
+from mimoc.studies.skills.attempts import Way, attempts_of, searches
 
-TRIES, STARTS, SEEDS, STEPS = 1600, 20, 2, 5_000_000
+TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 1024
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
-has; control steps of a training on a device."""
+has; control steps and infants of a training on a device."""
 LEARNT = 0.5
 """Share of starts from which on a skill counts as learnt at an age."""
 CHILD = {
@@ -121,6 +116,7 @@ def learn_skill(
     processes: int = 1,
     device: str = "cpu",
     steps: int = STEPS,
+    envs: int = ENVS,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> SkillReport:
     """Search for a skill at some ages, or train a policy for it on a device, and keep the best of each in a folder.
@@ -134,10 +130,11 @@ def learn_skill(
         seeds: Number of searches at each age.
         tries: Movements that each of them tries at most.
         starts: Number of starts in which each result is measured.
-        processes: How many searches run side by side.
+        processes: How many searches, or measurements of policies, run side by side.
         device: `cpu` for searches, or where `mimoc.train` trains a policy with each seed instead: `cuda:0`, say.
         steps: Control steps of each of these trainings.
-        progress: Called with the number of searches done and of all.
+        envs: Number of infants that each of them learns from.
+        progress: Called with the number of searches, or of control steps, that are done, and of all.
 
     Raises:
         SpecError: If the task does not have these options.
@@ -146,66 +143,19 @@ def learn_skill(
     child = spec or InfantSpec.model_validate(CHILD)
     task = {"kind": skill, **(options or {})}
     infants = {age: child.with_(task=None).with_(age_months=age, task=task, scene=None) for age in sorted(ages)}
-    budget = (tries, starts) if device == "cpu" else (steps, starts, device, str(out))
-    jobs = [(infant, seed, *budget) for infant in infants.values() for seed in range(seeds)]
-    attempts = _attempts(jobs, out, processes, progress, searched if device == "cpu" else _trainer())
+    jobs = [(infant, seed) for infant in infants.values() for seed in range(seeds)]
+    if device == "cpu":
+        how = partial(searches, tries=tries, starts=starts, processes=processes)
+        way = Way("searched", (tries, starts), how)
+    else:
+        trainings = function_of("mimoc.studies.skills.trainings", "trainings")  # They need what not everyone has.
+        how = partial(trainings, steps=steps, starts=starts, device=device, envs=envs, out=out, processes=processes)
+        way = Way("trained", (steps, starts, device, envs), how)
+    attempts = attempts_of(jobs, way, out, progress)
     results = [AgeResult([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
         _write(result.best, out / f"{skill}_{result.age_months:g}_months")
     return SkillReport(skill, results, REAL_AGES[skill])
-
-
-def _trainer() -> Callable[..., Attempt]:
-    """Return what trains a policy, which needs what not everyone has."""
-    return function_of("mimoc.studies.skills.trainings", "trained")
-
-
-def _attempts(
-    jobs: Sequence[tuple[Any, ...]],
-    out: Path,
-    processes: int,
-    progress: Callable[[int, int], None],
-    attempt_of: Callable[..., Attempt],
-) -> list[Attempt]:
-    """Return what came of all searches or trainings, kept in a folder as soon as each is done."""
-    what = [(job[0].model_dump(mode="json"), *job[1:]) for job in jobs]
-    files = [kept_file(out / "attempts", attempt_of.__name__, *parts) for parts in what]
-    done = [read_kept(path, Attempt, below=out) for path in files]
-    missing = [place for place, attempt in enumerate(done) if attempt is None]
-    progress(len(jobs) - len(missing), len(jobs))
-    for count, (place, attempt) in enumerate(_made(jobs, missing, processes, attempt_of), len(jobs) - len(missing) + 1):
-        done[place] = attempt
-        make_folder(out, below=out.parent)
-        keep(files[place], attempt, below=out)
-        progress(count, len(jobs))
-    return [attempt for attempt in done if attempt is not None]
-
-
-def _made(
-    jobs: Sequence[tuple[Any, ...]], missing: Sequence[int], processes: int, attempt_of: Callable[..., Attempt]
-) -> Iterator[tuple[int, Attempt]]:
-    """Yield what comes of each missing job, and its number, as it is done: trainings share a device, one by one."""
-    if attempt_of is not searched or not missing:
-        yield from ((place, attempt_of(*jobs[place])) for place in missing)
-        return
-    with process_pool(min(processes, len(missing))) as pool:
-        futures = {pool.submit(attempt_of, *jobs[place]): place for place in missing}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-
-
-def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
-    """Return what comes of one search."""
-    attempt = partial(Attempt, age_months=spec.age_months, seed=seed, starts=starts)
-    try:
-        env = open_infant(spec)
-    except SpecError as error:
-        return attempt(success=0.0, problem=problem_of(error))
-    outcome = search(env, seed, tries, starts)
-    env.close()
-    recipe = {"learner": "cross-entropy search", "seed": float(seed), "success": outcome.success}
-    movement = outcome.movement.model_copy(update={"recipe": {**recipe, "tried": float(outcome.tried)}})
-    return attempt(success=outcome.success, tried=outcome.tried, curve=outcome.curve, movement=movement)
 
 
 def _write(attempt: Attempt, path: Path) -> None:

@@ -1,28 +1,95 @@
-"""Trainings of a skill on a device, measured on the CPU."""
+"""Trainings of a skill on a device, all ages and seeds side by side, measured on the CPU."""
 
+from collections.abc import Iterator, Sequence
+from concurrent.futures import as_completed
 from pathlib import Path
 
 import numpy as np
 
 from mimoc.base.errors import SpecError
+from mimoc.compiler import pipeline
 from mimoc.environments import open_infant
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies.processes import process_pool
 from mimoc.studies.skills.attempt import Attempt, problem_of
+from mimoc.studies.skills.attempts import Job, ProgressCallback
 from mimoc.studies.skills.search import FIRST_TEST
-from mimoc.training import evaluate, load_policy, train
+from mimoc.training import Training, evaluate, load_policy
+from mimoc.training.group import Wish, train_together
+
+HYPER = {"gamma": 0.99}
+"""What a skill needs, which takes seconds: rewards of a second from now count .6 of those of now, with control steps of
+20 ms. Usual for learning to walk on a GPU, as in Isaac Lab."""
+HELPED = ("sit", "pull_to_stand", "stand", "cruise", "walk")
+SUPPORT = 0.6
+"""Skills in which infants that learn are carried by a share of their weight, and its largest value; the share is drawn
+for each episode, from 0 on, so that many episodes are as those in which the policy is measured, without help."""
 
 
-def trained(spec: InfantSpec, seed: int, steps: int, starts: int, device: str, out: str) -> Attempt:
-    """Return what comes of a training on a device, measured on the CPU."""
-    run = f"trainings/{spec.age_months:g}_months_{seed}"
-    try:
-        training = train(spec, Path(out) / run, steps=steps, seed=seed, device=device)
-    except SpecError as error:
-        return Attempt(age_months=spec.age_months, seed=seed, success=0.0, starts=starts, problem=problem_of(error))
+def trainings(
+    jobs: Sequence[Job],
+    progress: ProgressCallback,
+    steps: int,
+    starts: int,
+    device: str,
+    envs: int,
+    out: Path,
+    processes: int,
+) -> Iterator[tuple[int, Attempt]]:
+    """Train a policy for each of some infants and seeds on a device, and yield the place of each and what came of it.
+
+    Args:
+        jobs: Infants and seeds.
+        progress: Called with the number of control steps done, and of all.
+        steps: Control steps of each training.
+        starts: Number of starts in which each policy is measured.
+        device: Where the infants live.
+        envs: Number of infants of each training.
+        out: Folder of the results.
+        processes: How many policies are measured side by side.
+    """
+    wishes, names = dict[int, Wish](), dict[int, str]()
+    for place, (spec, seed) in enumerate(jobs):
+        try:
+            infant = pipeline.compiled(_while_learning(spec))
+        except SpecError as error:
+            attempt = Attempt(age_months=spec.age_months, seed=seed, success=0.0, starts=starts)
+            yield place, attempt.model_copy(update={"problem": problem_of(error)})
+            continue
+        names[place] = f"trainings/{spec.age_months:g}_months_{seed}"
+        wishes[place] = Wish(infant, out / names[place], seed)
+    if not wishes:
+        return
+    made = train_together(list(wishes.values()), device, steps=steps, envs=envs, hyper=HYPER, progress=progress)
+    with process_pool(min(processes, len(wishes))) as pool:
+        measured = {
+            pool.submit(_measured, *jobs[place], names[place], training, starts): place
+            for place, training in zip(wishes, made, strict=True)
+        }
+        for future in as_completed(measured):
+            yield measured[future], future.result()
+
+
+def _while_learning(spec: InfantSpec) -> InfantSpec:
+    """Return an infant that is helped while it learns, unless its task says how."""
+    task = spec.task
+    if task is None or task.kind not in HELPED or "support" in task.model_fields_set:
+        return spec
+    return spec.with_(task={**task.model_dump(exclude_unset=True), "support": SUPPORT})
+
+
+def _measured(spec: InfantSpec, seed: int, name: str, training: Training, starts: int) -> Attempt:
+    """Return what comes of a policy on the CPU, without help."""
     env = open_infant(spec)
     episodes = evaluate(env, load_policy(training.policy), episodes=starts, seed=FIRST_TEST)
     env.close()
-    success = sum(episode.success for episode in episodes) / starts
-    curve = tuple(np.nan_to_num(training.curve.column("success_rate")).round(4).tolist())
-    made = {"tried": training.curve.steps, "curve": curve, "policy": f"{run}/policy.zip"}
-    return Attempt(age_months=spec.age_months, seed=seed, success=success, starts=starts, **made)
+    return Attempt(
+        age_months=spec.age_months,
+        seed=seed,
+        success=sum(episode.success for episode in episodes) / starts,
+        starts=starts,
+        tried=training.curve.steps,
+        curve=tuple(np.nan_to_num(training.curve.column("success_rate")).round(4).tolist()),
+        policy=f"{name}/policy.zip",
+        success_on_device=training.use.success if training.use else None,
+    )

@@ -1,0 +1,85 @@
+"""Trainings that go on side by side, step by step.
+
+A training is a coroutine. Where its infants live on a device, it waits for each of their control steps, which all
+infants there make at once, those of other trainings too. Each training has its own random numbers of torch, so that
+side by side it learns what it would alone.
+"""
+
+from collections.abc import Coroutine, Generator, Sequence
+from contextlib import suppress
+from typing import Any, Protocol, TypeVar
+
+import torch
+
+Result = TypeVar("Result")
+
+
+class Wanted(Protocol):
+    """A control step of some infants that a training waits for."""
+
+    def __await__(self) -> Generator["Wanted", Any, Any]:
+        """Wait for it, and return what comes of the step of all."""
+        ...
+
+    def step_with(self, others: Sequence[Any]) -> Any:
+        """Make it together with those that other trainings wait for."""
+
+
+class _Learning:
+    """A training that goes on whenever its infants have made a step, with random numbers of torch of its own."""
+
+    def __init__(self, course: Coroutine[Wanted, Any, Any]):
+        """Begin with the random numbers that are there."""
+        self._course: Any = course
+        self._random = _random_states()
+        self.wants: Wanted
+        """The step that it waits for."""
+        self.result: Any = None
+
+    def go_on(self, outcome: Any) -> bool:
+        """Go on with the outcome of a step, None at first; return whether it waits for another one."""
+        _set_random_states(self._random)
+        try:
+            self.wants = self._course.send(outcome)
+        except StopIteration as ended:
+            self.result = ended.value
+            return False
+        finally:
+            self._random = _random_states()
+        return True
+
+    def stop(self, error: BaseException) -> None:
+        """End it with an error that came up elsewhere, so that it keeps what it has learnt."""
+        if self._course.cr_frame is not None:  # It has not ended yet.
+            with suppress(type(error)):
+                self._course.throw(error)
+
+
+def run_together(courses: Sequence[Coroutine[Wanted, Any, Result]]) -> list[Result]:
+    """Let trainings, whose infants share a device, go on until all have ended; return what came of each.
+
+    An error or Ctrl-C in one of them ends all, after each has kept what it has learnt.
+    """
+    learning = [_Learning(course) for course in courses]
+    going_on, outcome = learning, None
+    try:
+        while going_on := [each for each in going_on if each.go_on(outcome)]:
+            first, *others = (each.wants for each in going_on)
+            outcome = first.step_with(others)
+    except BaseException as error:
+        for each in learning:
+            each.stop(error)
+        raise
+    return [each.result for each in learning]
+
+
+def _random_states() -> tuple[torch.Tensor, Sequence[torch.Tensor]]:
+    """Return the states of torch's random numbers on the CPU and, if it is in use, on the GPU."""
+    return torch.get_rng_state(), torch.cuda.get_rng_state_all() if torch.cuda.is_initialized() else ()
+
+
+def _set_random_states(states: tuple[torch.Tensor, Sequence[torch.Tensor]]) -> None:
+    on_cpu, on_gpus = states
+    torch.set_rng_state(on_cpu)
+    if on_gpus:
+        torch.cuda.set_rng_state_all(on_gpus)

@@ -1,0 +1,127 @@
+"""Trainings side by side on one device: here on `warp:cpu`."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+import warp as wp
+
+import mimoc
+from mimoc.bundle.arrays import unpack_arrays
+from mimoc.policies.archive import Archive
+from mimoc.training.group import Wish, train_together
+from mimoc.training.together import run_together
+
+DEVICE, EVERY = "warp:cpu", 64
+TINY = {"n_steps": 32, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled_quickly():
+    """Compile kernels without optimising them, as the tests of devices do, for the same cache."""
+    kept, wp.config.optimization_level = wp.config.optimization_level, 0
+    yield
+    wp.config.optimization_level = kept
+
+
+@pytest.fixture(scope="module")
+def infants(built) -> list[mimoc.Bundle]:
+    """Return the same child twice."""
+    return [built()] * 2
+
+
+def together(infants: list[mimoc.Bundle], folder: Path, **options: Any) -> Any:
+    wishes = [Wish(infant, folder / str(number), seed=number) for number, infant in enumerate(infants)]
+    return train_together(
+        wishes, DEVICE, **{"steps": EVERY, "envs": 2, "hyper": TINY, "checkpoint_every": EVERY} | options
+    )
+
+
+def learnt(folder: Path, number: int) -> dict[str, Any]:
+    """Return what a training has learnt: networks, what they divide by, and the optimizer's state."""
+    return unpack_arrays(Archive((folder / str(number) / "state.zip").read_bytes()).content("weights.npz"))
+
+
+@pytest.mark.slow
+def test_trainings_side_by_side_learn_what_each_learns_alone(infants, tmp_path):
+    """In single precision: in a batch of another size, MuJoCo Warp rounds differently."""
+    reports = list[tuple[int, int]]()
+    trainings = together(infants, tmp_path / "together", progress=lambda *report: reports.append(report))
+    assert [training.curve.steps for training in trainings] == [EVERY, EVERY]
+    assert all(0 <= training.use.success <= 1 for training in trainings)
+    assert reports[-1] == (2 * EVERY, 2 * EVERY)
+    options: Any = {"steps": EVERY, "envs": 2, "hyper": TINY, "device": DEVICE}
+    for number, infant in enumerate(infants):
+        mimoc.train(infant, tmp_path / "alone" / str(number), seed=number, **options)
+        ours, theirs = (learnt(tmp_path / how, number) for how in ("together", "alone"))
+        assert ours.keys() == theirs.keys()
+        assert all(np.allclose(ours[name], theirs[name], rtol=1e-3, atol=1e-5) for name in ours)
+        other = learnt(tmp_path / "together", 1 - number)
+        assert not np.allclose(ours["actor/mlp.0.weight"], other["actor/mlp.0.weight"], atol=1e-2)
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_what_each_has_learnt_and_all_go_on(infants, tmp_path):
+    def stop(done: int, total: int) -> None:
+        if done > 3 * EVERY:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        together(infants, tmp_path / "run", steps=2 * EVERY, progress=stop)
+    for number in range(2):
+        mimoc.load_policy(tmp_path / "run" / str(number) / "policy.zip")
+    resumed = together(infants, tmp_path / "run", steps=2 * EVERY)
+    assert {training.resumed_at for training in resumed} == {EVERY}
+    again = together(infants, tmp_path / "run", steps=2 * EVERY)
+    assert [training.use for training in again] == [None, None]
+
+
+class Step:
+    """A step that does nothing but say who waits for it."""
+
+    def __init__(self, name: str):
+        self.name = name
+
+    def __await__(self):
+        return (yield self)
+
+    def step_with(self, others):
+        return sorted([self.name, *(other.name for other in others)])
+
+
+def test_courses_of_any_length_step_together_with_random_numbers_of_their_own():
+    async def course(name: str, steps: int) -> tuple[list[list[str]], list[float]]:
+        torch.manual_seed(steps)
+        who, drawn = [], []
+        for _ in range(steps):
+            drawn.append(float(torch.rand(())))
+            who.append(await Step(name))
+        return who, drawn
+
+    def alone(steps: int) -> list[float]:
+        torch.manual_seed(steps)
+        return [float(torch.rand(())) for _ in range(steps)]
+
+    (of_a, drawn_a), (of_b, drawn_b) = run_together([course("a", 1), course("b", 3)])
+    assert of_a == [["a", "b"]]
+    assert of_b == [["a", "b"], ["b"], ["b"]]
+    assert (drawn_a, drawn_b) == (alone(1), alone(3))
+
+
+def test_an_error_in_one_course_ends_all_in_order():
+    ended = list[str]()
+
+    async def course(name: str, fails: bool) -> None:
+        try:
+            await Step(name)
+            if fails:
+                raise ValueError(name)
+            await Step(name)
+        finally:
+            ended.append(name)
+
+    with pytest.raises(ValueError, match="b"):
+        run_together([course("a", False), course("b", True), course("c", False)])
+    assert sorted(ended) == ["a", "b", "c"]
