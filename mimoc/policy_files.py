@@ -4,6 +4,7 @@ from pathlib import Path
 
 from mimoc.policies.network import load_network
 from mimoc.policies.policy import PolicyMaker
+from mimoc.policies.policy_file import read_policy
 
 
 def load_policy(path: str | Path) -> PolicyMaker:
@@ -24,8 +25,9 @@ def load_policy(path: str | Path) -> PolicyMaker:
         >>> len(mimoc.evaluate(env, policy, episodes=1))
         1
     """
-    if maker := load_network(path):
+    file = read_policy(path)
+    if maker := load_network(file):
         return maker
-    from mimoc import training
+    from mimoc.training.policies import load_agent
 
-    return training.load_policy(path)
+    return load_agent(file)

@@ -119,7 +119,8 @@ class TaskKind:
     poses: tuple[str, ...] | None = ()
     """Values of `scene.pose` it can start from: none where it has a start of its own; None is all."""
     step_ms: float = 10.0
-    """Control step, unless the spec gives one."""
+    """Control step, unless the spec gives one. `steps` and `*_steps` of the entry that `build` returns are of this
+    length; in a bundle with another control step, they are as many as last as long."""
     defaults: Mapping[tuple[str, str], Any] = field(default_factory=dict)
     """Values of other sections by section and key, such as `("scene", "pose")`, unless the spec gives them."""
 

@@ -129,7 +129,7 @@ def set_up_task(
     Raises:
         UnsupportedTaskError: If the infant lacks a part that the task or the spec requires.
     """
-    setup = build_task(spec.task, tree)
+    setup = build_task(spec.task, tree, spec.control.step_ms)
     poses = scene.keyframes
     if spec.task and setup.start is not None:
         keyframe = Keyframe(spec.task.kind, setup.start)

@@ -13,23 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import PolicyError
-from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays, unpack_arrays
-from mimoc.bundle.regular_files import read_regular_file
-from mimoc.policies.archive import DAMAGED, MOST_BYTES, Archive
-from mimoc.policies.interface import check_fits, is_description
+from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays
+from mimoc.policies.archive import DAMAGED
+from mimoc.policies.interface import check_fits
 from mimoc.policies.policy import Policy, PolicyMaker
+from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_NETWORK, WEIGHTS, PolicyFile
 from mimoc.runtime.env import InfantEnv
 
 FloatArray = npt.NDArray[np.float32]
 
-ABOUT, WEIGHTS = "mimoc.json", "weights.npz"
-"""The files in a policy archive: its description, and its arrays."""
-VERSION = 3
-"""Of files with one plain network; those of Stable-Baselines3's policies have version 2."""
 MOST_LAYERS = 17
-NO_SUCH_FILE = "there is no such file; name the policy.zip of a training run"
-NOT_A_POLICY = "not a policy trained by mimoc, or it is damaged"
-OTHER_VERSION = "was saved by another version of mimoc; train it again"
 
 
 @dataclass(frozen=True)
@@ -121,7 +114,7 @@ def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
             training, of which `steps_per_episode` is read.
     """
     content = io.BytesIO()
-    description = json.dumps({**about, "policy": VERSION}, indent=1, sort_keys=True)
+    description = json.dumps({**about, "policy": OF_NETWORK}, indent=1, sort_keys=True)
     with zipfile.ZipFile(content, "w") as archive:
         for name, member in ((ABOUT, description.encode()), (WEIGHTS, pack_arrays(network.arrays()))):
             info = zipfile.ZipInfo(name, FIRST_DATE)
@@ -130,31 +123,21 @@ def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
     return content.getvalue()
 
 
-def load_network(path: str | Path) -> PolicyMaker | None:
-    """Load the policy in a file if it is one plain network; return None if it is one of Stable-Baselines3.
+def load_network(file: PolicyFile) -> PolicyMaker | None:
+    """Return the policy in a file if it is one plain network; return None if it is one of Stable-Baselines3.
 
-    It needs NumPy alone, and runs no code from the file. The returned function raises a PolicyError for an infant whose
-    observations or actuators differ from those of the trained infant.
+    It needs NumPy alone. The returned function raises a PolicyError for an infant whose observations or actuators
+    differ from those of the trained infant.
 
     Raises:
-        PolicyError: If there is no such file, or it is damaged.
+        PolicyError: If it is damaged.
     """
-    path = Path(path).expanduser()
-    if not path.is_file():
-        raise PolicyError(f"{path}: {NO_SUCH_FILE}")
+    path, about = file.path, file.about
+    if about["policy"] != OF_NETWORK:
+        return None
     try:
-        archive = Archive(read_regular_file(path, MOST_BYTES) or b"")
-        about = json.loads(archive.content(ABOUT))
-        if (saved_by := about["policy"]) != VERSION:
-            if type(saved_by) is int and saved_by > VERSION:
-                raise PolicyError(f"{path}: {OTHER_VERSION}")
-            return None
         inputs = sum(math.prod(item["shape"]) for item in about["observes"].values())
-        network = Network.of_arrays(unpack_arrays(archive.content(WEIGHTS)), inputs, len(about["commands"]))
-        if not is_description(about):
-            raise ValueError("it describes itself in a way that mimoc never does")
-    except PolicyError:
-        raise
+        network = Network.of_arrays(file.arrays(WEIGHTS), inputs, len(about["commands"]))
     except DAMAGED:
         raise PolicyError(f"{path}: {NOT_A_POLICY}") from None
     return lambda env: _bind(path, about, network, env)

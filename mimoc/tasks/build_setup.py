@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from mimoc.base.errors import UnsupportedTaskError
@@ -57,13 +57,23 @@ NO_TASK = TaskSetup(FreeEntry())
 """Setup of an infant without a task."""
 
 
-def build_task(spec: TaskSpec | None, tree: BodyTree) -> TaskSetup:
-    """Return the setup of a spec's task.
+def build_task(spec: TaskSpec | None, tree: BodyTree, step_ms: float) -> TaskSetup:
+    """Return the setup of a spec's task, which takes as long with a control step, *step_ms*, as with the task's own.
+
+    An entry counts in the task's own steps. Each of its keys `steps` or `*_steps` becomes as many of *step_ms* as last
+    as long, at least one, unless the spec gives it: 500 steps of 10 ms are 250 of 20 ms.
 
     Raises:
         UnsupportedTaskError: If the infant lacks what the task requires.
     """
-    return function_of(TASKS[spec.kind].build, "build")(spec, tree) if spec else NO_TASK
+    if spec is None:
+        return NO_TASK
+    kind = TASKS[spec.kind]
+    setup: TaskSetup = function_of(kind.build, "build")(spec, tree)
+    counts = {key: count for key, count in setup.entry if f"_{key}".endswith("_steps") and type(count) is int and count}
+    chosen = {key for key in counts if getattr(spec, key, None)}
+    steps = {key: max(1, round(counts[key] * kind.step_ms / step_ms)) for key in counts.keys() - chosen}
+    return replace(setup, entry=setup.entry.model_copy(update=steps))
 
 
 def require(tree: BodyTree, task: str, *bodies: str) -> None:

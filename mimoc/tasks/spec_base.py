@@ -15,7 +15,7 @@ class TaskSpec(Model):
     kind: Any
     """Name of the task, as a `Literal`."""
     steps: Annotated[Whole, Field(ge=1, le=10**9)] | None = None
-    """Control steps of an episode; by default as many as in MIMo's task, and unlimited for `free`."""
+    """Control steps of an episode; by default as many as last as long as MIMo's task, and unlimited for `free`."""
 
 
 class TaskEntry(Model):

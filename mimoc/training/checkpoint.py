@@ -16,11 +16,12 @@ from mimoc.base.errors import TrainingError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import parse_json
 from mimoc.policies.archive import DAMAGED, Archive
+from mimoc.policies.policy_file import WEIGHTS
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import Modules, agent_state, restore_agent, restore_state, state_of
 from mimoc.training.curve import Curve
-from mimoc.training.policies import OF_TORCH, SCALE, WEIGHTS
+from mimoc.training.policies import OF_TORCH, SCALE
 from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"

@@ -15,25 +15,23 @@ from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.base.errors import PolicyError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.bundle.regular_files import read_regular_file
-from mimoc.policies.archive import DAMAGED, MOST_BYTES, Archive
-from mimoc.policies.interface import check_fits, interface_of, is_description, spaces_of
-from mimoc.policies.network import NOT_A_POLICY, OTHER_VERSION, load_network
+from mimoc.bundle.arrays import pack_arrays
+from mimoc.policies.archive import DAMAGED
+from mimoc.policies.interface import check_fits, interface_of, spaces_of
+from mimoc.policies.network import load_network
 from mimoc.policies.policy import Policy, PolicyMaker
+from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile, read_policy
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
 from mimoc.training.settings import TrainingSettings, complete
 from mimoc.training.vector_env import normalized_names, statistics
 
-ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "weights.npz"
-"""The files in a policy archive that mimoc reads: description, statistics of the observations, and weights. The others
-are for Stable-Baselines3, whose `load` accepts the archive too and unpickles them; mimoc never does."""
+SCALE = "scale.npz"
+"""The file in a policy archive with the statistics of the observations. What mimoc does not read is for
+Stable-Baselines3, whose `load` accepts the archive too and unpickles it; mimoc never does."""
 OF_TORCH = "policy.pth"
 """The weights, for Stable-Baselines3."""
-VERSION = 2
-"""Of what mimoc reads; policies of version 1 had no `weights.npz`."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
     content = io.BytesIO()
     agent.save(content)
     about = {
-        "policy": VERSION,
+        "policy": OF_AGENT,
         "infant": env.manifest.name,
         "steps": agent.num_timesteps,
         "settings": settings.data(),
@@ -82,41 +80,29 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
 
 
 def load_policy(path: str | Path) -> PolicyMaker:
-    """Load a trained policy; return a function that binds it to an environment, for `Run` and `evaluate`.
+    """Load a trained policy, with Stable-Baselines3 at hand; see `mimoc.load_policy`."""
+    file = read_policy(path)
+    return load_network(file) or load_agent(file)
 
-    Loading a policy runs no code from its file. The returned function raises a PolicyError for an infant whose
-    observations or actuators differ from those of the trained infant.
+
+def load_agent(file: PolicyFile) -> PolicyMaker:
+    """Return the policy in a file of one that was trained by Stable-Baselines3.
+
+    The returned function raises a PolicyError for an infant whose observations or actuators differ from those of the
+    trained infant.
 
     Raises:
-        PolicyError: If the file is not a policy trained by mimoc.
+        PolicyError: If it is damaged.
     """
-    if maker := load_network(path):
-        return maker
-    path = Path(path).expanduser()
+    path, about = file.path, file.about
     try:
-        about, statistics_, network = _read(path)
+        known, weights = file.arrays(SCALE), file.arrays(WEIGHTS)
+        if not all(np.isfinite(array).all() for array in (*known.values(), *weights.values())):
+            raise ValueError("numbers that are not finite")
         hyper = complete(about["settings"]["algo"], about["settings"]["hyper"])
-    except _OtherVersionError:
-        raise PolicyError(f"{path}: {OTHER_VERSION}") from None
     except DAMAGED:
         raise PolicyError(f"{path}: {NOT_A_POLICY}") from None
-    return lambda env: _bind(path, about, hyper, statistics_, network, env)
-
-
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return description, statistics and weights in a file; raise one of `DAMAGED` if it is no policy."""
-    content = read_regular_file(path, MOST_BYTES)
-    if content is None:
-        raise ValueError("it cannot be read")
-    archive = Archive(content)
-    about = json.loads(archive.content(ABOUT))
-    if (saved_by := about["policy"]) != VERSION:
-        raise _OtherVersionError if type(saved_by) is int else ValueError
-    known, weights = unpack_arrays(archive.content(SCALE)), unpack_arrays(archive.content(WEIGHTS))
-    is_finite = all(np.isfinite(array).all() for array in (*known.values(), *weights.values()))
-    if not is_description(about) or not is_finite:
-        raise ValueError("it describes itself in a way that mimoc never does")
-    return about, known, weights
+    return lambda env: _bind(path, about, hyper, known, weights, env)
 
 
 def _bind(
@@ -145,10 +131,6 @@ def _bind(
     network.set_training_mode(False)
     limit = about["settings"].get("steps_per_episode")
     return TrainedPolicy(network, scale, float(hyper["observation_clip"]), limit)
-
-
-class _OtherVersionError(Exception):
-    """A policy was saved by another version of mimoc."""
 
 
 def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: InfantEnv) -> bool:

@@ -11,8 +11,10 @@ from support.full import full_but
 import mimoc
 from mimoc.base.kinds import function_of
 from mimoc.bundle.model import simulation_warnings
+from mimoc.compiler.child import child_of
 from mimoc.registration import env_name
 from mimoc.tasks import TASKS
+from mimoc.tasks.build_setup import build_task
 
 KINDS = tuple(TASKS)
 BODIES = [
@@ -80,6 +82,47 @@ def test_an_episode_is_cut_off_after_its_steps(kind):
             env.reset(seed=0)
             ends = [env.step(np.zeros(env.action_space.shape, np.float32))[2:4] for _ in range(3)]
             assert [truncated for _, truncated in ends] == [False, False, True]
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return child_of(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9})).tree
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("step_ms", [0.1, 7.5, 40.0])
+def test_an_episode_lasts_as_long_with_any_control_step(kind, step_ms, tree):
+    record = TASKS[kind]
+    spec, usual_ms = record.spec.model_validate({"kind": kind}), record.step_ms
+    usual, entry = (build_task(spec, tree, control_ms).entry for control_ms in (usual_ms, step_ms))
+    counted = {key: value for key, value in usual if key in ("steps", "held_steps", "settle_steps") and value}
+    for key, steps in counted.items():
+        assert getattr(entry, key) * step_ms == pytest.approx(steps * usual_ms, abs=step_ms / 2)
+    assert entry.model_copy(update=counted) == usual
+    record.entry.model_validate_json(entry.model_dump_json(), strict=True)
+
+
+@pytest.mark.parametrize(
+    ("task", "step_ms", "steps"),
+    [
+        ({"kind": "roll"}, None, 250),
+        ({"kind": "roll"}, 10.0, 500),
+        ({"kind": "roll", "steps": 70}, 10.0, 70),
+        ({"kind": "rollover"}, None, 500),
+        ({"kind": "rollover"}, 50.0, 100),
+        ({"kind": "selfbody"}, 10.0, 250),
+        ({"kind": "free", "steps": 500}, 20.0, 500),
+        ({"kind": "free"}, 20.0, None),
+    ],
+    ids=str,
+)
+def test_a_bundle_says_after_how_many_control_steps_an_episode_ends(task, step_ms, steps):
+    control = {"control": {"step_ms": step_ms}} if step_ms else {}
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "task": task, **control})
+    manifest = mimoc.build(spec).manifest
+    assert manifest.task.steps == steps
+    if task["kind"] == "rollover":
+        assert manifest.task.settle_steps * manifest.step_ms == 1000
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import mimoc
+import mimoc.training
 from mimoc.base.errors import PolicyError
+from mimoc.policies import policy_file
 from mimoc.policies.named import policy_of
 from mimoc.runtime.rollout import Run
 
@@ -92,6 +94,14 @@ def test_the_policy_of_another_infant_is_refused_and_the_differences_are_named(b
 
 def test_a_policy_can_be_used_by_infants_of_other_ages(built, policy):
     assert mimoc.load_policy(policy)(infant(built(age_months=9)))
+
+
+@pytest.mark.parametrize("load", [mimoc.load_policy, mimoc.training.load_policy], ids=["mimoc", "training"])
+def test_a_file_is_read_once(policy, load, monkeypatch):
+    opened, read = [], policy_file.read_regular_file
+    monkeypatch.setattr(policy_file, "read_regular_file", lambda *args: opened.append(args[0]) or read(*args))
+    load(policy)
+    assert opened == [policy]
 
 
 def test_a_missing_file_is_refused(tmp_path):

@@ -32,6 +32,11 @@ class AgeRange(Model):
     source: str
     certainty: Certainty
 
+    @property
+    def ages(self) -> tuple[float, float, float]:
+        """Youngest, median and oldest age, as they are plotted."""
+        return self.youngest_months, self.median_months, self.oldest_months
+
     def verdict(self, age_months: float | None) -> "Verdict":
         """Return how the age at which an infant reaches it compares; None is never."""
         if age_months is None:
@@ -106,8 +111,9 @@ class MilestoneReport:
     @property
     def rows(self) -> list[AgeRow]:
         """The milestones as they are plotted."""
+        name = "mimoc, from this age on"
         return [
-            AgeRow(item.trial.title, {"mimoc, from this age on": item.result.youngest_months}, _ages(item.window))
+            AgeRow(item.trial.title, {name: item.result.youngest_months}, item.window.ages if item.window else ())
             for item in self.milestones
         ]
 
@@ -122,10 +128,6 @@ class MilestoneReport:
                 "milestones": [milestone.to_data() for milestone in self.milestones],
             }
         )
-
-
-def _ages(window: AgeRange | None) -> tuple[float, ...]:
-    return (window.youngest_months, window.median_months, window.oldest_months) if window else ()
 
 
 def validate_milestones(

@@ -1,15 +1,15 @@
 """Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import rounded
 from mimoc.bundle.files import write_file
 from mimoc.policies.postures import write_postures
+from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
@@ -34,73 +34,73 @@ REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ag
 """When real infants have each skill."""
 
 
-@dataclass(frozen=True)
-class AgeResult:
+class AgeResult(Model):
     """What came of all searches at an age."""
 
-    attempts: Sequence[Attempt]
+    age_months: float
+    """The age."""
+    success: float
+    """Share of starts with success, over all searches."""
+    interval: tuple[float, float]
+    """95 % interval of that share, as if all starts were independent (Wilson 1927)."""
+    searches: tuple[Attempt, ...]
+    """The searches, or trainings."""
 
-    @property
-    def age_months(self) -> float:
-        """The age."""
-        return self.attempts[0].age_months
-
-    @property
-    def success(self) -> float:
-        """Share of starts with success, over all searches."""
-        return sum(attempt.success for attempt in self.attempts) / len(self.attempts)
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """95 % interval of that share, as if all starts were independent (Wilson 1927)."""
-        starts = sum(attempt.starts for attempt in self.attempts)
-        return wilson_interval(round(self.success * starts), starts)
+    @classmethod
+    def of(cls, searches: Sequence[Attempt]) -> Self:
+        """Return what came of searches at one age."""
+        success = sum(attempt.success for attempt in searches) / len(searches)
+        starts = sum(attempt.starts for attempt in searches)
+        interval = wilson_interval(round(success * starts), starts)
+        return cls(age_months=searches[0].age_months, success=success, interval=interval, searches=tuple(searches))
 
     @property
     def best(self) -> Attempt:
         """The best search."""
-        return max(self.attempts, key=lambda attempt: attempt.success)
+        return max(self.searches, key=lambda attempt: attempt.success)
 
 
-@dataclass(frozen=True)
-class SkillReport:
-    """At what ages an infant can learn a skill."""
+class SkillReport(Model):
+    """At what ages an infant can learn a skill, as `results.json` says it."""
 
     skill: str
-    results: Sequence[AgeResult]
-    real: AgeRange
+    """Its name."""
+    from_months: float | None
+    """The age at which half of the starts succeed, between two ages by a straight line; None if never."""
+    verdict: Verdict
+    """How that compares with real infants."""
+    real_infants: AgeRange
+    """When they have the skill."""
+    ages: tuple[AgeResult, ...]
+    """What came of it at each age."""
+
+    @classmethod
+    def of(cls, skill: str, results: Sequence[AgeResult]) -> Self:
+        """Return what the results at all ages say, from the youngest on."""
+        real, since = REAL_AGES[skill], _from_months(results)
+        is_open = since is None and results[-1].age_months < real.oldest_months
+        verdict = "no verdict" if is_open else real.verdict(since)
+        return cls(skill=skill, from_months=since, verdict=verdict, real_infants=real, ages=tuple(results))
 
     @property
-    def from_months(self) -> float | None:
-        """The age at which half of the starts succeed, between two ages by a straight line; None if never."""
-        for before, after in zip([None, *self.results], self.results, strict=False):
-            if after.success >= LEARNT:
-                if before is None:
-                    return after.age_months
-                share = (LEARNT - before.success) / (after.success - before.success)
-                return before.age_months + share * (after.age_months - before.age_months)
-        return None
-
-    @property
-    def verdict(self) -> Verdict:
-        """How that compares with real infants."""
-        is_open = self.from_months is None and self.results[-1].age_months < self.real.oldest_months
-        return "no verdict" if is_open else self.real.verdict(self.from_months)
+    def results(self) -> tuple[AgeResult, ...]:
+        """What came of it at each age, from the youngest on."""
+        return self.ages
 
     def to_data(self) -> dict[str, Any]:
-        """Return everything as plain data, numbers rounded as in files."""
-        ages = [
-            {
-                "age_months": result.age_months,
-                "success": result.success,
-                "interval": list(result.interval),
-                "searches": [attempt.model_dump(exclude={"movement"}) for attempt in result.attempts],
-            }
-            for result in self.results
-        ]
-        real = self.real.model_dump()
-        data = {"skill": self.skill, "from_months": self.from_months, "verdict": self.verdict, "real_infants": real}
-        return rounded({**data, "ages": ages})
+        """Return everything but movements as plain data, numbers rounded as in files."""
+        movements = {"ages": {"__all__": {"searches": {"__all__": {"movement"}}}}}
+        return rounded(self.model_dump(mode="json", exclude=movements))
+
+
+def _from_months(results: Sequence[AgeResult]) -> float | None:
+    for before, after in zip([None, *results], results, strict=False):
+        if after.success >= LEARNT:
+            if before is None:
+                return after.age_months
+            share = (LEARNT - before.success) / (after.success - before.success)
+            return before.age_months + share * (after.age_months - before.age_months)
+    return None
 
 
 def learn_skill(
@@ -152,10 +152,10 @@ def learn_skill(
         how = partial(trainings, steps=steps, starts=starts, device=device, envs=envs, out=out, processes=processes)
         way = Way("trained", (steps, starts, device, envs), how)
     attempts = attempts_of(jobs, way, out, progress)
-    results = [AgeResult([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
+    results = [AgeResult.of([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
         _write(result.best, out / f"{skill}_{result.age_months:g}_months")
-    return SkillReport(skill, results, REAL_AGES[skill])
+    return SkillReport.of(skill, results)
 
 
 def _write(attempt: Attempt, path: Path) -> None:

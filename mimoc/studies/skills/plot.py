@@ -12,9 +12,9 @@ def skill_sheet(report: SkillReport) -> Sheet:
     """Return success by age with its intervals, each search as a dot, over the ages of real infants."""
     ages = [result.age_months for result in report.results]
     low, high = zip(*(result.interval for result in report.results), strict=True)
-    real = report.real
+    real = report.real_infants
     window = real.youngest_months, real.oldest_months
-    searches = [(result.age_months, attempt.success) for result in report.results for attempt in result.attempts]
+    searches = [(result.age_months, attempt.success) for result in report.results for attempt in result.searches]
     plot = Plot(
         x=AGE,
         y=SUCCESS,

@@ -8,47 +8,18 @@ from typing import Any
 from mimoc.base.errors import MimocError
 from mimoc.bundle.regular_files import read_json_file
 from mimoc.render.plots.growth import AgeRow
-from mimoc.schema.base import Model
-from mimoc.studies.milestones.report import AgeRange, Verdict
+from mimoc.studies.skills.learning import SkillReport
 from mimoc.tasks import SKILLS
 
 RESULTS = Path(__file__).with_name("results")
 """What `mimoc skill` wrote of each skill that was searched for; `make skills` renews it."""
 
 
-class ShippedAge(Model):
-    """What came of a skill at an age."""
-
-    age_months: float
-    """The age."""
-    success: float
-    """Share of starts with success, over all searches."""
-    interval: tuple[float, float]
-    """95 % interval of that."""
-    searches: tuple[dict[str, Any], ...]
-    """Seed, success and curve of each search."""
-
-
-class ShippedSkill(Model):
-    """What came of a skill, as `results.json` says it."""
-
-    skill: str
-    """Its name."""
-    from_months: float | None
-    """The age from which on half of the starts succeed."""
-    verdict: Verdict
-    """How that compares with real infants."""
-    real_infants: AgeRange
-    """When they have the skill."""
-    ages: tuple[ShippedAge, ...]
-    """What came of it at each age."""
-
-
 @dataclass(frozen=True)
 class SkillsReport:
     """All skills whose results come with mimoc, and those that wait for a GPU."""
 
-    skills: Sequence[ShippedSkill]
+    skills: Sequence[SkillReport]
 
     @property
     def waiting(self) -> list[str]:
@@ -63,20 +34,16 @@ class SkillsReport:
     @property
     def rows(self) -> list[AgeRow]:
         """The skills as they are plotted."""
+        what = "mimoc, half of the starts"
         return [
-            AgeRow(skill.skill.replace("_", " "), {"mimoc, half of the starts": skill.from_months}, _ages(skill))
-            for skill in self.skills
+            AgeRow(item.skill.replace("_", " "), {what: item.from_months}, item.real_infants.ages)
+            for item in self.skills
         ]
 
     def to_data(self) -> dict[str, Any]:
         """Return the report as plain data."""
-        skills = [skill.model_dump(mode="json") for skill in self.skills]
+        skills = [skill.to_data() for skill in self.skills]
         return {"passed": self.passed, "skills": skills, "waiting": self.waiting}
-
-
-def _ages(skill: ShippedSkill) -> tuple[float, ...]:
-    real = skill.real_infants
-    return real.youngest_months, real.median_months, real.oldest_months
 
 
 def shipped_skills(folder: Path = RESULTS) -> SkillsReport:
@@ -85,7 +52,7 @@ def shipped_skills(folder: Path = RESULTS) -> SkillsReport:
     Raises:
         MimocError: If there are none.
     """
-    read = {name: read_json_file(folder / f"{name}.json", ShippedSkill) for name in SKILLS}
+    read = {name: read_json_file(folder / f"{name}.json", SkillReport) for name in SKILLS}
     skills = [skill for skill in read.values() if skill is not None]
     if not skills:
         raise MimocError(f"{folder}: no results of skills; `make skills` makes them")

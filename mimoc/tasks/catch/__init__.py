@@ -38,7 +38,7 @@ class CatchEntry(TaskEntry):
     lost_m: Amount
     """Distance below the palm or to its side beyond which the ball counts as lost."""
     held_steps: Steps = 100
-    """Consecutive control steps of contact that count as a catch (MIMo)."""
+    """Consecutive control steps of contact that count as a catch; 1 s (MIMo)."""
     contact_reward: Number = 1.0
     """Reward for a step in contact (MIMo)."""
     effort_weight: Number = 40.0

@@ -24,8 +24,8 @@ class RolloverEntry(TaskEntry):
 
     kind: Literal["rollover"] = "rollover"
     """Name of the task."""
-    settle_steps: Annotated[int, Field(ge=0, le=1000)] = 100
-    """Control steps at rest before an episode begins (MIMo)."""
+    settle_steps: Annotated[int, Field(ge=0, le=10_000)] = 100
+    """Control steps at rest before an episode begins; 1 s (MIMo)."""
     hip: Body
     """The body whose rotation counts; its x axis points out of the belly."""
     goal: Number = 0.8

@@ -9,7 +9,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.policies import skill
 from mimoc.policies.postures import read_postures
 from mimoc.studies.skills.attempt import Attempt
-from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport
+from mimoc.studies.skills.learning import AgeResult, SkillReport
 from mimoc.studies.skills.search import Searcher
 from mimoc.studies.skills.shipped import RESULTS, shipped_skills
 from mimoc.tasks import SKILLS
@@ -18,8 +18,8 @@ SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
 
 
 def report(kind: str, success: dict[float, float]) -> SkillReport:
-    results = [AgeResult([Attempt(age_months=a, seed=0, success=s, starts=20)]) for a, s in success.items()]
-    return SkillReport(kind, results, REAL_AGES[kind])
+    results = [AgeResult.of([Attempt(age_months=a, seed=0, success=s, starts=20)]) for a, s in success.items()]
+    return SkillReport.of(kind, results)
 
 
 def test_what_a_search_writes_is_what_is_shown(tmp_path):
@@ -30,6 +30,7 @@ def test_what_a_search_writes_is_what_is_shown(tmp_path):
         ("roll", 4.0, "inside"),
         ("walk", 6.0, "too early"),
     ]
+    assert skills.skills[0].to_data() == report("roll", {2.0: 0.0, 6.0: 1.0}).to_data()
     assert not skills.passed
     assert set(skills.waiting) == set(SKILLS) - {"roll", "walk"}
     json.dumps(skills.to_data())

@@ -59,8 +59,8 @@ def attempt(age: float, success: float, seed: int = 0) -> Attempt:
     ],
 )
 def test_the_age_of_a_skill_is_where_half_of_the_starts_succeed(successes, from_months, verdict):
-    results = [AgeResult([attempt(age, success)]) for age, success in successes.items()]
-    report = SkillReport("roll", results, REAL_AGES["roll"])
+    results = [AgeResult.of([attempt(age, success)]) for age, success in successes.items()]
+    report = SkillReport.of("roll", results)
     assert report.from_months == (from_months if from_months is None else pytest.approx(from_months))
     assert report.verdict == verdict
     json.dumps(report.to_data())
@@ -68,7 +68,7 @@ def test_the_age_of_a_skill_is_where_half_of_the_starts_succeed(successes, from_
 
 def test_the_interval_is_wilsons():
     """1 of 20: .9 to 23.6 % (Newcombe 1998's formula, by hand)."""
-    low, high = AgeResult([attempt(6, 0.05)]).interval
+    low, high = AgeResult.of([attempt(6, 0.05)]).interval
     assert (low, high) == (pytest.approx(0.0089, abs=1e-3), pytest.approx(0.236, abs=1e-3))
 
 
@@ -80,9 +80,9 @@ def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, m
 
     report = learn()
     newborn, older = report.results
-    assert "flat feet" in newborn.attempts[0].problem
+    assert "flat feet" in newborn.searches[0].problem
     assert newborn.success == 0
-    assert older.attempts[0].tried == DRAWS
+    assert older.searches[0].tried == DRAWS
     assert (tmp_path / "out" / "pull_to_stand_9_months.json").exists()
     assert not (tmp_path / "out" / "pull_to_stand_0_months.json").exists()
     monkeypatch.setattr("mimoc.studies.skills.learning.process_pool", None)
