@@ -49,8 +49,8 @@ class Share:
     async def step(self, actions: torch.Tensor) -> Outcome:
         """Make a control step with actions of these infants, when all learners have chosen theirs."""
         observation, rewards, dones, extras = await WantedStep(self, actions)
-        own = {name: values[self.which] for name, values in extras.items() if name != "log"}
-        return observation[self.which], rewards[self.which], dones[self.which], own
+        of_share = {name: values[self.which] for name, values in extras.items() if name != "log"}
+        return observation[self.which], rewards[self.which], dones[self.which], of_share
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,6 @@ class WantedStep:
         """Make a step of all infants; those whose learner has ended do nothing."""
         env = self.share.env
         actions = torch.zeros((env.num_envs, env.num_actions), device=env.device)
-        for each in (self, *others):
-            actions[each.share.which] = each.actions
+        for step in (self, *others):
+            actions[step.share.which] = step.actions
         return env.step(actions)

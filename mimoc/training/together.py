@@ -25,12 +25,12 @@ class Wanted(Protocol):
         """Make it together with those that other trainings wait for."""
 
 
-class _Learning:
+class _Course:
     """A training that goes on whenever its infants have made a step, with random numbers of torch of its own."""
 
-    def __init__(self, course: Coroutine[Wanted, Any, Any]):
+    def __init__(self, coroutine: Coroutine[Wanted, Any, Any]):
         """Begin with the random numbers that are there."""
-        self._course: Any = course
+        self._coroutine: Any = coroutine
         self._random = _random_states()
         self.wants: Wanted
         """The step that it waits for."""
@@ -40,7 +40,7 @@ class _Learning:
         """Go on with the outcome of a step, None at first; return whether it waits for another one."""
         _set_random_states(self._random)
         try:
-            self.wants = self._course.send(outcome)
+            self.wants = self._coroutine.send(outcome)
         except StopIteration as ended:
             self.result = ended.value
             return False
@@ -50,9 +50,9 @@ class _Learning:
 
     def stop(self, error: BaseException) -> None:
         """End it with an error that came up elsewhere, so that it keeps what it has learnt."""
-        if self._course.cr_frame is not None:  # It has not ended yet.
+        if self._coroutine.cr_frame is not None:  # It has not ended yet.
             with suppress(type(error)):
-                self._course.throw(error)
+                self._coroutine.throw(error)
 
 
 def run_together(courses: Sequence[Coroutine[Wanted, Any, Result]]) -> list[Result]:
@@ -60,17 +60,17 @@ def run_together(courses: Sequence[Coroutine[Wanted, Any, Result]]) -> list[Resu
 
     An error or Ctrl-C in one of them ends all, after each has kept what it has learnt.
     """
-    learning = [_Learning(course) for course in courses]
+    learning = [_Course(coroutine) for coroutine in courses]
     going_on, outcome = learning, None
     try:
-        while going_on := [each for each in going_on if each.go_on(outcome)]:
-            first, *others = (each.wants for each in going_on)
+        while going_on := [course for course in going_on if course.go_on(outcome)]:
+            first, *others = (course.wants for course in going_on)
             outcome = first.step_with(others)
     except BaseException as error:
-        for each in learning:
-            each.stop(error)
+        for course in learning:
+            course.stop(error)
         raise
-    return [each.result for each in learning]
+    return [course.result for course in learning]
 
 
 def _random_states() -> tuple[torch.Tensor, Sequence[torch.Tensor]]:

@@ -85,5 +85,5 @@ def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, m
     assert older.searches[0].tried == DRAWS
     assert (tmp_path / "out" / "pull_to_stand_9_months.json").exists()
     assert not (tmp_path / "out" / "pull_to_stand_0_months.json").exists()
-    monkeypatch.setattr("mimoc.studies.skills.learning.process_pool", None)
+    monkeypatch.setattr("mimoc.studies.skills.attempts.process_pool", None)
     assert learn() == report
