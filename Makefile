@@ -10,7 +10,7 @@ SEED ?= 0
 LIVES ?= 200
 SOAK ?=
 DEVICE ?= cuda:0
-STEPS ?= 20000000
+STEPS ?= 3000000
 # Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 # More threads would wait for one another on the cores that the workers share.
@@ -108,7 +108,7 @@ soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours 
 skills: $(TEST) ## Search again for the skills that ship with mimoc (an hour or two; resumes); see docs/skills.md.
 	$(ONE_THREAD) $(BIN)/python sculpt/make_skills.py
 
-gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=20000000); docs/gpu.md.
+gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=3000000); docs/gpu.md.
 	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest tests/runtime/device
 	$(BIN)/python benchmarks/gpu.py --device $(DEVICE)
 	$(BIN)/python sculpt/make_skills.py --device $(DEVICE) --steps $(STEPS) -o out/gpu

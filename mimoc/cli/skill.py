@@ -56,7 +56,7 @@ def skill(
     starts: Starts = 20,
     device: Device = "cpu",
     steps: Steps = 5_000_000,
-    envs: Envs = 1024,
+    envs: Envs = 512,
     processes: Processes = None,
 ) -> None:
     """Let an infant learn a skill at several ages, and show from when on it can, beside real infants.

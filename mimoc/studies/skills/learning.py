@@ -16,7 +16,7 @@ from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
 from mimoc.studies.skills.attempt import Attempt
 from mimoc.studies.skills.attempts import Way, attempts_of, searches
 
-TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 1024
+TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 512
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
 has; control steps and infants of a training on a device."""
 LEARNT = 0.5

@@ -51,7 +51,7 @@ def trainings(
     wishes, names = dict[int, Wish](), dict[int, str]()
     for place, (spec, seed) in enumerate(jobs):
         try:
-            infant = pipeline.compiled(_while_learning(spec))
+            infant = pipeline.compiled(while_learning(spec))
         except SpecError as error:
             attempt = Attempt(age_months=spec.age_months, seed=seed, success=0.0, starts=starts)
             yield place, attempt.model_copy(update={"problem": problem_of(error)})
@@ -70,7 +70,7 @@ def trainings(
             yield measured[future], future.result()
 
 
-def _while_learning(spec: InfantSpec) -> InfantSpec:
+def while_learning(spec: InfantSpec) -> InfantSpec:
     """Return an infant that is helped while it learns, unless its task says how."""
     task = spec.task
     if task is None or task.kind not in HELPED or "support" in task.model_fields_set:
