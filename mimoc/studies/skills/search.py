@@ -1,11 +1,12 @@
 """A search for a movement by which an infant has a skill: the cross-entropy method over a few postures.
 
-Vectors are drawn around a mean; the best ones move it, and narrow what is drawn next. They are tried once more in the
-start of each round, so that none stays for one lucky start. In the end, the best of them and the mean are told apart in
+Vectors are drawn around a mean; the best ones so far move it, and narrow what is drawn next. A round has one start. At
+first, what is kept may have been lucky in its start, which leads on to what is rare; later, it is tried again in the
+start of each round, and stays only if it is good in most. In the end, the kept ones and the mean are told apart in
 more starts, by successive halving:
 
-    tries     40 in each of 36 rounds, the 8 kept ones among them    9 candidates x 4    5 x 8    3 x 13    2 x 20
-    starts    one for each round                                     4 others            8 more   13 more   20 more
+    rounds of 40 tries, 1,440 of 1,600    first half: 40 draws    second half: 32 draws, and the 8 that were kept
+    checks, the other 160                 9 candidates in 4 starts each, 5 in 8 more, 3 in 13 more, 2 in 20 more
 
 What no draw does may still be possible: a search that finds nothing says so much about itself as about the body.
 """
@@ -25,6 +26,8 @@ DRAWS, KEPT = 40, 8
 """Movements that are tried in a round, and how many of them are kept for the next one."""
 LEAST_SPREAD, SMOOTHING = 0.15, 0.7
 """The least spread, as a share of the first one, and how far the kept ones move mean and spread."""
+EXPLORED = 0.5
+"""Share of the rounds in which what is kept is not tried again."""
 PASSED, CHECKS = 0.9, 8
 """The rounds end when a kept movement has had the skill in this share of at least so many starts."""
 CHECKED = 0.1
@@ -45,7 +48,7 @@ class Outcome:
     tried: int
     """Number of episodes that were tried."""
     curve: tuple[float, ...]
-    """Mean score of the kept draws, in each round."""
+    """Mean score of the kept movements, in each round."""
 
 
 @dataclass(frozen=True)
@@ -128,10 +131,11 @@ def search(
     mean, spread, kept, curve = np.zeros(len(scale)), scale.copy(), list[Candidate](), list[float]()
     rounds = max(1, int(tries * (1 - CHECKED)) // DRAWS)
     while len(curve) < rounds and not any(_passes(candidate) for candidate in kept):
-        draws = mean + spread * random.standard_normal((DRAWS - len(kept), len(mean)))
-        candidates = [*kept, *(Candidate(draw) for draw in draws)]
+        lucky, again = (kept, []) if len(curve) < EXPLORED * rounds else ([], kept)
+        draws = mean + spread * random.standard_normal((DRAWS - len(again), len(mean)))
+        candidates = [*again, *(Candidate(draw) for draw in draws)]
         played = [searcher.tried(candidate, first + len(curve)) for candidate in candidates]
-        kept = sorted(played, key=lambda candidate: -candidate.score)[:KEPT]
+        kept = sorted([*lucky, *played], key=lambda candidate: -candidate.score)[:KEPT]
         vectors = np.array([candidate.vector for candidate in kept])
         mean = mean + SMOOTHING * (vectors.mean(axis=0) - mean)
         spread = np.maximum(spread + SMOOTHING * (vectors.std(axis=0) - spread), LEAST_SPREAD * scale)
