@@ -58,11 +58,12 @@ def learn(skill: str, out: Path, device: str, steps: int) -> SkillReport:
 
 
 def ship(report: SkillReport, out: Path) -> None:
-    """Copy the results of searches, and the movements that have the skill, into the package."""
+    """Copy the results of searches, and the movements that have the skill, into the package, instead of older ones."""
     text = json.dumps(report.to_data(), indent=1, sort_keys=True)
     (RESULTS / f"{report.skill}.json").write_text(f"{text}\n", encoding="utf-8")
     for result in report.results:
         name = f"{report.skill}_{result.age_months:g}_months.json"
+        (SHIPPED / name).unlink(missing_ok=True)
         if result.best.success >= LEARNT:
             shutil.copy(out / report.skill / name, SHIPPED / name)
 
