@@ -45,7 +45,7 @@ def by_chance(length: float, seed: int) -> tuple[float, bool]:
 def searched(monkeypatch, play: Play, seed: int = 0, tries: int = 400) -> tuple[Outcome, ToySearcher]:
     toy = ToySearcher(play)
     monkeypatch.setattr(searching, "Searcher", lambda env: toy)
-    return search(None, seed, tries, STARTS), toy  # pyright: ignore[reportArgumentType]
+    return search(None, seed, tries, STARTS), toy
 
 
 @pytest.fixture
