@@ -37,7 +37,8 @@ TRAINED: Mapping[str, tuple[float, ...]] = {
     "walk": (6, 9, 12, 15, 18),
     "grasp": (2, 4, 6, 9, 12),
 }
-OPTIONS: Mapping[str, Mapping[str, Any]] = {"crawl": {"style": "hands_and_knees"}}
+TRAINED_OPTIONS: Mapping[str, Mapping[str, Any]] = {"crawl": {"style": "hands_and_knees"}}
+"""Keys of the task in trainings; searches have those that it has anyway, such as crawling on the belly."""
 
 
 def learn(skill: str, out: Path, device: str, steps: int) -> SkillReport:
@@ -48,7 +49,7 @@ def learn(skill: str, out: Path, device: str, steps: int) -> SkillReport:
     def show(done: int, total: int) -> None:
         print(f"{skill}: {done} of {total}, {time.monotonic() - started_s:.0f} s", flush=True)
 
-    options, cores = OPTIONS.get(skill), os.cpu_count() or 1
+    options, cores = None if device == "cpu" else TRAINED_OPTIONS.get(skill), os.cpu_count() or 1
     budget = {"device": device, "steps": steps, "seeds": 2 if device == "cpu" else 1, "processes": cores}
     report = learn_skill(skill, ages, out / skill, options=options, progress=show, **budget)
     write_sheet(skill_sheet(report), out / skill / "success.png")
@@ -57,11 +58,12 @@ def learn(skill: str, out: Path, device: str, steps: int) -> SkillReport:
 
 
 def ship(report: SkillReport, out: Path) -> None:
-    """Copy the results of searches, and the movements that have the skill, into the package."""
+    """Copy the results of searches, and the movements that have the skill, into the package, instead of older ones."""
     text = json.dumps(report.to_data(), indent=1, sort_keys=True)
     (RESULTS / f"{report.skill}.json").write_text(f"{text}\n", encoding="utf-8")
     for result in report.results:
         name = f"{report.skill}_{result.age_months:g}_months.json"
+        (SHIPPED / name).unlink(missing_ok=True)
         if result.best.success >= LEARNT:
             shutil.copy(out / report.skill / name, SHIPPED / name)
 
