@@ -106,7 +106,7 @@ soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours 
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
 
 skills: $(TEST) ## Search again for the skills that ship with mimoc (an hour or two; resumes); see docs/skills.md.
-	$(ONE_THREAD) $(BIN)/python sculpt/make_skills.py
+	$(ONE_THREAD) $(BIN)/python sculpt/make_skills.py --ship
 
 gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=3000000); docs/gpu.md.
 	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest tests/runtime/device

@@ -1,10 +1,10 @@
-"""Learn the skills of infants at several ages, and ship what two cores find: movements, and success by age.
+"""Learn the skills of infants at several ages, and ship movements or policies, and success by age.
 
-    python sculpt/make_skills.py [SKILL ...]                                  (an hour or two, by searches)
-    python sculpt/make_skills.py --device cuda:0 --steps 20000000 [SKILL ...] (minutes for each age, by trainings)
+    python sculpt/make_skills.py --ship [SKILL ...]                         (an hour or two, by searches)
+    python sculpt/make_skills.py --device cuda:0 --steps 3000000 [SKILL ...] (minutes for each skill, by trainings)
 
-What was learnt before is kept in the folder `-o`, by default out/skills, so that the same command goes on. Trainings
-ship nothing: they leave the page index.html there, with success by age, policies and curves.
+What was learnt before is kept in the folder `-o`, by default out/skills, so that the same command goes on. The page
+index.html there shows success by age; with `--ship`, results and what has the skill go into the package.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from mimoc.policies.skill import SHIPPED
+from mimoc.policies.skill import KINDS, SHIPPED
 from mimoc.render.plots.file import write_sheet
 from mimoc.studies.skills.learning import LEARNT, SkillReport, learn_skill
 from mimoc.studies.skills.plot import skill_sheet
@@ -53,19 +53,19 @@ def learn(skill: str, out: Path, device: str, steps: int) -> SkillReport:
     budget = {"device": device, "steps": steps, "seeds": 2 if device == "cpu" else 1, "processes": cores}
     report = learn_skill(skill, ages, out / skill, options=options, progress=show, **budget)
     write_sheet(skill_sheet(report), out / skill / "success.png")
-    print(skill, report.from_months, report.verdict, [round(result.success, 2) for result in report.results])
+    print(skill, report.from_months, report.verdict, [round(result.success, 2) for result in report.ages])
     return report
 
 
 def ship(report: SkillReport, out: Path) -> None:
-    """Copy the results of searches, and the movements that have the skill, into the package, instead of older ones."""
+    """Copy results, and the movements or policies that have the skill, into the package, instead of older ones."""
     text = json.dumps(report.to_data(), indent=1, sort_keys=True)
     (RESULTS / f"{report.skill}.json").write_text(f"{text}\n", encoding="utf-8")
-    for result in report.results:
-        name = f"{report.skill}_{result.age_months:g}_months.json"
-        (SHIPPED / name).unlink(missing_ok=True)
-        if result.best.success >= LEARNT:
-            shutil.copy(out / report.skill / name, SHIPPED / name)
+    for result in report.ages:
+        for name in (f"{report.skill}_{result.age_months:g}_months{kind}" for kind in KINDS):
+            (SHIPPED / name).unlink(missing_ok=True)
+            if result.best.success >= LEARNT and (made := out / report.skill / name).exists():
+                shutil.copy(made, SHIPPED / name)
 
 
 def write_page(reports: list[SkillReport], out: Path, device: str) -> None:
@@ -83,13 +83,14 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("skills", nargs="*", metavar="SKILL", choices=(*SKILLS, []))
     parser.add_argument("--device", default="cpu")
-    parser.add_argument("--steps", type=int, default=20_000_000)
+    parser.add_argument("--steps", type=int, default=3_000_000)
+    parser.add_argument("--ship", action="store_true")
     parser.add_argument("-o", "--out", type=Path, default=Path("out/skills"))
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     wanted = asked.skills or (SEARCHED if asked.device == "cpu" else TRAINED)
     learnt = [learn(name, asked.out, asked.device, asked.steps) for name in wanted]
-    if asked.device == "cpu":
+    if asked.ship:
         for each in learnt:
             ship(each, asked.out)
     write_page(learnt, asked.out, asked.device)

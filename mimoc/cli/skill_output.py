@@ -24,10 +24,10 @@ def show_skill(report: SkillReport, folder: Path) -> None:
 def print_skills(report: SkillsReport, infant: object = None) -> None:
     """Print a row for each skill whose results come with mimoc, the sources, and which skills wait for a GPU."""
     out = open_console()
-    ages = sorted({age.age_months for skill in report.skills for age in skill.results})
+    ages = sorted({age.age_months for skill in report.skills for age in skill.ages})
     table = new_table("skill", *(f"{age:g}" for age in ages), "from", "real infants", "verdict")
     for skill in report.skills:
-        success, real = {age.age_months: f"{age.success:.0%}" for age in skill.results}, skill.real_infants
+        success, real = {age.age_months: f"{age.success:.0%}" for age in skill.ages}, skill.real_infants
         since = "" if skill.from_months is None else f"{skill.from_months:.1f}"
         window = f"{real.youngest_months:g}-{real.oldest_months:g}"
         table.add_row(skill.skill, *(success.get(age, "") for age in ages), since, window, skill.verdict)
@@ -43,7 +43,7 @@ def print_skill(report: SkillReport) -> None:
     """Print success by age, and from when on the infant can, beside real infants."""
     out, real = open_console(), report.real_infants
     table = new_table("age", "success", "95 %", "best search", "tried", "")
-    for result in report.results:
+    for result in report.ages:
         low, high = result.interval
         tried = str(sum(attempt.tried for attempt in result.searches))
         problem = result.searches[0].problem
@@ -52,7 +52,7 @@ def print_skill(report: SkillReport) -> None:
     out.print(table)
     since = "at none of these ages" if report.from_months is None else f"from {report.from_months:.1f} months on"
     out.print(f"{report.skill.replace('_', ' ')}: in half of the starts {since}: {report.verdict}")
-    is_searched = all(attempt.movement for result in report.results for attempt in result.searches)
+    is_searched = all(attempt.movement for result in report.ages for attempt in result.searches)
     if report.from_months is None and is_searched:
         out.print("a search without feedback that finds nothing says little; on a GPU a policy learns: --device cuda:0")
     span = f"{real.youngest_months:g} to {real.oldest_months:g}, half of them by {real.median_months:g}"

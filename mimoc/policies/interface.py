@@ -29,9 +29,9 @@ def is_description(about: Any) -> bool:
     return all(isinstance(name, str) and name.isprintable() for name in names)
 
 
-def check_fits(path: Path, about: Mapping[str, Any], env: InfantEnv) -> None:
-    """Raise a PolicyError if the policy in a file does not fit an infant."""
-    if problems := differences(about, interface_of(env)):
+def check_fits(path: Path, about: Mapping[str, Any], interface: Mapping[str, Any]) -> None:
+    """Raise a PolicyError if the policy in a file does not fit the interface of an infant."""
+    if problems := differences(about, interface):
         raise PolicyError(f"{path}: trained for a different infant, '{about['infant']}': {'; '.join(problems)}")
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays
 from mimoc.policies.archive import DAMAGED
-from mimoc.policies.interface import check_fits
+from mimoc.policies.interface import check_fits, interface_of
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_NETWORK, WEIGHTS, PolicyFile
 from mimoc.runtime.env import InfantEnv
@@ -80,10 +80,16 @@ class NetworkPolicy:
     """A deterministic policy: the same observation always gives the same action, without exploration."""
 
     def __init__(
-        self, network: Network, shapes: Mapping[str, tuple[int, ...]], limits: tuple[np.ndarray, np.ndarray], steps: Any
+        self,
+        network: Network,
+        shapes: Mapping[str, tuple[int, ...]],
+        picks: Mapping[str, npt.NDArray[np.intp]],
+        limits: tuple[np.ndarray, np.ndarray],
+        steps: Any,
     ):
-        """Take a network, shapes of what it observes, least and largest commands, and its steps per episode."""
+        """Take a network, shapes of what it observes, which elements of these, limits of commands, and its steps."""
         self.network, self._shapes, self._limits = network, {name: shapes[name] for name in sorted(shapes)}, limits
+        self._picks = picks
         self.steps_per_episode: int | None = steps
         """Control steps after which an episode of its training was truncated; None if that is not known."""
 
@@ -98,6 +104,8 @@ class NetworkPolicy:
         parts = []
         for name, shape in self._shapes.items():
             array = np.asarray(observation[name], np.float32)
+            if name in self._picks:
+                array = array[..., self._picks[name]]
             parts.append(array.reshape(*array.shape[: array.ndim - len(shape)], math.prod(shape)))
         action = np.clip(self.network(np.concatenate(parts, axis=-1)), *self._limits).astype(np.float32)
         if not np.isfinite(action).all():
@@ -126,8 +134,8 @@ def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
 def load_network(file: PolicyFile) -> PolicyMaker | None:
     """Return the policy in a file if it is one plain network; return None if it is one of Stable-Baselines3.
 
-    It needs NumPy alone. The returned function raises a PolicyError for an infant whose observations or actuators
-    differ from those of the trained infant.
+    It needs NumPy alone. The returned function raises a PolicyError for an infant that lacks what the trained infant
+    observes, or has other actuators; what it observes besides is left alone.
 
     Raises:
         PolicyError: If it is damaged.
@@ -144,12 +152,25 @@ def load_network(file: PolicyFile) -> PolicyMaker | None:
 
 
 def _bind(path: Path, about: Mapping[str, Any], network: Network, env: InfantEnv) -> Policy:
-    """Return the policy for an environment; raise a PolicyError if it does not fit."""
-    check_fits(path, about, env)
-    shapes = {name: tuple(item["shape"]) for name, item in about["observes"].items()}
+    """Return the policy for an environment; raise a PolicyError if it does not fit.
+
+    An infant may sense more than the one in training: what that one sensed is picked by its names.
+    """
+    trained, interface = about["observes"], interface_of(env)
+    observes = {name: item for name, item in interface["observes"].items() if name in trained}
+    picks = {name: pick for name, item in observes.items() if (pick := _pick(trained[name], item)) is not None}
+    check_fits(path, about, {**interface, "observes": {**observes, **{name: trained[name] for name in picks}}})
+    shapes = {name: tuple(item["shape"]) for name, item in trained.items()}
     space: Any = env.action_space
-    limit = about["settings"].get("steps_per_episode")
-    return NetworkPolicy(network, shapes, (space.low, space.high), limit)
+    return NetworkPolicy(network, shapes, picks, (space.low, space.high), about["settings"].get("steps_per_episode"))
+
+
+def _pick(trained: Mapping[str, Any], sensed: Mapping[str, Any]) -> npt.NDArray[np.intp] | None:
+    """Return where the elements that were sensed in training are among those sensed now; None if they are not."""
+    wanted, place = trained["layout"], {name: place for place, name in enumerate(sensed["layout"])}
+    if not wanted or len(place) < len(sensed["layout"]) or not place.keys() >= set(wanted):
+        return None
+    return np.array([place[name] for name in wanted])
 
 
 def _real(array: np.ndarray) -> FloatArray:

@@ -114,7 +114,7 @@ def _bind(
     env: InfantEnv,
 ) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit."""
-    check_fits(path, about, env)
+    check_fits(path, about, interface_of(env))
     scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:
         if not _has_room(hyper, weights, env):

@@ -116,6 +116,19 @@ def test_commands_run_its_policy(device_run, invoke):
     assert (done.code, done.err) == (0, "")
 
 
+def test_an_infant_that_senses_more_takes_its_policy(built, bundle, device_run):
+    """What was sensed in training is picked by its names, wherever it is now."""
+    policy = mimoc.load_policy(device_run / "policy.zip")
+    richer: Any = mimoc.make(built(senses={"proprioception": {}, "vestibular": {}})).unwrapped
+    plain: Any = mimoc.make(bundle).unwrapped
+    seen, _ = plain.reset(seed=0)
+    more, _ = richer.reset(seed=0)
+    assert np.array_equal(policy(plain)(None, seen), policy(richer)(None, more))
+    poorer: Any = mimoc.make(built(senses={"proprioception": {"include": ["velocity"]}})).unwrapped
+    with pytest.raises(PolicyError, match="'proprioception' had shape"):
+        policy(poorer)
+
+
 def test_a_policy_for_another_infant_or_a_damaged_one_is_refused(device_run, built, tmp_path):
     other: Any = mimoc.make(built(senses={"vestibular": {}})).unwrapped
     with pytest.raises(PolicyError, match="trained for a different infant, 'reaching': observation"):

@@ -14,8 +14,8 @@ from mimoc.policies.archive import Archive
 from mimoc.training.group import Wish, train_together
 from mimoc.training.together import run_together
 
-DEVICE, EVERY = "warp:cpu", 64
-TINY = {"n_steps": 32, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
+DEVICE, EVERY = "warp:cpu", 16
+TINY = {"n_steps": 8, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -29,7 +29,7 @@ def _compiled_quickly():
 @pytest.fixture(scope="module")
 def infants(built) -> list[mimoc.Bundle]:
     """Return the same child twice."""
-    return [built()] * 2
+    return [built(task={"kind": "reach", "steps": 5})] * 2
 
 
 def together(infants: list[mimoc.Bundle], folder: Path, **options: Any) -> Any:

@@ -82,11 +82,6 @@ class SkillReport(Model):
         verdict = "no verdict" if is_open else real.verdict(since)
         return cls(skill=skill, from_months=since, verdict=verdict, real_infants=real, ages=tuple(results))
 
-    @property
-    def results(self) -> tuple[AgeResult, ...]:
-        """What came of it at each age, from the youngest on."""
-        return self.ages
-
     def to_data(self) -> dict[str, Any]:
         """Return everything but movements as plain data, numbers rounded as in files."""
         movements = {"ages": {"__all__": {"searches": {"__all__": {"movement"}}}}}

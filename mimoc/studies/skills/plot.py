@@ -10,16 +10,16 @@ SUCCESS = Quantity("success_rate", "Success", "1")
 
 def skill_sheet(report: SkillReport) -> Sheet:
     """Return success by age with its intervals, each search as a dot, over the ages of real infants."""
-    ages = [result.age_months for result in report.results]
-    low, high = zip(*(result.interval for result in report.results), strict=True)
+    ages = [result.age_months for result in report.ages]
+    low, high = zip(*(result.interval for result in report.ages), strict=True)
     real = report.real_infants
     window = real.youngest_months, real.oldest_months
-    searches = [(result.age_months, attempt.success) for result in report.results for attempt in result.searches]
+    searches = [(result.age_months, attempt.success) for result in report.ages for attempt in result.searches]
     plot = Plot(
         x=AGE,
         y=SUCCESS,
         lines=(
-            Line(ages, [result.success for result in report.results], "all searches"),
+            Line(ages, [result.success for result in report.ages], "all searches"),
             Line((real.median_months,) * 2, (0.0, 1.0), "", "median"),
         ),
         bands=(

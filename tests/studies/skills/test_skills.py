@@ -37,7 +37,7 @@ def test_a_movement_of_zeros_is_the_start_on_both_sides_alike():
 
 @pytest.mark.slow
 def test_a_search_gets_better_and_the_same_seed_gives_the_same():
-    outcomes = [search(env_of("sit_up", steps=60), 3, tries=4 * DRAWS, starts=2) for _ in range(2)]
+    outcomes = [search(env_of("sit_up", steps=25), 3, tries=4 * DRAWS, starts=2) for _ in range(2)]
     first, second = outcomes
     assert first == second
     assert len(first.curve) == 3
@@ -79,7 +79,7 @@ def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, m
         )
 
     report = learn()
-    newborn, older = report.results
+    newborn, older = report.ages
     assert "flat feet" in newborn.searches[0].problem
     assert newborn.success == 0
     assert older.searches[0].tried == DRAWS

@@ -33,15 +33,17 @@ def test_who_can_fall_is_helped_while_it_learns_unless_the_spec_says_otherwise()
 
 @pytest.mark.slow
 def test_two_ages_learn_side_by_side_and_act_on_the_cpu(tmp_path, monkeypatch):
+    monkeypatch.setattr(trainings, "HYPER", {"n_steps": 4, "mini_batches": 2})
+
     def learn():
-        options = {"device": "warp:cpu", "steps": 64, "envs": 2, "seeds": 1, "starts": 1, "options": {"steps": 20}}
+        options = {"device": "warp:cpu", "steps": 8, "envs": 2, "seeds": 1, "starts": 1, "options": {"steps": 6}}
         return learn_skill("pull_to_stand", (0, 9, 10), tmp_path / "out", **options)
 
     report = learn()
-    newborn, *older = [result.searches[0] for result in report.results]
+    newborn, *older = [result.searches[0] for result in report.ages]
     assert "flat feet" in newborn.problem
     for attempt in older:
-        assert attempt.tried == 64
+        assert attempt.tried == 8
         assert 0 <= attempt.success_on_device <= 1
         assert (tmp_path / "out" / attempt.policy).exists()
     assert not (tmp_path / "out" / "pull_to_stand_0_months.zip").exists()
