@@ -1,6 +1,7 @@
 """Trainings side by side on one device: here on `warp:cpu`."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,10 @@ import warp as wp
 import mimoc
 from mimoc.bundle.arrays import unpack_arrays
 from mimoc.policies.archive import Archive
+from mimoc.training.checkpoint import Progress
+from mimoc.training.device_curve import DeviceCurve
 from mimoc.training.group import Wish, train_together
+from mimoc.training.shares import Share
 from mimoc.training.together import run_together
 
 DEVICE, EVERY = "warp:cpu", 16
@@ -76,6 +80,29 @@ def test_ctrl_c_keeps_what_each_has_learnt_and_all_go_on(infants, tmp_path):
     assert {training.resumed_at for training in resumed} == {EVERY}
     again = together(infants, tmp_path / "run", steps=2 * EVERY)
     assert [training.use for training in again] == [None, None]
+
+
+def test_the_infants_of_a_share_are_not_all_equally_far_in_their_episodes():
+    ended = SimpleNamespace(steps=torch.zeros(8, dtype=torch.int64), limits=torch.full((8,), 30))
+    infants = SimpleNamespace(worlds=SimpleNamespace(ended=ended))
+    env: Any = SimpleNamespace(num_envs=8, num_actions=1, infants=infants, device="cpu", max_episode_length=30)
+    torch.manual_seed(0)
+    Share(env, first=1, every=2).spread()
+    theirs, others = ended.steps[1::2].tolist(), ended.steps[::2].tolist()
+    assert others == [0] * 4
+    assert len(set(theirs)) > 1
+    assert all(0 <= steps < 30 for steps in theirs)
+
+
+def test_an_episode_that_was_cut_at_a_random_time_does_not_count():
+    curve = DeviceCurve(Progress(), 0.02, 2, "cpu", lambda row: None)
+    done, not_done = torch.tensor([True, False]), torch.tensor([False, False])
+    for dones in (done, not_done, done, done):
+        flags = {"is_success": torch.tensor([True, True]), "overflowed": not_done}
+        curve.add(torch.ones(2), dones, flags)
+    row = curve.end_row()
+    assert (row.episodes, row.success_rate, row.episode_steps, row.episode_return) == (2, 1.0, 1.5, 1.5)
+    assert (row.unfinished, row.unfinished_steps) == (1, 4.0)
 
 
 class Step:
