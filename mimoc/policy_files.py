@@ -12,7 +12,8 @@ def load_policy(path: str | Path) -> PolicyMaker:
 
     Loading a policy runs no code from its file. The returned function raises a PolicyError for an infant whose
     observations or actuators differ from those of the trained infant. A policy that was trained on a device is computed
-    by NumPy alone; one that was trained on the CPU needs Stable-Baselines3.
+    by NumPy alone, and acts for an infant that observes more, too; one that was trained on the CPU needs
+    Stable-Baselines3.
 
     Raises:
         PolicyError: If the file is not a policy trained by mimoc.

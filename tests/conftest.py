@@ -5,7 +5,7 @@ import fcntl
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
@@ -211,3 +211,16 @@ def wheel(tmp_path_factory) -> Path:
             subprocess.run([sys.executable, *build], check=True, capture_output=True)
     (found,) = folder.glob("*.whl")
     return found
+
+
+@pytest.fixture(scope="session")
+def kernels_compiled_quickly() -> Iterator[None]:
+    """Compile Warp's kernels for the CPU without optimising them, in half the time; for a GPU, that is unsafe."""
+    import warp as wp
+    from support.devices import WARP_DEVICE
+
+    kept = wp.config.optimization_level
+    if WARP_DEVICE == "cpu":
+        wp.config.optimization_level = 0
+    yield
+    wp.config.optimization_level = kept

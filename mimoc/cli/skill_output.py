@@ -36,7 +36,7 @@ def print_skills(report: SkillsReport, infant: object = None) -> None:
         out.print(f"{skill.skill}: {skill.real_infants.source} ({skill.real_infants.certainty})")
     if infant is not None:
         out.print("these are of the average child; for another one: mimoc skill NAME --spec SPEC")
-    out.print(f"not searched for, as they need feedback: {', '.join(report.waiting)}: mimoc skill NAME --device cuda:0")
+    out.print(f"without results yet: {', '.join(report.waiting)}: mimoc skill NAME --device cuda:0")
 
 
 def print_skill(report: SkillReport) -> None:

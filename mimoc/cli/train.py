@@ -12,7 +12,8 @@ CheckpointEvery = Annotated[
     int | None,
     typer.Option(
         min=1,
-        help="Steps between checkpoints: the most that a kill can lose; default: 20480, or a whole episode if longer.",
+        help="Steps between checkpoints: the most that a kill can lose; default: 20480, or an episode, "
+        "on a device four, if longer.",
     ),
 ]
 StepsPerEpisode = Annotated[

@@ -64,11 +64,11 @@ def train_together(
     choose = partial(
         TrainingSettings.choose, "ppo", steps, envs=envs, checkpoint_every=checkpoint_every, hyper=hyper or {}
     )
-    refuse_on_device(device, grow=None, record=None, threads=None, processes=None)
+    refuse_on_device(device)
     require_matplotlib()
     with ExitStack() as opened:
         runs = [opened.enter_context(_opened(wish, device, partial(choose, seed=wish.seed))) for wish in wishes]
-        if unfinished := [run for run in runs if progress_in(run.folder).steps < steps]:
+        if unfinished := [run for run in runs if run.done < steps]:
             openers = [run.open_one for run in unfinished]
             shares = opened.enter_context(shared_device(unfinished[0].settings, openers))
             for run, share in zip(unfinished, shares, strict=True):
@@ -89,10 +89,10 @@ class _Run:
     settings: TrainingSettings
     infant: InfantEnv
     open_one: Callable[..., InfantEnv]
+    done: int
+    """Its control steps so far."""
     share: Share | None = None
     """Its infants on the device; None if it is finished."""
-    done: int = 0
-    """Its control steps so far."""
 
     def session(self, report: Callable[[], None]) -> Session:
         """Return what it needs from its first interval to its last."""
@@ -119,4 +119,4 @@ def _opened(wish: Wish, device: str, choose: Callable[..., TrainingSettings]) ->
         check_on_device(device, infant)
         settings = choose(steps_per_episode=episode_limit(infant, None), device=device)
         with open_run_folder(wish.out, settings, bundle, force=False, origin=None) as folder:
-            yield _Run(folder, settings, infant, open_one)
+            yield _Run(folder, settings, infant, open_one, progress_in(folder).steps)

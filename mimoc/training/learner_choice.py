@@ -60,9 +60,9 @@ def refuse_on_device(device: str, **options: Any) -> None:
     """
     if device == CPU:
         return
-    for name, reason in ONLY_ON_CPU.items():
-        if options[name] is not None:
-            raise TrainingError(reason)
+    for name, value in options.items():
+        if value is not None:
+            raise TrainingError(ONLY_ON_CPU[name])
     from mimoc.runtime.device.signals import find_device
     from mimoc.training import rsl_rl_env  # noqa: F401 - It says if rsl_rl is missing.
 

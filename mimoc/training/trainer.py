@@ -99,7 +99,7 @@ def train(
         steps_per_episode: Control steps after which an episode is truncated; by default those of the task, or, with a
             warning, 500 if it has none.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
-            whole episode of each environment if that takes more.
+            whole episode of each environment (on a device, four) if that takes more.
         hyper: Hyperparameters that differ from the defaults in `mimoc.training.settings`.
         threads: Threads that share the work of all environments, unless *processes* is given; by default, as many as
             this process may use. The result is the same.

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-import warp as wp
 
 import mimoc
 from mimoc.base.errors import MimocError, PolicyError
@@ -20,18 +19,12 @@ from mimoc.training.device_learner import make_ppo
 from mimoc.training.rsl_rl_env import InfantRslEnv
 from mimoc.training.run_folder import read_training_run
 
+pytestmark = pytest.mark.usefixtures("kernels_compiled_quickly")
+
 DEVICE = "warp:cpu"
 TINY = {"n_steps": 32, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
 EVERY = 128
 """Control steps of a rollout of four infants, and between checkpoints."""
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _compiled_quickly():
-    """Compile kernels without optimising them, as the tests of devices do, for the same cache."""
-    kept, wp.config.optimization_level = wp.config.optimization_level, 0
-    yield
-    wp.config.optimization_level = kept
 
 
 def learn(bundle: mimoc.Bundle, folder: Path, steps: int, **options: Any) -> Any:

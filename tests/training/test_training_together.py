@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-import warp as wp
 
 import mimoc
 from mimoc.bundle.arrays import unpack_arrays
@@ -18,16 +17,10 @@ from mimoc.training.group import Wish, train_together
 from mimoc.training.shares import Share
 from mimoc.training.together import run_together
 
+pytestmark = pytest.mark.usefixtures("kernels_compiled_quickly")
+
 DEVICE, EVERY = "warp:cpu", 16
 TINY = {"n_steps": 8, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled_quickly():
-    """Compile kernels without optimising them, as the tests of devices do, for the same cache."""
-    kept, wp.config.optimization_level = wp.config.optimization_level, 0
-    yield
-    wp.config.optimization_level = kept
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +69,9 @@ def test_ctrl_c_keeps_what_each_has_learnt_and_all_go_on(infants, tmp_path):
         together(infants, tmp_path / "run", steps=2 * EVERY, progress=stop)
     for number in range(2):
         mimoc.load_policy(tmp_path / "run" / str(number) / "policy.zip")
-    resumed = together(infants, tmp_path / "run", steps=2 * EVERY)
+    reports = list[int]()
+    resumed = together(infants, tmp_path / "run", steps=2 * EVERY, progress=lambda done, total: reports.append(done))
+    assert 2 * EVERY < reports[0] < reports[-1] == 4 * EVERY
     assert {training.resumed_at for training in resumed} == {EVERY}
     again = together(infants, tmp_path / "run", steps=2 * EVERY)
     assert [training.use for training in again] == [None, None]

@@ -12,7 +12,7 @@ from mimoc.studies.skills.learning import SkillReport
 from mimoc.tasks import SKILLS
 
 RESULTS = Path(__file__).with_name("results")
-"""What `mimoc skill` wrote of each skill that was searched for; `make skills` renews it."""
+"""What is known of each skill that was searched for or trained; `make skills` renews what was searched for."""
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,8 @@ from mimoc.runtime.device.signals import find_device
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled_quickly():
-    """Compile kernels for the CPU without optimising them, which takes half as long; for a GPU, that is unsafe."""
-    kept = wp.config.optimization_level
-    if WARP_DEVICE == "cpu":
-        wp.config.optimization_level = 0
-    yield
-    wp.config.optimization_level = kept
+def compiled_quickly(kernels_compiled_quickly):
+    """Compile kernels quickly for all tests here."""
 
 
 @pytest.fixture(autouse=True)

@@ -1,20 +1,13 @@
 """Skills that are trained on a device, all ages side by side: here on `warp:cpu`, for a few control steps."""
 
 import pytest
-import warp as wp
 
 import mimoc
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.skills import trainings
 from mimoc.studies.skills.learning import CHILD, learn_skill
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled_quickly():
-    """Compile kernels without optimising them, as the tests of devices do, for the same cache."""
-    kept, wp.config.optimization_level = wp.config.optimization_level, 0
-    yield
-    wp.config.optimization_level = kept
+pytestmark = pytest.mark.usefixtures("kernels_compiled_quickly")
 
 
 def child(kind: str, **keys: object) -> InfantSpec:
