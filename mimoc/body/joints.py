@@ -156,12 +156,13 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFacto
                 armature_kgm2=figures.armature_kgm2,
                 springref_deg=figures.springref_deg,
             )
-            joints[name] = _matured(joint, figures, groups[name], reference.age_months, growth) if growth else joint
+            joints[name] = _matured(joint, figures, groups[name], growth) if growth else joint
     return joints
 
 
-def _matured(joint: Joint, figures: ReferenceJoint, group: str, age_months: float, growth: MaturationFactors) -> Joint:
+def _matured(joint: Joint, figures: ReferenceJoint, group: str, growth: MaturationFactors) -> Joint:
     """Return a joint by the law `maturing`."""
+    age_months = growth.mature_months
     at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, growth)
     low, high = figures.range_deg
     if limit := LOWER_LIMITS.get(figures.name):

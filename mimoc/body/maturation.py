@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy
+from mimoc.body.composition import RATE_KEY, Composition
 from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
@@ -71,19 +72,39 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
 
 
 def maturation(
-    child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference
+    child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference, composed: Composition
 ) -> MaturationFactors | None:
     """Return what strength and joints mature with besides age; None by the published law, by which nothing does."""
     if reference.anatomy.development == "published":
         return None
     length = child.paper_law[HEIGHT] / reference.length_m
-    return MaturationFactors(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
+    return MaturationFactors(
+        length,
+        _volumes_of_joints(volumes, reference.anatomy),
+        head_gain,
+        composed.maturation_rate * reference.age_months,
+        composed.lean_gain,
+        composed.keys,
+    )
 
 
 def heavier(group: str, growth: MaturationFactors) -> str:
     """Return what is said of the neck's numbers, which grow with its heavier head."""
     gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
     return gain if group == NECK else ""
+
+
+def individually(group: str, growth: MaturationFactors) -> str:
+    """Return what is said of a group's strength that is not the average child's; nothing if it is."""
+    lean = f" x {growth.lean_gain:.6g}, by which it is leaner than the average child of its age (D)"
+    mature = f", at a maturity of {growth.mature_months:.6g} months ({RATE_KEY})"
+    keys = individual_keys(group, growth)
+    return (lean if {*keys} - {RATE_KEY} else "") + (mature if RATE_KEY in keys else "")
+
+
+def individual_keys(group: str, growth: MaturationFactors) -> tuple[str, ...]:
+    """Return the keys of the spec's individual that a group's strength follows, besides its size."""
+    return tuple(key for key in growth.keys if key == RATE_KEY or group != NECK) if group != EYES else ()
 
 
 def size_gain(joint: str, group: str, growth: MaturationFactors) -> float:
