@@ -13,9 +13,9 @@ from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
 from mimoc.body.kinematics import Stature, stature
 from mimoc.body.measurements import targets
+from mimoc.bundle.primitives import PRIMITIVES, solid_extents
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.validation.measuring import (
-    PRIMITIVES,
     ROOT,
     SAME,
     UP,
@@ -23,7 +23,6 @@ from mimoc.compiler.validation.measuring import (
     compare_at_ages,
     compile_infant,
     own_solids,
-    solid_extents,
 )
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
