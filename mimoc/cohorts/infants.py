@@ -231,9 +231,9 @@ CORRELATIONS = np.array(
 )
 """Correlations of the z-scores of length, weight and head, shape (3, 3)."""
 
-FAT_BUILD = 0.51
-"""Correlation of the z-scores of fat and of weight for length: that which Roy et al. 2019 (J Pediatr, abstract; 293
-infants of one month) find for fat over length squared. Fat depends on length and head in no other way: an assumption.
+FAT_BUILD = 0.6
+"""Correlation of the z-scores of fat and of weight for length: between .51 of weight for length and .73 of BMI, which
+Roy et al. 2019 (J Pediatr; 293 infants of one month, S) find with fat over length squared (D). Fat depends on length
 """
 RATE_SD = 0.18
 """Standard deviation of the logarithm of the rate of maturation, which nothing else is correlated with (D)."""

@@ -44,6 +44,7 @@ class DelayedMotors:
         self._count = len(infant.joints)
         self._gear = model.actuator_gear[:, 0].copy()
         self._low, self._high = model.actuator_ctrlrange.T
+        self._weakest_nm, self._strongest_nm = (model.actuator_forcerange * self._gear[:, None]).T
         self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
         self._gain = model.actuator_gainprm[:, 0]
         self.biases: Any = model.actuator_biasprm if bias is None else bias
@@ -79,8 +80,7 @@ class DelayedMotors:
         """Return torques within the limits of motors, so that no activation winds up beyond them."""
         if self._muscles:
             return torques_nm
-        ends = self._model.actuator_forcerange * self._gear[:, None]
-        return np.clip(torques_nm, ends[:, 0], ends[:, 1])
+        return np.minimum(np.maximum(torques_nm, self._weakest_nm), self._strongest_nm)
 
     def _of_motors(self, scratch: mujoco.MjData, speeds_rad_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return each motor's or servo's torque per activation, and what it gives at zero activation.
