@@ -4,7 +4,7 @@ from functools import partial
 
 from mimoc.quantities.quantity import Quantity
 
-_of_child = partial(Quantity, over="child", steps=("build", "check", "run", "train", "python"))
+_of_child = partial(Quantity, over="child", steps=("build", "check", "milestones", "run", "train", "python"))
 
 LENGTH = _of_child("length_cm", "Length", "cm", "length from crown to sole")
 WEIGHT = _of_child("mass_kg", "Weight", "kg", "mass of the whole body", field="weight_kg")
