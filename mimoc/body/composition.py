@@ -1,18 +1,17 @@
 """What tells an individual child's strength from that of its size and age: how lean it is, and how fast it matures.
 
-Only the lean part of a body is strong. With the share F of fat in the weight and that of the average child of the same
-age, F_0, the strength of each part is that of its volume times
+Only the lean part of a body is strong. With the share F of fat in the weight, and F_0 that of the average child of the
+same age, the strength of each part but the neck is that of its volume times
 
     (1 - F) / (1 - F_0)
 
-Where the spec does not give the fat, it follows from length and weight: F = F_0 b, with the volume b of the body relative
-to a child of the same length that has the average child's proportions, girth² / length² relative to these (D). So .71
-of the weight that a newborn has above what its length asks for is lean, and .48 of an infant's of 6 months. (Perng et al.
-2017, Am J Clin Nutr 106: 559, find .34 of .46 kg for each SD of newborns' weight, and that at 5 months weight for length
-goes with fat more than with lean; S.) A heavy child is so no stronger than its lean part, and has to carry the rest.
+Where the spec does not give the fat, it follows from length and weight: F = F_0 b, with the volume b of trunk and limbs
+relative to a child of the same length with the average child's proportions (D). So .71 of the weight that a newborn has
+above what its length asks for is lean, and .48 at 6 months. Perng et al. 2017 (Am J Clin Nutr 106: 559, S) find .34 of
+.46 kg for each SD of newborns' weight, and that at 5 months weight for length goes with fat more than with lean.
 
-A child of rate k is as mature at age t as the average child at k t: strength beyond what size explains, muscle tone, ranges
-of joints, newborns' fists and grasp. Size, proportions, delays, noise and acuity follow the age itself (D).
+A child of rate k is as mature at age t as the average child at k t: strength beyond what size explains, muscle tone,
+ranges of joints, fists and grasp. Size, proportions, delays, noise and acuity follow the age itself (D).
 """
 
 from dataclasses import dataclass, replace

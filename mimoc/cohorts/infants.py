@@ -268,10 +268,14 @@ def _drawn(generator: np.random.Generator, sizes_only: bool) -> dict[str, float]
     percentiles = {name: _percentile(z) for name, z in zip(PERCENTILES, (length, weight, head), strict=True)}
     if sizes_only:
         return percentiles
-    build = (weight - LENGTH_WEIGHT * length) / math.sqrt(1 - LENGTH_WEIGHT**2)
-    fat = FAT_BUILD * build + math.sqrt(1 - FAT_BUILD**2) * normal[-2]
+    fat = FAT_BUILD * build_z(length, weight) + math.sqrt(1 - FAT_BUILD**2) * normal[-2]
     rate = math.exp(RATE_SD * normal[-1] + RATE_SD**2 / 2)
     return {**percentiles, "fat_percentile": _percentile(fat), "maturation_rate": rounded(min(max(rate, 0.5), 2.0))}
+
+
+def build_z(length_z: float, weight_z: float) -> float:
+    """Return how many standard deviations a child is heavier than others of its length and age."""
+    return (weight_z - LENGTH_WEIGHT * length_z) / math.sqrt(1 - LENGTH_WEIGHT**2)
 
 
 def _percentile(z: float) -> float:

@@ -1,18 +1,15 @@
 """Fat of healthy infants, as a share of their weight by age.
 
-The means are those of Fomon et al. 1982 (Am J Clin Nutr 35: 1169), of boys and girls together, and the spread is that of
-infants at 6 months, 5 in 26 % (both M); that it is in proportion at other ages is an assumption (D). Girls have slightly
-more fat than boys (Breij et al. 2016, 1 and 6 months, S), which is left out: WHO found no difference between the
-milestones of girls and boys that would call for it.
+Means are close to those of Fomon et al. 1982 (Am J Clin Nutr 35: 1169), of boys and girls together, and the standard
+deviation is 5 in 26 % at 6 months and in proportion at other ages: assumptions (M, D). Girls have slightly more fat
+than boys (Breij et al. 2016, Pediatr Obes, 1 and 6 months, S); that is left out.
 """
 
 import numpy as np
 
-MEAN_PERCENT = {
-    **{0: 14.3, 1: 15.7, 2: 20.5, 3: 23.5, 4: 25.0, 5: 25.7, 6: 25.9},
-    **{9: 24.5, 12: 23.1, 18: 21.3, 24: 20.0},
-}
-"""By age in months, with straight lines in between."""
+MONTHS = (0, 1, 2, 3, 4, 5, 6, 9, 12, 18, 24)
+MEAN_PERCENT = (14.3, 15.7, 20.5, 23.5, 25.0, 25.7, 25.9, 24.5, 23.1, 21.3, 20.0)
+"""At these ages, with straight lines in between."""
 VARIATION = 0.19
 """Standard deviation by mean."""
 LEAST_PERCENT = 1.0
@@ -21,7 +18,7 @@ LEAST_PERCENT = 1.0
 
 def mean_percent(age_months: float) -> float:
     """Return the mean share of fat in the weight, in [%]."""
-    return float(np.interp(age_months, [*MEAN_PERCENT], [*MEAN_PERCENT.values()]))
+    return float(np.interp(age_months, MONTHS, MEAN_PERCENT))
 
 
 def percent(z: float, age_months: float) -> float:

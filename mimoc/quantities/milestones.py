@@ -24,7 +24,7 @@ MILESTONE_AGES: Mapping[str, Quantity] = {
         f"{trial}_months",
         label,
         "months",
-        f"youngest age at which the trial `{trial}` succeeds, but for failures at still younger ages; none by 24 months",
+        f"age from which on the trial `{trial}` succeeds; none if it does not by 24 months",
         over="milestone",
         steps=("milestones",),
         limits=(0.0, 24.0),

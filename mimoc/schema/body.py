@@ -153,8 +153,9 @@ class BodySpec(Model):
     chest_joint: Annotated[bool, Field(strict=True)] = False
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
-    """An individual child; by default, the average child of the AnthroKids tables. It sets size and maturity of the whole
-    body; `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an error."""
+    """An individual child; by default, the average child of the AnthroKids tables. It sets size and maturity of the
+    whole body; `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an
+    error."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )

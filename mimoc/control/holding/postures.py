@@ -21,7 +21,6 @@ def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
 
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
     """
-
     data = mujoco.MjData(infant.model)
 
     def heels_down(pitch_deg: float) -> mujoco.MjData:
