@@ -10,7 +10,7 @@ from rich.text import Text
 
 from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
-from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, TIME_LEFT
+from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
@@ -149,7 +149,7 @@ def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:
 def print_milestone_summary(summary: MilestoneSummary) -> None:
     """Print the ages at which the children of a cohort reach milestones, and the odds of being late, with sources."""
     out = open_console()
-    headings = ("n", "not by 24", "mean [months]", "SD", "WHO's mean", "WHO's SD", "WHO's milestone")
+    headings = ("n", "not by 24", MEAN_AGE.heading, "SD", "WHO's mean", "WHO's SD", "WHO's milestone")
     table = new_table("milestone", *headings, title="ages of milestones")
     for row in summary.spreads:
         who = row.who_mean_months, row.who_sd_months

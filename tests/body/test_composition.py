@@ -53,9 +53,7 @@ def test_a_child_is_as_mature_as_the_average_child_at_its_age_times_its_rate(age
             share = STRENGTH[group](rate * age_months) / STRENGTH[group](age_months)
             assert gears(child)[joint] == pytest.approx(gears(usual)[joint] * share), joint
         assert child.tree.joints[joint].range_deg == older.tree.joints[joint].range_deg
-    tones = [
-        {motor.name: motor.tone and motor.tone.angle_deg for motor in body.tree.motors} for body in (child, older)
-    ]
+    tones = [{motor.name: motor.tone and motor.tone.angle_deg for motor in body.tree.motors} for body in (child, older)]
     assert tones[0] == tones[1]
 
 
@@ -110,9 +108,7 @@ def test_a_newborns_excess_weight_is_as_lean_as_published_and_that_of_infants_is
 
 
 def test_by_the_published_law_strength_follows_size_alone_and_a_note_says_so():
-    plain, child = (
-        grown(6.0, "published", **keys) for keys in ({}, {"maturation_rate": 1.5, "fat_percent": 40.0})
-    )
+    plain, child = (grown(6.0, "published", **keys) for keys in ({}, {"maturation_rate": 1.5, "fat_percent": 40.0}))
     assert child.tree == plain.tree
     spec = {"mimoc": 1, "name": "kim", "age_months": 6, "development": "published"}
     bundle = mimoc.build(InfantSpec(**spec, body={"individual": {"maturation_rate": 1.5}}))

@@ -66,7 +66,9 @@ def test_what_else_differs_is_drawn_after_the_size(population):
     """Child 0 of seed 1 has had these percentiles from the first release on."""
     sizes = draw_children(DrawnChildren(draw=MANY, seed=3, sizes_only=True))
     kept = {"fat_percentile", "maturation_rate"}
-    assert [child.model_dump(exclude=kept) for child in population] == [child.model_dump(exclude=kept) for child in sizes]
+    assert [child.model_dump(exclude=kept) for child in population] == [
+        child.model_dump(exclude=kept) for child in sizes
+    ]
     assert all(child.fat_percentile is None and child.maturation_rate is None for child in sizes)
     (first,) = draw_children(DrawnChildren(draw=1, seed=1, sizes_only=True))
     assert (first.length_percentile, first.weight_percentile) == (59.9782018, 97.5737518)
