@@ -61,7 +61,8 @@ def impair(tree: BodyTree, impairments: ImpairmentsSpec) -> BodyTree:
     newborn_tone = _preterm_tone(impairments)
     motors = (_impaired_motor(motor, impairments, weak, tones, newborn_tone) for motor in tree.motors)
     bodies = (replace(body, joints=tuple(joints[joint.name] for joint in body.joints)) for body in tree.bodies)
-    eyes = {f"{side}_eye": asked.acuity.get(f"{side}_eye", asked.acuity.get("eyes", 1.0)) for side in SIDES}
+    seen: Mapping[str, float] = {**asked.acuity}
+    eyes = {f"{side}_eye": seen.get(f"{side}_eye", seen.get("eyes", 1.0)) for side in SIDES}
     return replace(
         tree,
         bodies=tuple(bodies),
@@ -74,7 +75,8 @@ def impair(tree: BodyTree, impairments: ImpairmentsSpec) -> BodyTree:
 
 def _key(impairments: ImpairmentsSpec, section: str, name: str) -> str:
     """Return the key of the spec that says something: that of the preset, if it does."""
-    return f"{KEY}.{section}.{name}" if name in getattr(impairments, section) else f"{KEY}.preset"
+    leaf = ".kind" if section == "tone" else ""
+    return f"{KEY}.{section}.{name}{leaf}" if name in getattr(impairments, section) else f"{KEY}.preset"
 
 
 def _impaired_motor(

@@ -1,11 +1,13 @@
 """Regions of the body as clinicians name them, and the joints of each: `right_arm`, `legs`, `left_knee`, `trunk`."""
 
 from collections.abc import Iterable, Mapping
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from mimoc.base.errors import suggestion
 
 Value = TypeVar("Value")
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 
 SIDES = ("left", "right")
 ARM, LEG = ("shoulder", "elbow", "wrist", "fingers"), ("hip", "knee", "ankle", "toes")

@@ -9,6 +9,7 @@ from mimoc.delays import AGES_MONTHS
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Camera
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
+from mimoc.schema.regions import Direction
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
@@ -86,9 +87,7 @@ class VisionEntry(Model):
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
     acuity_shares: tuple[Annotated[Amount, Field(gt=0, le=1)], ...] = ()
     """Share of that acuity that each camera's eye has, if it is not all of it."""
-    field_deg: dict[Literal["left", "right", "up", "down"], Annotated[Amount, Field(le=90)]] = Field(
-        default_factory=dict
-    )
+    field_deg: dict[Direction, Annotated[Amount, Field(le=90)]] = Field(default_factory=dict)
     """How far the eyes see to a side of their line of sight, beyond which pictures are black, if not as far as these
     reach."""
     contrast: ContrastLaw = "linear"
