@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.composition import RATE_KEY, Composition
+from mimoc.body.origins import Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
@@ -83,8 +84,9 @@ def maturation(
         _volumes_of_joints(volumes, reference.anatomy),
         head_gain,
         composed.maturation_rate * reference.age_months,
+        composed.maturation_rate == 1,
         composed.lean_gain,
-        composed.keys,
+        composed.lean_keys,
     )
 
 
@@ -94,17 +96,11 @@ def heavier(group: str, growth: MaturationFactors) -> str:
     return gain if group == NECK else ""
 
 
-def individually(group: str, growth: MaturationFactors) -> str:
-    """Return what is said of a group's strength that is not the average child's; nothing if it is."""
-    lean = f" x {growth.lean_gain:.6g}, by which it is leaner than the average child of its age (D)"
-    mature = f", at a maturity of {growth.mature_months:.6g} months ({RATE_KEY})"
-    keys = individual_keys(group, growth)
-    return (lean if {*keys} - {RATE_KEY} else "") + (mature if RATE_KEY in keys else "")
-
-
-def individual_keys(group: str, growth: MaturationFactors) -> tuple[str, ...]:
-    """Return the keys of the spec's individual that a group's strength follows, besides its size."""
-    return tuple(key for key in growth.keys if key == RATE_KEY or group != NECK) if group != EYES else ()
+def matured(origin: Origin, growth: MaturationFactors) -> Origin:
+    """Return the origin of a number that follows maturity, with the child's own rate, if that is not average."""
+    if growth.is_usual:
+        return origin
+    return origin.times(f", at a maturity of {growth.mature_months:.6g} months", RATE_KEY)
 
 
 def size_gain(joint: str, group: str, growth: MaturationFactors) -> float:

@@ -30,8 +30,7 @@ from mimoc.body.maturation import (
     Decay,
     RelativeVolumes,
     heavier,
-    individual_keys,
-    individually,
+    matured,
     size_gain,
 )
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
@@ -150,8 +149,10 @@ def _gain(figures: ReferenceMotor, group: str, growth: MaturationFactors) -> tup
         f" x {length:.6g}, the standing height relative to 18 months, x {share:.6g}, the share of its strength at 18 "
         f"months that the {group} has at this age by {LAW} (row `{group}`: {curve.newborn:g} at birth, decay of "
         f"{curve.decay.tau_months:g} months and power {curve.decay.power:g}; {curve.source})"
-    ) + individually(group, growth)
+    )
     gain = length * share * (growth.head_gain if group == NECK else growth.lean_gain)
+    if growth.lean_gain != 1 and group != NECK:
+        why += f" x {growth.lean_gain:.6g}, by which it is leaner than the average child of its age (D)"
     if figures.joint == "robot:{side}_shoulder_horizontal":
         why += f" x {HORIZONTAL_FLEXION:g} (adults' adduction is twice abduction, Ivey et al. 1985, S; fitted, D)"
         return gain * HORIZONTAL_FLEXION, why
@@ -202,7 +203,9 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     gear = Origin(rule, (f"geom.{motor.driven_geom}.size",))
     if tree.growth:
         _, why = _gain(figures, group, tree.growth)
-        gear = gear.times(why, LENGTH_KEY, origins.AGE_KEY, LAW_KEY, *individual_keys(group, tree.growth))
+        lean_keys = () if group in (EYES, NECK) else tree.growth.lean_keys
+        gear = gear.times(why, LENGTH_KEY, origins.AGE_KEY, LAW_KEY, *lean_keys)
+        gear = gear if group == EYES else matured(gear, tree.growth)
     else:
         gear = gear.times(", by the law `published`", LAW_KEY)
     for key, factor in motor.factors:

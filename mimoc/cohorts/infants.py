@@ -236,7 +236,7 @@ FAT_BUILD = 0.6
 Roy et al. 2019 (J Pediatr; 293 infants of one month, S) find with fat over length squared (D). Fat depends on length
 and head in no other way: an assumption.
 """
-RATE_SD = 0.16
+RATE_SD = 0.18
 """Standard deviation of the logarithm of the rate of maturation, which nothing else is correlated with (D)."""
 
 _FURTHEST = 1e-9

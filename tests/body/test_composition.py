@@ -72,7 +72,7 @@ def test_the_fatter_of_two_children_of_one_size_is_weaker_but_for_neck_and_eyes(
     low, high = sorted((round(one, 1), round(other, 1)))
     lean, fatty = grown(age_months, fat_percent=low), grown(age_months, fat_percent=high)
     for joint, torque_nm in gears(lean).items():
-        factor = 1.0 if groups(lean)[joint] in (NECK, EYES) else (100 - high) / (100 - low)
+        factor = 1.0 if groups(lean)[joint] in (NECK, EYES) else (1 - 1.5 * high / 100) / (1 - 1.5 * low / 100)
         assert gears(fatty)[joint] == pytest.approx(torque_nm * factor)
 
 
@@ -121,9 +121,11 @@ def test_explain_tells_both():
     bundle = mimoc.build(InfantSpec(mimoc=1, name="kim", age_months=6, body={"individual": individual}))
     knee = explain(bundle, "actuator.act:left_knee.gear")
     assert {f"spec.body.individual.{key}" for key in individual} <= {source.key for source in knee.sources}
-    assert "leaner" in knee.lines[1] and "maturity of 7.2 months" in knee.lines[1]
-    neck = explain(bundle, "actuator.act:head_tilt.gear")
-    assert "leaner" not in neck.lines[1] and "maturity of 7.2 months" in neck.lines[1]
+    assert "leaner than the average child" in knee.lines[1]
+    neck = explain(bundle, "actuator.act:head_tilt.gear").lines[1]
+    assert "leaner" not in neck
+    for rule in (knee.lines[1], neck, explain(bundle, "joint.robot:left_knee.range").lines[1]):
+        assert rule.endswith("at a maturity of 7.2 months")
 
 
 def test_the_strength_of_an_age_that_a_spec_asks_for_is_the_average_childs():
