@@ -1,9 +1,9 @@
 """What tells an individual child's strength from that of its size and age: how lean it is, and how fast it matures.
 
-Only what is not adipose tissue is strong. With the share F of fat in the weight, F_0 that of the average child of the
-same age, and the share A of fat in adipose tissue, the strength of each part but the neck is that of its volume times
+Only the lean part of a body is strong. With the share F of fat in the weight, and F_0 that of the average child of the
+same age, the strength of each part but the neck is that of its volume times
 
-    (1 - F / A) / (1 - F_0 / A)
+    (1 - F) / (1 - F_0)
 
 Where the spec does not give the fat, it follows from length and weight: F = F_0 b, with the volume b of trunk and limbs
 relative to a child of the same length with the average child's proportions (D). So .71 of the weight that a newborn has
@@ -21,8 +21,6 @@ from mimoc.fits import Measurements, fat
 from mimoc.schema.body import FAT, IndividualSpec
 
 RATE_KEY = "spec.body.individual.maturation_rate"
-ADIPOSE_FAT = 2 / 3
-"""A: an assumption for infants, whose adipose tissue has more water than adults' (.8; M)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +46,7 @@ def composition(child: Measurements, individual: IndividualSpec | None) -> Compo
     if individual is None:
         return AVERAGE
     usual, percent = fat.mean_percent(child.age_months), _fat_percent(child, individual)
-    gain = 1.0 if percent == usual else (100 * ADIPOSE_FAT - percent) / (100 * ADIPOSE_FAT - usual)
+    gain = 1.0 if percent == usual else (100 - percent) / (100 - usual)
     rate = individual.maturation_rate or 1.0
     given = [key for key in FAT if getattr(individual, key) is not None] or [
         key for key in ("length_percentile", "length_cm", "weight_percentile", "weight_kg") if getattr(individual, key)

@@ -72,7 +72,7 @@ def test_the_fatter_of_two_children_of_one_size_is_weaker_but_for_neck_and_eyes(
     low, high = sorted((round(one, 1), round(other, 1)))
     lean, fatty = grown(age_months, fat_percent=low), grown(age_months, fat_percent=high)
     for joint, torque_nm in gears(lean).items():
-        factor = 1.0 if groups(lean)[joint] in (NECK, EYES) else (1 - 1.5 * high / 100) / (1 - 1.5 * low / 100)
+        factor = 1.0 if groups(lean)[joint] in (NECK, EYES) else (100 - high) / (100 - low)
         assert gears(fatty)[joint] == pytest.approx(torque_nm * factor)
 
 
