@@ -1,20 +1,30 @@
 """When the children of a cohort reach milestones."""
 
+from pathlib import Path
 from statistics import NormalDist
 
 import pytest
 
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cohorts.milestones import ALL, milestone_summary
+from mimoc.cohorts import read_cohort
+from mimoc.cohorts.milestones import ALL, WHO, milestone_summary
 from mimoc.quantities import measured_in
 from mimoc.quantities.milestones import MILESTONE_AGES
 from mimoc.studies.milestones import TRIALS
+
+EXAMPLE = Path(__file__).parents[2] / "examples/cohort/milestones.yaml"
 
 
 def row(sit, stand=10.0, *, weight=50.0, fat=50.0, status="ok"):
     """Return a row of the table of a cohort."""
     percentiles = {"length_percentile": 50.0, "weight_percentile": weight, "fat_percentile": fat}
     return {"step": "milestones", "status": status, "sit_months": sit, "stand_months": stand, **percentiles}
+
+
+def test_the_example_has_200_children_who_differ_in_more_than_size():
+    jobs = read_cohort(EXAMPLE).jobs()
+    assert len({job.factors["maturation_rate"] for job in jobs}) == len(jobs) == 200
+    assert jobs[0].options["trials"] == [*WHO]
 
 
 def test_each_trial_has_its_quantity():
