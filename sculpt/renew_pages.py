@@ -1,7 +1,6 @@
 """Run the experiments again whose pages in docs/experiments have figures of other bodies than mimoc's are now.
 
-    python sculpt/renew_pages.py          those of seconds; the pages of the others then say so below their titles
-    python sculpt/renew_pages.py --all    all of them (hours)
+Those that take seconds are run, the pages of the others say so below their titles; with `--all`, all are run (hours).
 """
 
 import argparse
@@ -73,11 +72,13 @@ class Page:
 
     @property
     def problem(self) -> str:
-        """Why its figures are not those of this release, and what to do, in one line; empty if they are, or it says so."""
+        """Why its figures are not of today's bodies, and what to do, in one line; empty if they are, or it says so."""
         if self.text == self.renewed:
             return ""
         page = self.path.relative_to(CHECKOUT)
-        return f"{page}: of the bodies {self.bodies}, today's are {self.todays}; run 'make experiments', or {self.command}"
+        return (
+            f"{page}: of the bodies {self.bodies}, today's are {self.todays}; run 'make experiments', or {self.command}"
+        )
 
 
 def renew(page: Page, *, long: bool) -> None:
@@ -91,7 +92,7 @@ def renew(page: Page, *, long: bool) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--all", action="store_true", help="run the long ones, too")
     asked = parser.parse_args()
     for path in PAGES:

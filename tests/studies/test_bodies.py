@@ -12,40 +12,31 @@ from mimoc.studies.skills.learning import CHILD, bodies_of
 from mimoc.studies.skills.shipped import shipped_skills
 
 CHECKOUT = Path(__file__).resolve().parents[2]
-LAWS = {"torque": "maturing", "muscle": "maturing", "position": "maturing", "published": "published"}
+COLUMNS = (("maturing", "torque"), ("maturing", "muscle"), ("published", "torque"))
+"""Laws and actuation models of the table of milestones; its column of servos says itself of which bodies it is."""
 
 
 def child(**keys) -> InfantSpec:
     return InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 6} | keys)
 
 
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"name": "lee"},
-        {"senses": {"touch": {}, "vision": {}, "vestibular": {}}},
-        {"delays": {"preset": "physiological"}},
-        {"body": {"looks": "solids"}},
-    ],
-    ids=lambda keys: next(iter(keys)),
-)
-def test_what_moves_nothing_leaves_the_digest(keys):
-    assert bodies_digest([child(**keys)]) == bodies_digest([child()])
+@pytest.fixture(scope="module")
+def digest() -> str:
+    return bodies_digest([child()])
+
+
+def test_what_moves_nothing_is_not_in_the_digest(digest):
+    other = child(name="lee", senses={"touch": {}, "vision": {}}, delays={"preset": "physiological"})
+    assert bodies_digest([other]) == digest
 
 
 @pytest.mark.parametrize(
     "keys",
-    [
-        {"age_months": 6.5},
-        {"development": "published"},
-        {"actuation": {"strength": {"arms": 0.99}}},
-        {"body": {"weight_percentile": 51}},
-        {"scene": {"kind": "room"}},
-    ],
+    [{"age_months": 6.1}, {"actuation": {"strength": {"arms": 0.99}}}, {"scene": {"kind": "room"}}],
     ids=lambda keys: next(iter(keys)),
 )
-def test_what_moves_otherwise_changes_the_digest(keys):
-    assert bodies_digest([child(**keys)]) != bodies_digest([child()])
+def test_what_moves_otherwise_changes_the_digest(keys, digest):
+    assert bodies_digest([child(**keys)]) != digest
 
 
 def test_a_bundle_has_the_digest_of_its_spec_and_order_matters():
@@ -65,11 +56,9 @@ def test_results_of_skills_are_of_todays_bodies(report):
 
 def test_the_table_of_milestones_is_of_todays_bodies():
     page = (CHECKOUT / "docs" / "milestones.md").read_text(encoding="utf-8")
-    models = {"torque": "maturing", "muscle": "maturing", "position": "maturing"}
-    infants = [({"model": model}, law) for model, law in models.items()] + [({"model": "torque"}, "published")]
     today = bodies_digest(
-        child(age_months=age_months, actuation=actuation, development=law)
-        for actuation, law in infants
+        child(age_months=age_months, development=law, actuation={"model": model})
+        for law, model in COLUMNS
         for age_months in (0, 6, 12)
     )
     (measured,) = re.findall(r"of the bodies `(\w+)`", page)

@@ -134,7 +134,8 @@ def run(notebook: Notebook) -> Path:
 def infants(law: Development) -> Iterator[Bundle | InfantSpec]:
     """Yield those that learn, and those whose reaches are late; delays are not of the body."""
     yield from (reaching(law, DELAYS_MS[0], setup) for setup in SETUPS)
-    yield from (ataxic_infant(variant, law, DELAYS_MS[0]) for variant in VARIANTS)
+    by_body = {(item.age_months, item.strength, item.other_law): item for item in VARIANTS}
+    yield from (ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
     yield from (infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
 
 
