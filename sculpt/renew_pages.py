@@ -88,7 +88,7 @@ def renew(page: Page, *, long: bool) -> None:
         return
     page.path.write_text(page.renewed, encoding="utf-8")
     if page.bodies != page.todays:
-        print(f"{page.path}: of earlier bodies, as it says now; to renew it, run {page.command}")
+        print(f"{page.path.relative_to(CHECKOUT)}: of earlier bodies, as it says; to renew it, run {page.command}")
 
 
 if __name__ == "__main__":
