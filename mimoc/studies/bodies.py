@@ -8,8 +8,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.schema.infant import InfantSpec
 
-LOOKS = {"asset", "camera", "light", "statistic", "visual"}
-MARKS = {"sensor", "site"}
+STILL = {"asset", "camera", "light", "sensor", "site", "statistic", "visual"}
 """Elements of MJCF that move nothing: how a scene looks, and what is only read."""
 NAMES = {"model", "material", "rgba", "group"}
 """Attributes that move nothing: the name of the infant, and how a geom looks."""
@@ -37,6 +36,6 @@ def bodies_digest(infants: Iterable[Bundle | InfantSpec]) -> str:
     digest = sha256()
     for bundle in map(compiled, infants):
         scene = bundle.files[bundle.manifest.scene].decode()
-        moved = canonicalize(scene, strip_text=True, exclude_tags=LOOKS | MARKS, exclude_attrs=NAMES)
+        moved = canonicalize(scene, strip_text=True, exclude_tags=STILL, exclude_attrs=NAMES)
         digest.update(moved.encode())
     return digest.hexdigest()[:DIGITS]
