@@ -9,10 +9,11 @@ from mimoc.delays import AGES_MONTHS
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Camera
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
-from mimoc.schema.regions import Direction
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 ContrastLaw = Literal["linear", "mimo3"]
 
 
