@@ -46,6 +46,10 @@ PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]
 STDIN = Path("-")
+Beside = Annotated[
+    str | None,
+    typer.Option(metavar="healthy", help="Put the same child without what impairs it beside the one of the spec."),
+]
 
 
 def load_spec(path: Path) -> "InfantSpec":

@@ -79,4 +79,4 @@ def _sitting_angles(pitch_deg: float, hip_deg: float, knee_deg: float) -> Mappin
     }
 
 
-SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"))
+SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"), "fitted")
