@@ -5,7 +5,7 @@ import re
 from typing import Any
 
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.schema.infant import InfantSpec
+from mimoc.schema.infant import InfantSpec, healthy
 
 HEALTHY = "healthy"
 BESIDE = (HEALTHY,)
@@ -16,23 +16,24 @@ _SIDE = re.compile(r"(?<![A-Za-z])(left|right)(?![A-Za-z])")
 
 
 def counterpart(spec: InfantSpec, beside: str) -> InfantSpec:
-    """Return the child that stands beside another: `healthy` is the same one with all of its strength.
+    """Return the child that stands beside another: `healthy` is the same one without impairments, at all its strength.
 
     Raises:
         UnknownNameError: If there is no such counterpart.
+        SpecError: If there is no such child.
         MimocError: If it is the same child, because nothing impairs it.
 
     Example:
         >>> import mimoc
-        >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, actuation={"strength": {"right_arm": 0.05}})
-        >>> counterpart(spec, "healthy").actuation.strength
-        {}
+        >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"weakness": {"right_arm": 0.05}})
+        >>> counterpart(spec, "healthy").impairments is None
+        True
     """
     if beside not in BESIDE:
         raise UnknownNameError("child to stand beside", beside, list(BESIDE))
-    other = spec.with_(actuation={"strength": None})
+    other = healthy(spec).with_(actuation={"strength": None})
     if other == spec:
-        raise MimocError(f"{spec.name}: nothing impairs this child; give it actuation.strength below 1, or no --beside")
+        raise MimocError(f"{spec.name}: nothing impairs this child; say what does in impairments, or leave --beside out")
     return other
 
 
