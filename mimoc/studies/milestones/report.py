@@ -14,8 +14,9 @@ from mimoc.render.plots.growth import AgeRow
 from mimoc.schema.base import Model
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, Certainty
-from mimoc.studies.milestones.infant import SIDES, Conditions
+from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS

@@ -17,8 +17,9 @@ from mimoc.render.plots.windows import Panel
 from mimoc.schema.base import Model
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, Basis, Certainty
-from mimoc.studies.milestones.infant import SIDES, Conditions, compile_once, grown_to
+from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
 from mimoc.studies.movement.trial import Subject, Values, missing
 from mimoc.studies.movement.trials import TRIALS, USUAL
