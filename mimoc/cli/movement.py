@@ -8,6 +8,7 @@ import typer
 
 import mimoc
 from mimoc.base.errors import MimocError
+from mimoc.cli.arguments import Beside, load_counterpart
 from mimoc.cli.pictures import parse_seeds
 from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
 from mimoc.cli.run import POLICY_NAMES
@@ -46,6 +47,7 @@ def movement(
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
+    beside: Beside = None,
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
@@ -58,6 +60,7 @@ def movement(
     from mimoc.cli import console
     from mimoc.cli.movement_table import print_movement
     from mimoc.movement import sources
+    from mimoc.movement.report import measure_all
 
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
@@ -65,12 +68,17 @@ def movement(
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name)}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
+    if beside and not policy:
+        raise MimocError("--beside is for an infant that is simulated; name a spec or a bundle, and its --policy")
+    others = {beside: load_counterpart(source, beside)} if beside else {}
     with console.progress("simulating") as show, options_in_messages():
         films = sources.films_in(source, options, show)
-    others = _recordings(against, options) if against and against != REAL else []
-    measured = _measured(films, against, others)
+        filmed = {name: sources.films_of(other, options, show) for name, other in others.items()}
+    sample = _recordings(against, options) if against and against != REAL else []
+    beside_it = {name: measure_all(some) for name, some in filmed.items()}
+    measured = replace(_measured(films, against, sample), beside=beside_it)
     print_movement(measured, full)
-    _write(measured, films, others, (json, plot, phase, gif))
+    _write(measured, films, sample, (json, plot, phase, gif))
 
 
 def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]") -> Any:

@@ -33,9 +33,7 @@ def counterpart(spec: InfantSpec, beside: str) -> InfantSpec:
         raise UnknownNameError("child to stand beside", beside, list(BESIDE))
     other = healthy(spec).with_(actuation={"strength": None})
     if other == spec:
-        raise MimocError(
-            f"{spec.name}: nothing impairs this child; give it impairments, or leave --beside out"
-        )
+        raise MimocError(f"{spec.name}: nothing impairs this child; give it impairments, or leave --beside out")
     return other
 
 
