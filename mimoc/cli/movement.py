@@ -26,6 +26,14 @@ Source = Annotated[
         "such, or of a cohort whose steps record; or a bundle or a spec, with --policy.",
     ),
 ]
+Against = Annotated[
+    str | None, typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own.")
+]
+PolicyName = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
+]
+Phase = Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")]
 REAL = "real"
 SHOWN = 2
 """Simulated or measured infants that are animated beside one of those they are compared with."""
@@ -33,14 +41,8 @@ SHOWN = 2
 
 def movement(
     source: Source,
-    against: Annotated[
-        str | None,
-        typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own."),
-    ] = None,
-    policy: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
-    ] = None,
+    against: Against = None,
+    policy: PolicyName = None,
     seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
     seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
     rate: Rate = None,
@@ -51,9 +53,7 @@ def movement(
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
-    phase: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")
-    ] = None,
+    phase: Phase = None,
     gif: Annotated[Path | None, typer.Option(metavar="FILE", help="Animate stick figures: .gif or .mp4.")] = None,
 ) -> None:
     """Measure how infants move, real or simulated, and compare them with real infants or with others."""
@@ -75,8 +75,8 @@ def movement(
         films = sources.films_in(source, options, show)
         filmed = {name: sources.films_of(other, options, show) for name, other in others.items()}
     sample = _recordings(against, options) if against and against != REAL else []
-    beside_it = {name: measure_all(some) for name, some in filmed.items()}
-    measured = replace(_measured(films, against, sample), beside=beside_it)
+    counterparts = {name: measure_all(some) for name, some in filmed.items()}
+    measured = replace(_measured(films, against, sample), beside=counterparts)
     print_movement(measured, full)
     _write(measured, films, sample, (json, plot, phase, gif))
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from mimoc.policies.policy import PolicyMaker
     from mimoc.recording.record import Watch
+    from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run, Summary
     from mimoc.schema.infant import InfantSpec
 
@@ -98,10 +99,7 @@ def run(
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen, load_trained)  # Refuses bad names before writing anything.
-        if record:
-            from mimoc.recording.recorder import Recording
-
-            recorded.enter_context(Recording([env], record))
+        recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
@@ -113,6 +111,14 @@ def run(
     console.print_joints(act)
     for path in written:
         print(printable(path))
+
+
+def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
+    if folder is None:
+        return nullcontext()
+    from mimoc.recording.recorder import Recording
+
+    return Recording([env], folder)
 
 
 def _run_beside(

@@ -119,7 +119,8 @@ def print_milestones(report: MilestoneReport) -> None:
     out = open_console()
     out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
     healthy = [other.milestones for other in report.beside.values()]
-    table = new_table("milestone", FROM_AGE.heading, *report.beside, "real infants", "usual", "verdict", "age")
+    headings = (FROM_AGE.heading, *report.beside, "real infants", "usual", "verdict", "age")
+    table = new_table("milestone", *headings, padding=0)
     for milestone, *others in zip(report.milestones, *healthy, strict=True):
         for row in _milestone_rows(milestone, others):
             table.add_row(*row)
