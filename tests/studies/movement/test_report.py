@@ -78,8 +78,19 @@ def test_what_is_not_tried_does_not_fail():
 def test_an_infant_without_the_limb_is_not_tried_and_the_reason_is_named():
     legless = CHILD.with_(body={"remove": ["left_lower_leg"]})
     rows = mimoc.validate_movement(legless, names=["kick", "rest"], ages=[1]).rows
-    assert {one.verdict for one in rows} == {"not tried"}
+    assert {one.verdict for one in rows if one.side == "left"} == {"not tried"}
+    assert "not tried" not in {one.verdict for one in rows if (one.trial, one.side) == ("kick", "right")}
     assert rows[0].reason == "this infant has no left_lower_leg and no left_foot"
+
+
+def test_the_limb_of_a_side_that_differs_is_measured_on_its_side():
+    weak = CHILD.with_(impairments={"weakness": {"right_arm": 0.05}})
+    report = mimoc.validate_movement(weak, names=["arm_lift"], ages=[3], beside="healthy")
+    values = {one.name: one.value for one in report.rows}
+    (healthy,) = report.beside["healthy"].rows
+    assert values["arm_lift, left"] == pytest.approx(healthy.value, abs=0.02)
+    assert values["arm_lift, right"] < 0.3
+    assert healthy.side == "both"
 
 
 @pytest.mark.parametrize(
@@ -87,7 +98,7 @@ def test_an_infant_without_the_limb_is_not_tried_and_the_reason_is_named():
     [
         ("mitten", "left_fingers", {"grip"}),
         ("mitten", "left_lower_arm", {"damping", "grip", "recoil"}),
-        ("mitten", "right_upper_leg", {"pendulum", "stepping"}),
+        ("mitten", "right_upper_leg", {"damping", "pendulum", "stepping"}),
         ("five_finger", "left_mfknuckle", {"grip"}),
         ("five_finger", "left_thbase", set()),
     ],
@@ -155,12 +166,12 @@ REPORT = MovementReport(
     "maturing",
     "torque",
     [
-        row("kick_deg", 0.0, 15.0),
-        row("kick_deg", 3.0, 60.0),
+        row("shank_swings", 0.0, 1.5),
+        row("shank_swings", 3.0, 5.0),
         row("kick_s", 0.0, None),
         row("kick_share", 0.0, 0.9),
         row("grip_out_n", 0.0, None, "this infant has no left_hand"),
-        row("reach_s", 4.0, 2.5),
+        row("speed_hand", 3.0, 4.65),
     ],
 )
 
@@ -168,9 +179,9 @@ REPORT = MovementReport(
 def test_the_table_names_what_is_outside_the_sources_and_what_was_not_tried(capsys):
     print_movement(REPORT)
     printed = capsys.readouterr().out
-    assert "failed: outside the window of real infants: kick_deg, kick_s, reach_s" in " ".join(printed.split())
+    assert "failed: outside the window of real infants: shank_swings, kick_s, speed_hand" in " ".join(printed.split())
     assert "grip was not tried: this infant has no left_hand" in printed
-    assert "15*" in printed
+    assert "1.5*" in printed
     assert "(0.9)" in printed
     assert "Trujillo-Priego & Smith 2017" in printed
     assert "held out: 0 of 1 inside" in printed
