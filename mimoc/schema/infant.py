@@ -157,6 +157,7 @@ def healthy(spec: InfantSpec) -> InfantSpec:
 
     Example:
         >>> import mimoc
+        >>> from mimoc.schema.infant import healthy
         >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"gestation_weeks": 32})
         >>> healthy(spec).impairments is None, healthy(spec).age_months
         (True, 6.0)

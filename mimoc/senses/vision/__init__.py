@@ -12,6 +12,8 @@ from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, 
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 ContrastLaw = Literal["linear", "mimo3"]
 
 
@@ -86,9 +88,7 @@ class VisionEntry(Model):
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
     acuity_shares: tuple[Annotated[Amount, Field(gt=0, le=1)], ...] = ()
     """Share of that acuity that each camera's eye has, if it is not all of it."""
-    field_deg: dict[Literal["left", "right", "up", "down"], Annotated[Amount, Field(le=90)]] = Field(
-        default_factory=dict
-    )
+    field_deg: dict[Direction, Annotated[Amount, Field(le=90)]] = Field(default_factory=dict)
     """How far the eyes see to a side of their line of sight, beyond which pictures are black, if not as far as these
     reach."""
     contrast: ContrastLaw = "linear"
