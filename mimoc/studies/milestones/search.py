@@ -15,7 +15,7 @@ from mimoc.schema.quantities import Real
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
-from mimoc.studies.milestones.trials import TRIALS
+from mimoc.studies.milestones.trials import trial_called
 from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
@@ -111,7 +111,7 @@ def search(
     Args:
         spec: The infant; its age is not used.
         conditions: Conditions of the trials.
-        names: The trials.
+        names: The trials, of one with sides also `arm_out:left`.
         ages: Ages to try, in months.
         processes: Number of processes; with 1, everything runs in this one.
         progress: Called after each search.
@@ -152,7 +152,8 @@ def _searched(
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
-    return try_out(TRIALS[name], compile_once(spec, age_months, conditions), conditions)
+    trial, side = trial_called(name)
+    return try_out(trial, compile_once(spec, age_months, conditions), conditions, side)
 
 
 FOLDER = "searches"
