@@ -130,6 +130,10 @@ def print_milestones(report: MilestoneReport) -> None:
         trial = milestone.trial
         out.print(f"{trial.name}: {trial.title}{_source(milestone.window)}")
     out.print("from: the youngest age at which, and at all older ages tried, the infant succeeds")
+    if early := report.milestones[0].months_early if report.milestones else 0.0:
+        out.print(
+            f"born {early:.1f} months early: ages are since birth, and judged by the corrected age, {early:.1f} less"
+        )
     out.print("age: fitted if a number of the law was chosen for it, so that it is reproduced; otherwise predicted")
     if failing := [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
