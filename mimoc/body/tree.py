@@ -155,6 +155,14 @@ class MaturationFactors:
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
     head_gain: float
     """Mass of head and neck, relative to the published law."""
+    mature_months: float
+    """Age of the average child that is as mature: the age times the rate of maturation."""
+    is_usual: bool = True
+    """Whether that is its own age."""
+    lean_gain: float = 1.0
+    """Lean share of the body, relative to the average child of the same age."""
+    lean_keys: tuple[str, ...] = ()
+    """Keys of the spec that the lean share follows from, where it is not the average child's."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,11 @@ from rich.text import Text
 
 from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
-from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, TIME_LEFT
+from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
+    from mimoc.cohorts.milestones import MilestoneSummary
     from mimoc.cohorts.plan import Plan, StepPlan
     from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow
     from mimoc.compiler.validation.who import GrowthReport, Row
@@ -129,6 +130,10 @@ def print_milestones(report: MilestoneReport) -> None:
         trial = milestone.trial
         out.print(f"{trial.name}: {trial.title}{_source(milestone.window)}")
     out.print("from: the youngest age at which, and at all older ages tried, the infant succeeds")
+    if early := report.milestones[0].months_early if report.milestones else 0.0:
+        out.print(
+            f"born {early:.1f} months early: ages are since birth, and judged by the corrected age, {early:.1f} less"
+        )
     out.print("age: fitted if a number of the law was chosen for it, so that it is reproduced; otherwise predicted")
     if failing := [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
@@ -159,6 +164,39 @@ def _from_months(age_months: float | None) -> str:
 
 def _source(window: AgeRange | None) -> str:
     return f"; {window.span}: {window.source} ({window.certainty})" if window else ""
+
+
+def print_milestone_summary(summary: MilestoneSummary) -> None:
+    """Print the ages at which the children of a cohort reach milestones, and the odds of being late, with sources."""
+    out = open_console()
+    headings = ("n", "not by 24", MEAN_AGE.heading, "SD", "WHO's mean", "WHO's SD", "WHO's milestone")
+    table = new_table("milestone", *headings, title="ages of milestones")
+    for row in summary.spreads:
+        who = row.who_mean_months, row.who_sd_months
+        table.add_row(
+            row.trial, f"{row.n}", f"{row.not_reached}", *map(_months, (row.mean_months, row.sd_months, *who)), row.who
+        )
+    out.print(table)
+    out.print(f"WHO: {summary.who_source}")
+    if summary.odds:
+        table = new_table("group", "milestone", "late", "late of others", "odds ratio", title="odds of being late")
+        for row in summary.odds:
+            others = f"{row.late_others} of {row.others}"
+            table.add_row(
+                row.group, row.trial, f"{row.late} of {row.n}", others, _ratio((row.odds_ratio, row.low, row.high))
+            )
+        out.print(table)
+        published = ", ".join(f"{group} {_ratio(odds)}" for group, odds in summary.published_odds.items())
+        out.print(f"published: {published}: {summary.odds_source}")
+        out.print("late: more than one SD above the mean; groups: the uppermost tenth; in brackets: 95 % intervals")
+
+
+def _months(months: float | None) -> str:
+    return "" if months is None else f"{months:.2f}"
+
+
+def _ratio(odds: tuple[float, float, float]) -> str:
+    return "{:.2f} ({:.2f} to {:.2f})".format(*odds)
 
 
 def print_movement(report: MovementReport) -> None:

@@ -13,6 +13,7 @@ from mimoc.mjcf.mimo import find_target
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import dotted, given
+from mimoc.schema.body import FAT
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.schema.sizes import pairs
@@ -29,6 +30,10 @@ def unused_keys(spec: InfantSpec) -> tuple[str, ...]:
 
 
 def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
+    if spec.development == "published" and spec.body.individual:
+        for key in (*FAT, "maturation_rate"):
+            if getattr(spec.body.individual, key) is not None:
+                yield f"body.individual.{key}", "by the law 'published', strength follows size alone"
     yield from _other_kinds("actuation", "model", spec.actuation, ACTUATIONS)
     yield from _other_kinds("scene", "kind", spec.scene, SCENES)
     if toys := spec.scene.toys:

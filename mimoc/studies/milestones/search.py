@@ -20,6 +20,13 @@ from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""
+
+
+def ages_of(spec: InfantSpec) -> Sequence[float]:
+    """Return the ages of the search that a child can have: of one that was born early, those from term on."""
+    return [age for age in AGES if age >= spec.months_early]
+
+
 COARSE_STRIDE = 2
 """The search descends by every second age of the grid, and then looks at those in between."""
 
@@ -96,6 +103,37 @@ def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
             break
     succeeded = [age for age, outcome in outcomes.items() if outcome.success]
     return SearchResult(min(succeeded, default=None), dict(sorted(outcomes.items())))
+
+
+EXPECTED_MONTHS: Mapping[str, float] = {
+    "prone_head": 2.5,
+    "half_squat": 5.5,
+    "arm_out": 4.0,
+    "no_head_lag": 4.0,
+    "sit": 5.5,
+    "hands_and_knees": 5.0,
+    "pull_to_stand": 6.5,
+    "stand": 8.5,
+    "leg_lift": 4.0,
+    "roll_over": 24.0,
+    "supine_head": 5.0,
+    "rocking": 6.0,
+}
+"""Ages at which a child is expected to reach each milestone, by the name of the trial: about those of average children.
+Wrong ones cost time, and change nothing where a child that once succeeds does so at every older age."""
+
+
+def search_near(spec: InfantSpec, conditions: Conditions, name: str) -> SearchResult:
+    """Return what is found for a trial near the age at which a child of this rate of maturation is expected to succeed.
+
+    It walks down the half months while the child succeeds, or up until it does: two ages or a few, instead of the
+    twenty and more of `search`.
+    """
+    individual = spec.body.individual
+    expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0) + spec.months_early
+    ages = ages_of(spec)
+    near = min(ages, key=lambda age: abs(age - expected))
+    return walk(ages, near, partial(_try_at, spec.model_dump_json(), conditions, name))
 
 
 def search(
