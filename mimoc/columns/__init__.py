@@ -16,7 +16,7 @@ from mimoc.columns.forces import bind_actuators, bind_contacts, bind_joints
 from mimoc.columns.places import bind_gaze, bind_keypoints, bind_parts
 from mimoc.runtime.env import InfantEnv
 
-__all__ = ["GROUPS", "Column", "ColumnGroup", "MovementReader", "groups_named", "values_of"]
+__all__ = ["GROUPS", "Column", "ColumnGroup", "Moment", "MovementReader", "checked_groups", "groups_named", "values_of"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,11 @@ class Column:
     is_text: bool = False
     """Whether it has names instead of numbers."""
 
+    @property
+    def metadata(self) -> dict[str, str]:
+        """What files say of it besides its name."""
+        return {"unit": self.unit, "about": self.about, "frame": self.frame, "source": self.source}
+
 
 class Values(NamedTuple):
     """The values of some columns at some times."""

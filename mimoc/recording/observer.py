@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.columns import GROUPS, Column, MovementReader
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
@@ -113,6 +114,7 @@ class RecordingObserver(Observer):
         part_rows: int,
         states_every: int,
         about: Mapping[str, Any],
+        movement: Sequence[str] = tuple(GROUPS),
     ):
         """Begin with the next reset or step of an infant.
 
@@ -124,9 +126,11 @@ class RecordingObserver(Observer):
             part_rows: Rows of a part.
             states_every: Control steps from one complete state to the next.
             about: What each sidecar says, such as the number of the `infant`.
+            movement: Groups of movement columns.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
+        self._movement = MovementReader(infant, movement)
         self.next_number = first
         """Number of the next episode."""
         self._episode: _Episode | None = None
@@ -168,7 +172,7 @@ class RecordingObserver(Observer):
         if episode.block.is_full:
             self._write_part(episode)
             episode.block = self._new_block(episode.steps)
-        episode.block.put(self._infant.data.time, action, judged, observation)
+        self._put(episode.block, action, judged, observation)
         episode.block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
         if episode.steps % self._states_every == 0:
@@ -203,8 +207,14 @@ class RecordingObserver(Observer):
         head = {**self._about, "reset": reset, "start": self._infant.get_state()}
         self._episode = _Episode(self.next_number, head, self._new_block(0))
         self.next_number += 1
-        self._episode.block.put(self._infant.data.time, None, (*NOTHING_YET, info), observation)
+        self._put(self._episode.block, None, (*NOTHING_YET, info), observation)
         self._physics = self._physics_now()
+
+    def _put(self, block: Block, action: Any, judged: Any, observation: Observation) -> None:
+        """Keep a row."""
+        block.put(self._infant.data.time, action, judged, observation)
+        if self._movement.columns:
+            block.moments.append(self._movement.sample())
 
     def _new_block(self, first_step: int) -> Block:
         return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
@@ -214,7 +224,7 @@ class RecordingObserver(Observer):
         sidecar = {"changes": episode.changes, "states": episode.states, "rows": episode.block.rows, **ended}
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
-        self._writer(partial(_write, stem, episode.block, self._described, sidecar))
+        self._writer(partial(_write, stem, episode.block, self._described, self._movement.columns, sidecar))
         episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
@@ -226,17 +236,19 @@ class RecordingObserver(Observer):
         return physics_of(self._infant.model, self._infant.data).tobytes()
 
 
-def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
+def _write(
+    stem: Path, block: Block, described: Described, movement: Sequence[Column], sidecar: Mapping[str, Any]
+) -> None:
     """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
 
-    States become text here, in the writer's thread.
+    States become text here, and movement columns are computed, in the writer's thread.
     """
     for reading in described.readings:
         if reading.kind == "picture":
             pictures = block.dense[reading.name][: block.rows]
             path = with_extension(stem, f".{reading.name}{frames.EXTENSION}")
             frames.write_pictures(path, pictures, described.rate_hz)
-    tables.write_block(with_extension(stem, TABLE), block, described)
+    tables.write_block(with_extension(stem, TABLE), block, described, movement)
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 

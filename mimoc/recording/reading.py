@@ -17,7 +17,8 @@ from mimoc.recording.columns import OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
-from mimoc.recording.tables import MEASURE, OPTIONAL
+from mimoc.columns import Column
+from mimoc.recording.tables import MEASURE, MOVEMENT, OPTIONAL
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,19 @@ class Episode:
         return self._named(MEASURE)
 
     @cached_property
+    def movement(self) -> Mapping[str, Array]:
+        """Movement columns by name, each of shape (k + 1,): `pandas.DataFrame(episode.movement)`; see `movement_columns`.
+
+        Those of texts are arrays of objects.
+        """
+        return {column.name: self.column(MOVEMENT + column.name) for column in self.movement_columns}
+
+    @property
+    def movement_columns(self) -> tuple[Column, ...]:
+        """What the movement columns are: name, unit, meaning, frame and source; none in older recordings."""
+        return tables.movement_columns(self.table.schema)
+
+    @cached_property
     def observations(self) -> Mapping[str, Array]:
         """What was observed before the first control step and after each, by name, each of shape (k + 1, ...)."""
         return {reading.name: self.observation(reading.name) for reading in self.described.readings}
@@ -174,17 +188,19 @@ class Episode:
         """Return columns of numbers by name, each of shape (k + 1,): `pandas.DataFrame(episode.columns())`.
 
         Args:
-            names: `action` and observations to be taken, each number of which is a column with its unit in its name;
-                without any, `action` and those that are not touch or pictures. Step, time, reward and infos are always
-                included.
+            names: `movement`, `action` and observations to be taken, each number of which is a column with its unit in
+                its name; without any, all but touch and pictures. Step, time, reward and infos are always included.
 
         Raises:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
         columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
         columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
-        usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
+        usual = ["movement", "action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
+            if name == "movement":
+                columns |= self.movement
+                continue
             if name != "action" and self.reading(name).kind == "picture":
                 numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
                 raise UnknownNameError("recorded observation of numbers", name, numbers)

@@ -11,6 +11,7 @@ import numpy as np
 from mimoc.base.errors import MissingExtraError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.columns import Column, values_of
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.columns import ACTION, KEY, OBSERVATION, Described
@@ -31,8 +32,14 @@ NUMBERS = ("time_s", "reward")
 FLAGS = ("terminated", "truncated")
 MEASURE = "measure."
 """What the names of columns of quantities begin with."""
+MOVEMENT = "movement."
+"""What the names of movement columns begin with: numbers, or texts."""
 OPTIONAL = ("info.", "term.", MEASURE)
 """What the names of columns begin with that a table may have besides: numbers or flags."""
+TEXT = pa.dictionary(pa.int32(), pa.string())
+"""Type of a column of texts, few of which differ."""
+MOST_TEXT = 10_000
+"""Characters of one of them: a part that touches a hundred things."""
 _SHOWN = 60
 """Most characters of a name or type in an error."""
 
@@ -46,6 +53,7 @@ def check_schema(schema: Any, described: Described) -> None:
         raise UnusableFileError("it has two columns of one name")
     for field in schema:
         optional = [pa.float64(), pa.bool_()] if field.name.startswith(OPTIONAL) else []
+        optional = [pa.float64(), TEXT] if field.name.startswith(MOVEMENT) else optional
         kinds = [wanted[field.name]] if field.name in wanted else optional
         if not kinds:
             raise UnusableFileError(f"the column {_shown(field.name)} is not one that mimoc writes")
@@ -90,6 +98,10 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
     for name in table.column_names:
         if any(map(_has_nulls, table.column(name).chunks)):
             raise UnusableFileError(f"the column {_shown(name)} has nulls")
+    for name in texts_in(table.schema):
+        for chunk in table.column(name).chunks:
+            if any(len(text) > MOST_TEXT or not text.isprintable() for text in chunk.dictionary.to_pylist()):
+                raise UnusableFileError(f"the column {_shown(name)} has a text that is too long or cannot be printed")
     if not np.array_equal(table.column(STEP).to_numpy(), np.arange(first_step, first_step + len(table))):
         raise UnusableFileError(f"the column '{STEP}' does not count the control steps from {first_step}")
     acted = table.select([ACTION] if ACTION in table.column_names else []).slice(1 if first_step == 0 else 0)
@@ -102,6 +114,25 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
             if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
                 name = OBSERVATION + reading.name
                 raise UnusableFileError(f"the column '{name}' has an index that there is not, or one twice")
+
+
+def texts_in(schema: Any) -> list[str]:
+    """Return the names of the columns of texts."""
+    return [field.name for field in schema if field.type == TEXT]
+
+
+def movement_columns(schema: Any) -> tuple[Column, ...]:
+    """Return what the movement columns of a table are."""
+    kept = [field for field in schema if field.name.startswith(MOVEMENT)]
+    told = [{key.decode(): text.decode() for key, text in (field.metadata or {}).items()} for field in kept]
+    return tuple(
+        Column(
+            field.name.removeprefix(MOVEMENT),
+            *(about.get(key, "") for key in ("unit", "about", "frame", "source")),
+            is_text=field.type == TEXT,
+        )
+        for field, about in zip(kept, told, strict=True)
+    )
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -138,7 +169,7 @@ SPLIT = ("float", "double")
 """Types whose bytes are compressed apart: floats of one quantity share signs and exponents."""
 
 
-def write_block(path: Path, block: Block, described: Described) -> None:
+def write_block(path: Path, block: Block, described: Described, movement: Sequence[Column] = ()) -> None:
     """Write the rows of a block, but for pictures, or raise an OutputError."""
     rows, kinds = block.rows, columns_of(described)
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
@@ -151,8 +182,22 @@ def write_block(path: Path, block: Block, described: Described) -> None:
             columns[name] = _listed(block.sparse[reading.name], rows, kinds[name])
         elif name in kinds:
             columns[name] = _fixed(block.dense[reading.name][:rows], kinds[name])
-    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
+    columns |= _movement(block, movement)
+    about = {MOVEMENT + column.name: column.metadata for column in movement}
+    fields = [
+        pa.field(name, column.type, False, about.get(name) or _metadata(name)) for name, column in columns.items()
+    ]
     write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
+
+
+def _movement(block: Block, movement: Sequence[Column]) -> dict[str, Any]:
+    """Return the movement columns of a block's rows."""
+    if not movement:
+        return {}
+    values = values_of(block.moments)
+    arrays = [pa.array(numbers) for numbers in np.ascontiguousarray(values.numbers.T)]
+    arrays += [pa.array(texts, TEXT) for texts in zip(*values.texts, strict=True)]
+    return {MOVEMENT + column.name: array for column, array in zip(movement, arrays, strict=True)}
 
 
 def _metadata(column: str) -> dict[str, str] | None:
@@ -165,7 +210,11 @@ def write_table(path: Path, table: Any) -> None:
     """Write a table as one file of Parquet, whole or not at all, or raise an OutputError."""
     leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
     split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
-    how: dict[str, Any] = {"use_dictionary": False, "write_statistics": False, "column_encoding": split}
+    how: dict[str, Any] = {
+        "use_dictionary": texts_in(table.schema),
+        "write_statistics": False,
+        "column_encoding": split,
+    }
     content = io.BytesIO()
     pq.write_table(table, content, compression="zstd", compression_level=LEVEL, **how)
     write_file(path, content.getvalue())
@@ -220,7 +269,7 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
         flat = column.flatten().to_numpy(zero_copy_only=False)
         return flat.reshape(len(column), *(reading.shape if reading else (column.type.list_size,)))
     if reading is None:
-        return column.to_numpy(zero_copy_only=False)
+        return (column.cast(pa.string()) if column.type == TEXT else column).to_numpy(zero_copy_only=False)
     dense = np.zeros((len(column), reading.size), reading.dtype)
     rows, index, value = sparse_of(table, name)
     dense[rows, index] = value
@@ -245,6 +294,8 @@ def _aligned(table: Any, schema: Any) -> Any:
     def column(field: Any) -> Any:
         if field.name in table.column_names:
             return table.column(field.name).cast(field.type)
+        if field.type == TEXT:
+            return pa.array([""] * len(table), TEXT)
         return pa.array(np.full(len(table), np.nan if pa.types.is_floating(field.type) else False))
 
     return pa.table([column(field) for field in schema], schema=schema)
@@ -275,7 +326,8 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         if described_by(file.schema_arrow) != described:
             raise UnusableFileError("it describes other columns than the recording")
         groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
-        numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
+        packed = [group.column(index) for group in groups for index in range(group.num_columns)]
+        numbers = sum(max(column.num_values, column.total_uncompressed_size // 8) for column in packed)
         _check_packed(numbers, MOST_RATIO * size)
         table = file.read()
         check_rows(table, described, first_step)
