@@ -5,18 +5,18 @@ The recorder, exporters, quantities and the documentation read these columns fro
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
-from typing import NamedTuple
+from itertools import islice
+from typing import Any
 
 import numpy as np
 
 from mimoc.base.errors import check_name
-from mimoc.columns.column import Column, FloatArray, Group, Sample, Values
+from mimoc.columns.column import Column, Group, Values
 from mimoc.columns.forces import bind_actuators, bind_contacts, bind_joints
 from mimoc.columns.places import bind_gaze, bind_keypoints, bind_parts
 from mimoc.runtime.env import InfantEnv
 
-__all__ = ["GROUPS", "Column", "ColumnGroup", "Moment", "MovementReader", "checked_groups", "groups_named", "values_of"]
+__all__ = ["GROUPS", "Column", "ColumnGroup", "MovementReader", "Samples", "checked_groups", "groups_named", "values_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +61,39 @@ def checked_groups(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in GROUPS if name in names)
 
 
-class Moment(NamedTuple):
-    """What columns need of one moment."""
+class Samples:
+    """What is kept of some times, until the values of all columns are computed."""
 
-    groups: Sequence[Group]
-    """Bound to the model of that moment."""
-    samples: Sequence[Sample]
+    def __init__(self, groups: Sequence[Group], room: int):
+        """Make room for some times."""
+        self.groups, self._rows = groups, 0
+        self._fields = [field for group in groups for field in group.fields]
+        self._flat = [field.reshape(-1) for field in self._fields]  # Views, which show every later state of the data.
+        self._moments = [group.moment for group in groups if group.moment]
+        self._kept = np.empty((room, sum(map(len, self._flat))))
+        self._kept_moments: list[list[Any]] = [[] for _ in self._moments]
+
+    def add(self) -> None:
+        """Keep this moment."""
+        if self._flat:
+            np.concatenate(self._flat, out=self._kept[self._rows])
+        for kept, moment in zip(self._kept_moments, self._moments, strict=True):
+            kept.append(moment())
+        self._rows += 1
+
+    def values(self) -> Values:
+        """Return the values of all columns at all times."""
+        ends = np.cumsum([len(flat) for flat in self._flat])
+        kept = np.split(self._kept[: self._rows], ends[:-1], axis=1) if self._flat else []
+        fields = iter([rows.reshape(-1, *field.shape) for rows, field in zip(kept, self._fields, strict=True)])
+        moments = iter(self._kept_moments)
+        values = [
+            group.values([*islice(fields, len(group.fields))], next(moments) if group.moment else ())
+            for group in self.groups
+        ]
+        named = [item.texts for item in values if item.texts]
+        texts = [sum(row, ()) for row in zip(*named, strict=True)] if named else [()] * self._rows
+        return Values(np.hstack([item.numbers for item in values]), texts)
 
 
 class MovementReader:
@@ -98,25 +125,29 @@ class MovementReader:
         """All columns: those of numbers, then those of texts."""
         return self.numbers + self.texts
 
-    def sample(self) -> Moment:
-        """Return what the columns need of this moment."""
+    def add(self, samples: list[Samples], room: int) -> None:
+        """Keep this moment with those before, for which there is room; one of the samples for each body that it had."""
         if self._env.data is not self._data:
             self._bind()
-        return Moment(self._groups, [group.sample() for group in self._groups])
+        if not samples or samples[-1].groups is not self._groups:
+            samples.append(Samples(self._groups, room))
+        samples[-1].add()
+
+    def read(self) -> dict[str, float | str]:
+        """Return the values of this moment by name of the column."""
+        samples = list[Samples]()
+        self.add(samples, 1)
+        values = samples[0].values()
+        columns = (column.name for column in self.columns)
+        return dict(zip(columns, (*values.numbers[0].tolist(), *values.texts[0]), strict=True))
 
     def _bind(self) -> None:
         self._data = self._env.data
-        self._groups = [GROUPS[name].bind(self._env) for name in self._names]
+        groups = [GROUPS[name].bind(self._env) for name in self._names]
+        self._groups = [group for group in groups if group.columns]
 
 
-def values_of(moments: Sequence[Moment]) -> Values:
-    """Return the values of all columns at some moments."""
-    numbers, texts = list[FloatArray](), list[tuple[str, ...]]()
-    for _, alike in groupby(moments, key=lambda moment: id(moment.groups)):
-        same = list(alike)
-        samples = zip(*(moment.samples for moment in same), strict=True)
-        values = [group.values(item) for group, item in zip(same[0].groups, samples, strict=True)]
-        numbers.append(np.hstack([np.empty((len(same), 0)), *(item.numbers for item in values)]))
-        named = [item.texts for item in values if item.texts]
-        texts += [sum(row, ()) for row in zip(*named, strict=True)] if named else [()] * len(same)
-    return Values(np.concatenate(numbers), texts)
+def values_of(samples: Sequence[Samples]) -> Values:
+    """Return the values of all columns at all times."""
+    values = [item.values() for item in samples]
+    return Values(np.concatenate([item.numbers for item in values]), [row for item in values for row in item.texts])

@@ -44,24 +44,19 @@ class Values(NamedTuple):
     """Of those that have names: for each time a tuple; none if there are no such columns."""
 
 
-Sample = tuple[npt.NDArray[Any], ...]
-"""What is kept of one time: copies of some arrays of `MjData`."""
-
-
 @dataclass(frozen=True, slots=True)
 class Group:
     """Columns of one infant that are read together: copied at each time, computed for many times at once."""
 
     columns: tuple[Column, ...]
     """Those of numbers first."""
-    sample: Callable[[], Sample]
-    values: Callable[[Sequence[Sample]], Values]
+    values: Callable[[Sequence[FloatArray], Sequence[Any]], Values]
+    """Computes them, given `fields` at all times, each with a leading axis of times, and what `moment` returned."""
+    fields: tuple[FloatArray, ...] = ()
+    """Arrays of `MjData` that are copied at each time."""
+    moment: Callable[[], Any] | None = None
+    """Returns what else is kept of a time."""
 
 
-NO_COLUMNS = Group((), lambda: (), lambda samples: Values(np.empty((len(samples), 0))))
+NO_COLUMNS = Group((), lambda fields, moments: Values(np.empty((0, 0))))
 """What an infant has none of."""
-
-
-def stacked(samples: Sequence[Sample], index: int) -> npt.NDArray[Any]:
-    """Return an array of all samples, with a leading axis of times."""
-    return np.stack([sample[index] for sample in samples])

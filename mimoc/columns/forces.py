@@ -11,12 +11,13 @@ import numpy as np
 
 from mimoc.base.units import rad_to_deg
 from mimoc.columns.anatomy import IntArray, Parts
-from mimoc.columns.column import Column, FloatArray, Group, Sample, Values, stacked
+from mimoc.columns.column import Column, FloatArray, Group, Values
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import stack_terms
 from mimoc.runtime.worlds import worlds_of_one
 from mimoc.senses.touch.contacts import contact_forces, skin_body_of_geoms
 
+Moment = tuple[np.ndarray, ...]
 APART = "; "
 """Between the names of several things that one part touches."""
 _FORCE = "MuJoCo's contacts and efc_force"
@@ -41,7 +42,7 @@ def bind_contacts(env: InfantEnv) -> Group:
             for part in parts.names
         ),
     ]
-    return Group(tuple(columns), touching.sample, touching.values)
+    return Group(tuple(columns), touching.values, moment=touching.moment)
 
 
 _SUM = "sum of the normal forces of all contacts of the {} with anything else"
@@ -68,17 +69,17 @@ class _Touching:
         self._is_fixed = np.zeros(len(parts.things) + 1, bool)
         self._is_fixed[parts.thing_of_geom] = model.body_weldid[model.geom_bodyid] == 0
 
-    def sample(self) -> Sample:
+    def moment(self) -> Moment:
         """Return what is kept of the contacts of this moment: `_FIELDS`, and the forces of all constraints."""
         contact = self._data.contact
         kept = contact.geom.copy(), contact.frame.copy(), contact.dim.copy(), contact.efc_address.copy()
         return (*kept, self._data.efc_force.copy())
 
-    def values(self, samples: Sequence[Sample]) -> Values:
+    def values(self, fields: object, moments: Sequence[Moment]) -> Values:
         """Return forces by part, by part from what is fixed, and altogether from that; and names."""
-        times, count = len(samples), self._count
+        times, count = len(moments), self._count
         numbers, pairs = np.zeros((times, 2 * count + 3)), [()] * times
-        contact, efc_force, time_of_contact = _joined(samples)
+        contact, efc_force, time_of_contact = _joined(moments)
         if (forces := contact_forces(contact, efc_force, self._body_of_geom)) is not None:
             part, other = self._part_of_body[forces.bodies], self._thing_of_geom[contact.geom[forces.contacts]].sum(axis=1)
             other, time, normal_n = other - part, time_of_contact[forces.contacts], forces.normal_forces_n[:, 0]
@@ -109,15 +110,15 @@ class _Touching:
         return tuple(map(APART.join, names))
 
 
-def _joined(samples: Sequence[Sample]) -> tuple[Any, FloatArray, IntArray]:
+def _joined(moments: Sequence[Moment]) -> tuple[Any, FloatArray, IntArray]:
     """Return the contacts of all times one after the other, all forces, and the time of each contact."""
-    fields = {name: np.concatenate([sample[index] for sample in samples]) for index, name in enumerate(_FIELDS)}
-    counts, rows = [len(sample[0]) for sample in samples], np.array([len(sample[-1]) for sample in samples])
-    first_row, time = np.cumsum(rows) - rows, np.repeat(np.arange(len(samples)), counts)
+    fields = {name: np.concatenate([moment[index] for moment in moments]) for index, name in enumerate(_FIELDS)}
+    counts, rows = [len(moment[0]) for moment in moments], np.array([len(moment[-1]) for moment in moments])
+    first_row, time = np.cumsum(rows) - rows, np.repeat(np.arange(len(moments)), counts)
     address = fields["efc_address"]
     fields["efc_address"] = np.where(address < 0, -1, address + first_row[time])
     nowhere = {"dist": np.zeros(len(time)), "pos": np.zeros((len(time), 3))}
-    return SimpleNamespace(**fields, **nowhere), np.concatenate([sample[-1] for sample in samples]), time
+    return SimpleNamespace(**fields, **nowhere), np.concatenate([moment[-1] for moment in moments]), time
 
 
 def _sums(places: IntArray, amounts: FloatArray, shape: tuple[int, ...]) -> FloatArray:
@@ -133,10 +134,9 @@ def bind_joints(env: InfantEnv) -> Group:
     moved = [joint for joint in hinges if joint in driven]
     addresses, dofs = model.jnt_qposadr[hinges].astype(np.intp), model.jnt_dofadr[moved].astype(np.intp)
 
-    qpos, torques_nm = env.data.qpos, env.data.qfrc_actuator
 
-    def values(samples: Sequence[Sample]) -> Values:
-        return Values(np.hstack([stacked(samples, 0)[:, addresses] * rad_to_deg(1.0), stacked(samples, 1)[:, dofs]]))
+    def values(fields: Sequence[FloatArray], moments: object) -> Values:
+        return Values(np.hstack([fields[0][:, addresses] * rad_to_deg(1.0), fields[1][:, dofs]]))
 
     names = {joint: model.joint(joint).name.rpartition(":")[2] for joint in hinges}
     angles = [
@@ -147,7 +147,7 @@ def bind_joints(env: InfantEnv) -> Group:
         Column(f"{names[joint]}_torque_nm", "N m", f"{_TORQUE} {names[joint]}", _JOINT, "MuJoCo's qfrc_actuator")
         for joint in moved
     ]
-    return Group((*angles, *torques), lambda: (qpos.copy(), torques_nm.copy()), values)
+    return Group((*angles, *torques), values, (env.data.qpos, env.data.qfrc_actuator))
 
 
 _JOINT = "about the joint's axis, positive towards larger angles; of the last physics step that was computed"
@@ -171,7 +171,9 @@ def bind_actuators(env: InfantEnv) -> Group:
         for name in names
     ]
     return Group(
-        tuple(columns), lambda: (np.array(drive(worlds)[0], float),), lambda samples: Values(stacked(samples, 0))
+        tuple(columns),
+        lambda fields, moments: Values(np.array(moments).reshape(len(moments), -1)),
+        moment=lambda: np.array(drive(worlds)[0], float),
     )
 
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.columns.anatomy import Parts
-from mimoc.columns.column import NO_COLUMNS, Column, Group, Sample, Values, stacked
+from mimoc.columns.column import NO_COLUMNS, Column, FloatArray, Group, Values
 from mimoc.runtime.env import InfantEnv
 
 AXES = "xyz"
@@ -29,16 +29,16 @@ def keypoint_name(label: str) -> str:
 
 def bind_keypoints(env: InfantEnv) -> Group:
     """Return where the keypoints of `InfantEnv.keypoints` are, to the bit; NaN for those of missing limbs."""
-    labels, site_xpos = env.manifest.keypoints, env.data.site_xpos
+    labels = env.manifest.keypoints
     sites = np.array([mujoco.mj_name2id(env.model, mujoco.mjtObj.mjOBJ_SITE, label) for label in labels], np.intp)
 
-    def values(samples: Sequence[Sample]) -> Values:
-        places_m = stacked(samples, 0)[:, sites]
+    def values(fields: Sequence[FloatArray], moments: object) -> Values:
+        places_m = fields[0][:, sites]
         places_m[:, sites < 0] = np.nan
-        return Values(places_m.reshape(len(samples), -1))
+        return Values(places_m.reshape(len(places_m), -1))
 
     columns = [column for label in labels for column in _place(keypoint_name(label), *_KEYPOINT)]
-    return Group(tuple(columns), lambda: (site_xpos.copy(),), values)
+    return Group(tuple(columns), values, (env.data.site_xpos,))
 
 
 def bind_parts(env: InfantEnv) -> Group:
@@ -53,18 +53,17 @@ def bind_parts(env: InfantEnv) -> Group:
     shares = np.array([np.isin(bodies, of_part) * model.body_mass[bodies] for of_part in inside.values()])
     shares /= shares.sum(axis=1, keepdims=True)
 
-    xipos, cvel, centre_m = env.data.xipos, env.data.cvel, env.data.subtree_com[root]
+    columns = tuple(column for name in inside for column in _motion(name))
 
-    def values(samples: Sequence[Sample]) -> Values:
-        places_m, spatial, about_m = (stacked(samples, index) for index in range(3))
-        places_m, spatial = places_m[:, bodies], spatial[:, bodies]
-        velocities = spatial[..., 3:] + np.cross(spatial[..., :3], places_m - about_m[:, None])
-        motion = np.empty((len(samples), len(shares), 7))
+    def values(fields: Sequence[FloatArray], moments: object) -> Values:
+        places_m, spatial, about_m = fields[0][:, bodies], fields[1][:, bodies], fields[2][:, None]
+        velocities = spatial[..., 3:] + np.cross(spatial[..., :3], places_m - about_m)
+        motion = np.empty((len(places_m), len(shares), 7))
         motion[..., :3], motion[..., 3:6] = shares @ places_m, shares @ velocities
         motion[..., 6] = np.linalg.norm(motion[..., 3:6], axis=-1)
-        return Values(motion.reshape(len(samples), -1))
+        return Values(motion.reshape(len(places_m), -1))
 
-    return Group(tuple(column for name in inside for column in _motion(name)), lambda: (xipos.copy(), cvel.copy(), centre_m.copy()), values)
+    return Group(columns, values, (env.data.xipos, env.data.cvel, env.data.subtree_com[root]))
 
 
 def bind_gaze(env: InfantEnv) -> Group:
@@ -82,28 +81,28 @@ def bind_gaze(env: InfantEnv) -> Group:
     own = parts.things.index(head) if head in parts.things else -1
     excluded = model.body(head).id if head else -1
 
-    def sample() -> Sample:
-        start_m, towards = mean @ cam_xpos, -(mean @ cam_xmat)[2::3]
-        towards /= math.sqrt(towards @ towards)
-        distance_m, thing = 0.0, own
+    def moment() -> tuple[FloatArray, FloatArray, float, int]:
+        start_m, towards = mean @ cam_xpos, (-mean @ cam_xmat)[2::3]  # Cameras look along -z; it need not be a unit.
+        times, thing, begin_m = 0.0, own, start_m
         while thing == own:  # The eyes are bodies of their own, through which it may pass.
-            further_m = mujoco.mj_ray(model, data, start_m + distance_m * towards, towards, None, 1, excluded, geom)
-            if further_m < 0:
-                return start_m, towards, np.array([np.nan, -1])
-            thing = parts.thing_of_geom[geom[0]]
-            distance_m += further_m + (_BEYOND_M if thing == own else 0.0)
-        return start_m, towards, np.array([distance_m, thing])
+            further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, excluded, geom)
+            if further < 0:
+                return start_m, towards, math.nan, -1
+            times, thing = times + further + _BEYOND, parts.thing_of_geom[geom[0]]
+            begin_m = start_m + times * towards
+        return start_m, towards, times - _BEYOND, thing
 
-    def values(samples: Sequence[Sample]) -> Values:
-        start_m, towards, met = (stacked(samples, index) for index in range(3))
-        numbers = np.concatenate([start_m + met[:, :1] * towards, met[:, :1], towards], axis=1)
-        return Values(numbers, [(parts.things[thing] if thing >= 0 else "",) for thing in met[:, 1].astype(int)])
+    def values(fields: object, moments: Sequence[tuple[FloatArray, FloatArray, float, int]]) -> Values:
+        start_m, towards, times = (np.array([item[index] for item in moments]) for index in range(3))
+        length, times = np.linalg.norm(towards, axis=1, keepdims=True), times[:, None]
+        numbers = np.hstack([start_m + times * towards, times * length, towards / length])
+        return Values(numbers, [(parts.things[thing] if thing >= 0 else "",) for *_, thing in moments])
 
-    return Group(_GAZE, sample, values)
+    return Group(_GAZE, values, moment=moment)
 
 
-_BEYOND_M = 1e-6
-"""How far behind a surface of the eyes the line of sight goes on."""
+_BEYOND = 1e-6
+"""How far behind a surface of the eyes the line of sight goes on, about [m]."""
 _RAY = "MuJoCo's mj_ray from between the cameras of the eyes"
 _SIGHT = "mean line of sight of the eyes"
 _GAZE = (

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.columns import GROUPS, Column, MovementReader
+from mimoc.columns import GROUPS, MovementReader
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
@@ -135,7 +135,8 @@ class RecordingObserver(Observer):
         """Number of the next episode."""
         self._episode: _Episode | None = None
         self._before: dict[str, Any] | None = None
-        self._physics, self._described, self._measures = b"", _described(infant), StepMeasures(infant, "record")
+        self._physics, self._measures = b"", StepMeasures(infant, "record")
+        self._described = _described(infant, self._movement)
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
@@ -214,7 +215,7 @@ class RecordingObserver(Observer):
         """Keep a row."""
         block.put(self._infant.data.time, action, judged, observation)
         if self._movement.columns:
-            block.moments.append(self._movement.sample())
+            self._movement.add(block.movement, block.room)
 
     def _new_block(self, first_step: int) -> Block:
         return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
@@ -224,7 +225,7 @@ class RecordingObserver(Observer):
         sidecar = {"changes": episode.changes, "states": episode.states, "rows": episode.block.rows, **ended}
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
-        self._writer(partial(_write, stem, episode.block, self._described, self._movement.columns, sidecar))
+        self._writer(partial(_write, stem, episode.block, self._described, sidecar))
         episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
@@ -236,9 +237,7 @@ class RecordingObserver(Observer):
         return physics_of(self._infant.model, self._infant.data).tobytes()
 
 
-def _write(
-    stem: Path, block: Block, described: Described, movement: Sequence[Column], sidecar: Mapping[str, Any]
-) -> None:
+def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
     """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
 
     States become text here, and movement columns are computed, in the writer's thread.
@@ -248,11 +247,11 @@ def _write(
             pictures = block.dense[reading.name][: block.rows]
             path = with_extension(stem, f".{reading.name}{frames.EXTENSION}")
             frames.write_pictures(path, pictures, described.rate_hz)
-    tables.write_block(with_extension(stem, TABLE), block, described, movement)
+    tables.write_block(with_extension(stem, TABLE), block, described)
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
-def _described(infant: InfantEnv) -> Described:
+def _described(infant: InfantEnv, movement: MovementReader) -> Described:
     """Return what the numbers of an infant's recording are."""
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
@@ -260,7 +259,8 @@ def _described(infant: InfantEnv) -> Described:
     observation = {**infant.schedule.observe(), **infant.task.observe()}
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
-    return Described(readings, actuators, infant.manifest.step_ms)
+    columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]
+    return Described(readings, actuators, infant.manifest.step_ms, *columns)
 
 
 def spaces_of(infant: InfantEnv) -> Mapping[str, Any]:

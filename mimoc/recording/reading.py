@@ -13,12 +13,14 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.columns import OBSERVATION, Described
+from mimoc.recording.columns import ACTION, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
-from mimoc.columns import Column
-from mimoc.recording.tables import MEASURE, MOVEMENT, OPTIONAL
+from mimoc.recording.tables import MEASURE, OPTIONAL
+
+LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES
+"""Columns of the files that stand for several."""
 
 
 @dataclass(frozen=True)
@@ -136,16 +138,12 @@ class Episode:
 
     @cached_property
     def movement(self) -> Mapping[str, Array]:
-        """Movement columns by name, each of shape (k + 1,): `pandas.DataFrame(episode.movement)`; see `movement_columns`.
+        """Movement columns by name, each of shape (k + 1,): `pandas.DataFrame(episode.movement)`.
 
-        Those of texts are arrays of objects.
+        `columns.csv` in the folder says what they are. Those of texts are arrays of objects; recordings that mimoc made
+        before have none.
         """
-        return {column.name: self.column(MOVEMENT + column.name) for column in self.movement_columns}
-
-    @property
-    def movement_columns(self) -> tuple[Column, ...]:
-        """What the movement columns are: name, unit, meaning, frame and source; none in older recordings."""
-        return tables.movement_columns(self.table.schema)
+        return tables.movement_of(self.table, self.described)
 
     @cached_property
     def observations(self) -> Mapping[str, Array]:
@@ -194,11 +192,11 @@ class Episode:
         Raises:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
-        columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
+        columns = {name: self.column(name) for name in self.table.column_names if name not in LISTS and "." not in name}
         columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
-        usual = ["movement", "action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
+        usual = [MOVEMENT, "action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
-            if name == "movement":
+            if name == MOVEMENT:
                 columns |= self.movement
                 continue
             if name != "action" and self.reading(name).kind == "picture":

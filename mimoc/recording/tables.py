@@ -11,10 +11,10 @@ import numpy as np
 from mimoc.base.errors import MissingExtraError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.columns import Column, values_of
+from mimoc.columns import values_of
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
-from mimoc.recording.columns import ACTION, KEY, OBSERVATION, Described
+from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.folder import opened
 
 try:
@@ -32,14 +32,13 @@ NUMBERS = ("time_s", "reward")
 FLAGS = ("terminated", "truncated")
 MEASURE = "measure."
 """What the names of columns of quantities begin with."""
-MOVEMENT = "movement."
-"""What the names of movement columns begin with: numbers, or texts."""
 OPTIONAL = ("info.", "term.", MEASURE)
 """What the names of columns begin with that a table may have besides: numbers or flags."""
-TEXT = pa.dictionary(pa.int32(), pa.string())
-"""Type of a column of texts, few of which differ."""
-MOST_TEXT = 10_000
-"""Characters of one of them: a part that touches a hundred things."""
+NAMES = pa.dictionary(pa.int32(), pa.string())
+"""Type of the texts of movement columns, of which few rows differ: those of a row, separated by `BETWEEN`."""
+BETWEEN = "\t"
+MOST_NAMES = 100_000
+"""Characters of the names of one row: fifty parts of a body that touch twenty things each have 20,000."""
 _SHOWN = 60
 """Most characters of a name or type in an error."""
 
@@ -53,7 +52,6 @@ def check_schema(schema: Any, described: Described) -> None:
         raise UnusableFileError("it has two columns of one name")
     for field in schema:
         optional = [pa.float64(), pa.bool_()] if field.name.startswith(OPTIONAL) else []
-        optional = [pa.float64(), TEXT] if field.name.startswith(MOVEMENT) else optional
         kinds = [wanted[field.name]] if field.name in wanted else optional
         if not kinds:
             raise UnusableFileError(f"the column {_shown(field.name)} is not one that mimoc writes")
@@ -79,6 +77,10 @@ def columns_of(described: Described) -> Mapping[str, Any]:
             columns[OBSERVATION + reading.name] = _lists_of(pa.struct(pair))
         elif reading.kind == "dense" and reading.size:
             columns[OBSERVATION + reading.name] = _lists_of(number, reading.size)
+    if described.movement:
+        columns[MOVEMENT] = _lists_of(pa.float32(), len(described.movement))
+    if described.movement_names:
+        columns[MOVEMENT_NAMES] = NAMES
     return columns
 
 
@@ -98,10 +100,10 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
     for name in table.column_names:
         if any(map(_has_nulls, table.column(name).chunks)):
             raise UnusableFileError(f"the column {_shown(name)} has nulls")
-    for name in texts_in(table.schema):
-        for chunk in table.column(name).chunks:
-            if any(len(text) > MOST_TEXT or not text.isprintable() for text in chunk.dictionary.to_pylist()):
-                raise UnusableFileError(f"the column {_shown(name)} has a text that is too long or cannot be printed")
+    if described.movement_names:
+        for chunk in table.column(MOVEMENT_NAMES).chunks:
+            if not all(_is_row_of_names(row, described) for row in chunk.dictionary.to_pylist()):
+                raise UnusableFileError(f"the column '{MOVEMENT_NAMES}' has rows of other names than mimoc writes")
     if not np.array_equal(table.column(STEP).to_numpy(), np.arange(first_step, first_step + len(table))):
         raise UnusableFileError(f"the column '{STEP}' does not count the control steps from {first_step}")
     acted = table.select([ACTION] if ACTION in table.column_names else []).slice(1 if first_step == 0 else 0)
@@ -116,23 +118,9 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
                 raise UnusableFileError(f"the column '{name}' has an index that there is not, or one twice")
 
 
-def texts_in(schema: Any) -> list[str]:
-    """Return the names of the columns of texts."""
-    return [field.name for field in schema if field.type == TEXT]
-
-
-def movement_columns(schema: Any) -> tuple[Column, ...]:
-    """Return what the movement columns of a table are."""
-    kept = [field for field in schema if field.name.startswith(MOVEMENT)]
-    told = [{key.decode(): text.decode() for key, text in (field.metadata or {}).items()} for field in kept]
-    return tuple(
-        Column(
-            field.name.removeprefix(MOVEMENT),
-            *(about.get(key, "") for key in ("unit", "about", "frame", "source")),
-            is_text=field.type == TEXT,
-        )
-        for field, about in zip(kept, told, strict=True)
-    )
+def _is_row_of_names(row: str, described: Described) -> bool:
+    texts = row.split(BETWEEN)
+    return len(row) <= MOST_NAMES and len(texts) == len(described.movement_names) and all(map(str.isprintable, texts))
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -169,7 +157,7 @@ SPLIT = ("float", "double")
 """Types whose bytes are compressed apart: floats of one quantity share signs and exponents."""
 
 
-def write_block(path: Path, block: Block, described: Described, movement: Sequence[Column] = ()) -> None:
+def write_block(path: Path, block: Block, described: Described) -> None:
     """Write the rows of a block, but for pictures, or raise an OutputError."""
     rows, kinds = block.rows, columns_of(described)
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
@@ -182,22 +170,21 @@ def write_block(path: Path, block: Block, described: Described, movement: Sequen
             columns[name] = _listed(block.sparse[reading.name], rows, kinds[name])
         elif name in kinds:
             columns[name] = _fixed(block.dense[reading.name][:rows], kinds[name])
-    columns |= _movement(block, movement)
-    about = {MOVEMENT + column.name: column.metadata for column in movement}
-    fields = [
-        pa.field(name, column.type, False, about.get(name) or _metadata(name)) for name, column in columns.items()
-    ]
+    columns |= _movement(block, kinds)
+    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
     write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
 
 
-def _movement(block: Block, movement: Sequence[Column]) -> dict[str, Any]:
-    """Return the movement columns of a block's rows."""
-    if not movement:
-        return {}
-    values = values_of(block.moments)
-    arrays = [pa.array(numbers) for numbers in np.ascontiguousarray(values.numbers.T)]
-    arrays += [pa.array(texts, TEXT) for texts in zip(*values.texts, strict=True)]
-    return {MOVEMENT + column.name: array for column, array in zip(movement, arrays, strict=True)}
+def _movement(block: Block, kinds: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the movement columns of a block's rows, in single precision as senses are, and their names."""
+    columns: dict[str, Any] = {}
+    if block.movement:
+        numbers, texts = values_of(block.movement)
+        if MOVEMENT in kinds:
+            columns[MOVEMENT] = _fixed(numbers.astype(np.float32), kinds[MOVEMENT])
+        if MOVEMENT_NAMES in kinds:
+            columns[MOVEMENT_NAMES] = pa.array(map(BETWEEN.join, texts), kinds[MOVEMENT_NAMES])
+    return columns
 
 
 def _metadata(column: str) -> dict[str, str] | None:
@@ -210,11 +197,8 @@ def write_table(path: Path, table: Any) -> None:
     """Write a table as one file of Parquet, whole or not at all, or raise an OutputError."""
     leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
     split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
-    how: dict[str, Any] = {
-        "use_dictionary": texts_in(table.schema),
-        "write_statistics": False,
-        "column_encoding": split,
-    }
+    names = [field.name for field in table.schema if field.type == NAMES]
+    how: dict[str, Any] = {"use_dictionary": names, "write_statistics": False, "column_encoding": split}
     content = io.BytesIO()
     pq.write_table(table, content, compression="zstd", compression_level=LEVEL, **how)
     write_file(path, content.getvalue())
@@ -269,11 +253,23 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
         flat = column.flatten().to_numpy(zero_copy_only=False)
         return flat.reshape(len(column), *(reading.shape if reading else (column.type.list_size,)))
     if reading is None:
-        return (column.cast(pa.string()) if column.type == TEXT else column).to_numpy(zero_copy_only=False)
+        return column.to_numpy(zero_copy_only=False)
     dense = np.zeros((len(column), reading.size), reading.dtype)
     rows, index, value = sparse_of(table, name)
     dense[rows, index] = value
     return dense.reshape(len(column), *reading.shape)
+
+
+def movement_of(table: Any, described: Described) -> dict[str, Array]:
+    """Return all movement columns by name, each of shape (rows,); those of texts have objects."""
+    numbers = array_of(table, MOVEMENT) if described.movement else np.empty((0, 0))
+    columns = dict(zip(described.movement, numbers.T, strict=False))
+    if described.movement_names:
+        rows = [row.split(BETWEEN) for row in table.column(MOVEMENT_NAMES).to_pylist()]
+        columns |= {
+            name: np.array([row[index] for row in rows], object) for index, name in enumerate(described.movement_names)
+        }
+    return columns
 
 
 def _listed(kept: Sparse, rows: int, kind: Any) -> Any:
@@ -294,8 +290,6 @@ def _aligned(table: Any, schema: Any) -> Any:
     def column(field: Any) -> Any:
         if field.name in table.column_names:
             return table.column(field.name).cast(field.type)
-        if field.type == TEXT:
-            return pa.array([""] * len(table), TEXT)
         return pa.array(np.full(len(table), np.nan if pa.types.is_floating(field.type) else False))
 
     return pa.table([column(field) for field in schema], schema=schema)
