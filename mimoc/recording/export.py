@@ -25,7 +25,7 @@ def export_recording(
 
     Args:
         recording: The recording, or its folder.
-        to: `minari`, `lerobot`, `csv`, the name of an `ExporterKind` that was registered, or `recording`: one of an
+        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, the name of an `ExporterKind` that was registered, or `recording`: one of an
             earlier version as this one records.
         out: A new or empty folder.
         progress: Called with how much is written, and how much there is.

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.columns import GROUPS, MovementReader
+from mimoc.columns import GROUPS, Column, MovementReader
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
@@ -137,6 +137,11 @@ class RecordingObserver(Observer):
         self._before: dict[str, Any] | None = None
         self._physics, self._measures = b"", StepMeasures(infant, "record")
         self._described = _described(infant, self._movement)
+
+    @property
+    def movement_columns(self) -> tuple[Column, ...]:
+        """The movement columns that are kept."""
+        return self._movement.columns
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""

@@ -14,6 +14,7 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.columns import GROUPS, checked_groups
+from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
 from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
@@ -61,6 +62,7 @@ class Recording(AbstractContextManager):
                 files.discard(leftover)
             self._writer = Writer()
             self._observers = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
+            write_dictionary(self.path, [column for observer in self._observers for column in observer.movement_columns])
         except BaseException:
             self._folder.close()
             raise
