@@ -14,6 +14,7 @@ from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant, load_trained
 from mimoc.cli.terminal import printable
+from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.spec import usage
 
@@ -36,6 +37,14 @@ VideoFile = Annotated[
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+MovementGroups = Annotated[
+    str | None,
+    typer.Option(
+        metavar="GROUPS",
+        help="Movement columns that are recorded: all, the default, none, or some, with commas: "
+        + ", ".join(f"{group.name} ({group.about})" for group in GROUPS.values()),
+    ),
 ]
 Steps = Annotated[
     int | None, typer.Option(min=1, help="Number of control steps to run; default: 1000, or a whole motion.")
@@ -68,6 +77,7 @@ def run(
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
+    movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
@@ -81,6 +91,9 @@ def run(
     from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
+    if movement and not record:
+        raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
+    groups = groups_named(movement or ALL)
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
@@ -88,7 +101,7 @@ def run(
         if record:
             from mimoc.recording.recorder import Recording
 
-            recorded.enter_context(Recording([env], record))
+            recorded.enter_context(Recording([env], record, movement=groups))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()

@@ -79,7 +79,7 @@ def export_tables(
                 write(f"{name}.{reading.name}", f"INFANT-EPISODE.{reading.name}", felt, {})
                 notes[f"'{reading.name}' is in tables of its own, without the numbers that are zero"] = None
     write(EPISODES, EPISODES, recording.summary(), {name: _said(name, about) for name, about in SUMMARY.items()})
-    (out / DICTIONARY).write_bytes(table_text(("file", *HEADINGS), _rows(entries)))
+    (out / DICTIONARY).write_bytes(table_text(("table", *HEADINGS), _rows(entries)))
     return [*notes, "states and what was done besides control steps are left out: a table cannot hold them"]
 
 
@@ -120,8 +120,8 @@ def _entry(column: str) -> dict[str, str]:
     if column in about:
         return _said(column, about[column])
     match = UNIT.fullmatch(column)
-    sense, _, number = (match[1] if match else column).partition(": ")
-    return {"name": column, "unit": (match and match[2]) or "", "about": f"{sense}: {number}" if number else sense}
+    label, unit = match.groups() if match else (column, None)
+    return {"name": column, "unit": unit or "", "about": label.replace(f"{ACTION}: ", "command of the actuator ", 1)}
 
 
 def _said(name: str, about: str) -> dict[str, str]:
@@ -129,5 +129,5 @@ def _said(name: str, about: str) -> dict[str, str]:
 
 
 def _rows(entries: Mapping[tuple[str, str], Mapping[str, str]]) -> Iterator[dict[str, str]]:
-    for (file, name), entry in entries.items():
-        yield {"file": file, **dict.fromkeys(HEADINGS, ""), **entry, "name": name}
+    for (table, name), entry in entries.items():
+        yield {"table": table, **dict.fromkeys(HEADINGS, ""), **entry, "name": name}

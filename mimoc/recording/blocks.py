@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import RecordingError
-from mimoc.columns import Samples
+from mimoc.columns.reader import Samples
 from mimoc.senses.sense import Observation
 
 Array = npt.NDArray[Any]

@@ -83,8 +83,8 @@ def _check_uniform(recording: ReadRecording) -> None:
     for episode in recording:
         if _form(episode) != _form(first):
             raise RecordingError(
-                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, actuators"
-                f" or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
+                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, movement columns,"
+                f" actuators or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
                 " only; export it to csv"
             )
 
@@ -92,4 +92,4 @@ def _check_uniform(recording: ReadRecording) -> None:
 def _form(episode: Episode) -> Any:
     described = episode.described
     readings = {(reading.name, reading.shape, reading.dtype, reading.kind) for reading in described.readings}
-    return readings, len(described.actions), described.step_ms
+    return readings, len(described.actions), described.step_ms, described.movement

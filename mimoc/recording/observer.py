@@ -11,7 +11,9 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.columns import GROUPS, Column, MovementReader
+from mimoc.columns import GROUPS
+from mimoc.columns.column import Column
+from mimoc.columns.reader import MovementReader
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of

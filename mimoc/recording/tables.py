@@ -11,7 +11,7 @@ import numpy as np
 from mimoc.base.errors import MissingExtraError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.columns import values_of
+from mimoc.columns.reader import values_of
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
