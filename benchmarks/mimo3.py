@@ -38,7 +38,8 @@ from measuring import felt
 
 import mimoc
 from mimoc.base.units import m_to_cm
-from mimoc.compiler.validation.measuring import PRIMITIVES, UP, compile_infant
+from mimoc.bundle.primitives import PRIMITIVES
+from mimoc.compiler.validation.measuring import UP, compile_infant
 from mimoc.compiler.validation.who import Stature, compare_with_who, measure_compiled
 from mimoc.geometry.primitives import extents, girth
 from mimoc.geometry.sections import Solids

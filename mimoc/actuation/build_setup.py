@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, replace
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.kinds import function_of
+from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad, rad_to_deg
+from mimoc.body.impairments import reflex_origins
 from mimoc.body.origins import Origin as Origin
-from mimoc.body.tree import BodyTree, Joint
-from mimoc.mjcf.elements import Actuator
+from mimoc.body.tree import BodyTree, Joint, StretchReflex
+from mimoc.mjcf.elements import Actuator, PassiveActuator
 from mimoc.mjcf.scene import Keyframe
 
 
@@ -25,6 +27,8 @@ class ActuationSetup:
     """MuJoCo's integrator: implicit in velocity if the actuators have damping."""
     joints: Mapping[str, Joint]
     """The hinges by name, with the stiffness and damping that remain beside the actuators."""
+    reflexes: tuple[PassiveActuator, ...] = ()
+    """Actuators that take no commands: the stretch reflexes of spastic muscles."""
     at_rest: Callable[[Keyframe], Keyframe] = lambda keyframe: keyframe
     """Returns a state with the actuators at rest."""
     origins: Mapping[str, Origin] = field(default_factory=dict)
@@ -37,7 +41,7 @@ def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> A
     kind = ACTUATIONS[spec.model]
     section = getattr(spec, kind.name) if kind.spec else None
     setup: ActuationSetup = function_of(kind.build, "build")(section, tree, timestep_s)
-    setup = _with_quick_eyes(setup, tree)
+    setup = _with_reflexes(_with_quick_eyes(setup, tree), tree)
     return setup if spec.arousal == 1 else _at_arousal(setup, spec.arousal)
 
 
@@ -56,6 +60,25 @@ def _with_quick_eyes(setup: ActuationSetup, tree: BodyTree) -> ActuationSetup:
             origins[f"actuator.{actuator.name}.dynprm"] = Origin(EYES_RULE, ("spec.development",), "s")
         actuators.append(actuator)
     return replace(setup, actuators=tuple(actuators), origins=origins)
+
+
+def _with_reflexes(setup: ActuationSetup, tree: BodyTree) -> ActuationSetup:
+    """Return the actuators of an infant with its stretch reflexes."""
+    if not tree.reflexes:
+        return setup
+    origins = {
+        f"actuator.{reflex.name}.{attribute}": origin
+        for reflex in tree.reflexes
+        for attribute, origin in reflex_origins(reflex).items()
+    }
+    return replace(setup, reflexes=tuple(map(_reflex, tree.reflexes)), origins={**setup.origins, **origins})
+
+
+def _reflex(reflex: StretchReflex) -> PassiveActuator:
+    """Return an actuator whose bias is a stretch reflex: -b (w - s w_0) with the sign s of the speeds that stretch."""
+    push = reflex.sign * reflex.most_nm
+    bias = AffineBias(-reflex.sign * reflex.slope_nms * reflex.threshold_rad_s, 0.0, -reflex.slope_nms)
+    return PassiveActuator(reflex.name, reflex.joint, bias, (min(push, 0.0), max(push, 0.0)))
 
 
 def _at_arousal(setup: ActuationSetup, arousal: float) -> ActuationSetup:

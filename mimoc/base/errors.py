@@ -67,6 +67,15 @@ class IndividualError(MimocError):
     """No child matches the requested measures."""
 
 
+class ContractureError(MimocError):
+    """A contracture leaves nothing of the range of a joint."""
+
+    def __init__(self, movement: str, message: str):
+        super().__init__(message)
+        self.movement = movement
+        """Name of the joint's movement in the spec."""
+
+
 class NoSpaceError(MimocError):
     """There is not enough space for the toys in the scene."""
 

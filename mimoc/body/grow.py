@@ -10,6 +10,7 @@ from operator import itemgetter
 
 from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.body.dimensions import BodyGeometry, mirror, mirror_turn
+from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.maturation import maturation, relative_volumes
@@ -45,6 +46,7 @@ def grow_body(spec: InfantSpec, reference: Reference | None = None) -> GrownBody
     Raises:
         IndividualError: If no child matches the requested individual.
         GeometryError: If no body has its measurements.
+        ContractureError: If a contracture leaves nothing of a joint's range.
     """
     reference = reference_of(spec, reference)
     return grow_child(spec, measure_child(spec, reference), reference)
@@ -53,9 +55,9 @@ def grow_body(spec: InfantSpec, reference: Reference | None = None) -> GrownBody
 def reference_of(spec: InfantSpec, known: Reference | None = None) -> Reference:
     """Return what a spec's child is compared with; *known* is the same at another age."""
     if known:
-        return known.at(spec.age_months)
+        return known.at(spec.corrected_age_months)
     anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
-    return reference_body(anatomy, spec.age_months)
+    return reference_body(anatomy, spec.corrected_age_months)
 
 
 def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
@@ -67,7 +69,7 @@ def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
     anatomy = reference.anatomy
     return measure_individual(
         spec,
-        measure(spec.age_months, CURVES[spec.development]),
+        measure(spec.corrected_age_months, CURVES[spec.development]),
         weigh=lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(anatomy),
         height=standing_height if spec.development == "published" else itemgetter(HEIGHT),
     )
@@ -78,6 +80,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
 
     Raises:
         GeometryError: If no body has these measurements.
+        ContractureError: If a contracture leaves nothing of a joint's range.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
     tree, masses = _grow(child, reference, scales)
@@ -87,6 +90,8 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
         if strength_age_months is not None:
             tree = at_strength_of_age(tree, usual.motors, _average(reference.at(strength_age_months)).motors)
         tree = match_damping(scale_strength(tree, strength), usual, reference.anatomy)
+    if spec.impairments:
+        tree = impair(tree, spec.impairments)
     return GrownBody(remove_parts(tree, spec.body.remove), reference, child, masses)
 
 

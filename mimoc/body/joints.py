@@ -278,6 +278,8 @@ def joint_origins(
             start = origins[name].rule if tree.growth else f"{usual[name]:g} ({REFERENCE})"
             rule = f"{start} x {value / usual[name]:.6g}, by which its motor is stronger than the average child's"
             origins[name] = Origin(rule, (*origins[name].sources, f"actuator.{motor}.gear"))
+    for attribute, text, key in joint.changes:
+        origins[attribute] = origins[attribute].times(text, key)
     return origins
 
 

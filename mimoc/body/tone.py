@@ -84,4 +84,7 @@ def tone_origin(motor: Motor) -> Origin:
         f"muscle tone of a quiet infant by {LAW}, {motor.tone.stiffness_nm_per_rad:.6g} N m/rad towards "
         f"{motor.tone.angle_deg:g} degrees, within the strength of the motor ({SOURCE}; lost over 2 to 4 months, M)"
     )
-    return Origin(rule, (LENGTH_KEY, AGE_KEY, LAW_KEY, "spec.actuation.arousal"))
+    origin = Origin(rule, (LENGTH_KEY, AGE_KEY, LAW_KEY, "spec.actuation.arousal"))
+    for key, factor in motor.tone.factors:
+        origin = origin.times(f", of which {factor:.6g} is counted in ({key})", key)
+    return origin

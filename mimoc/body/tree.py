@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from mimoc.body.part import Development, GeomType, ReferenceMotor, Region
 from mimoc.geometry.rotations import Vec3
+from mimoc.schema.regions import Direction
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -54,6 +55,8 @@ class Joint:
     springref_deg: float
     margin_deg: float = 0.0
     """How far before the ends of its range its limits act (`mimoc.body.limits`)."""
+    changes: tuple[tuple[str, str, str], ...] = ()
+    """What an impairment has changed of it: attribute in MJCF, what is said of it, and the key of the spec."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,32 @@ class Tone:
     """k."""
     angle_deg: float
     """q_0, beyond the posture that tone holds, since a flexor does not resist flexion."""
+    factors: tuple[tuple[str, float], ...] = ()
+    """Factors of the spec on k: the key of the spec, and its value."""
+
+
+@dataclass(frozen=True, slots=True)
+class StretchReflex:
+    """What a spastic muscle does when it is stretched: a torque against the speed of its joint."""
+
+    joint: str
+    sign: int
+    """-1 for a torque towards negative angles, 1 for the other."""
+    slope_nms: float
+    """Torque by speed beyond the threshold."""
+    threshold_rad_s: float
+    most_nm: float
+    """Largest torque."""
+    key: str
+    """Key of the spec that asks for it."""
+    motor: str
+    """The motor of its muscle."""
+
+    @property
+    def name(self) -> str:
+        """Name of its actuator in the model."""
+        way = "negative" if self.sign < 0 else "positive"
+        return f"reflex:{self.joint.removeprefix('robot:')}_{way}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +178,13 @@ class BodyTree:
     """The law that strength, joints and proportions follow."""
     growth: MaturationFactors | None = None
     """What the law `maturing` made of the body; None by the published law."""
+    reflexes: tuple[StretchReflex, ...] = ()
+    """Stretch reflexes of spastic muscles."""
+    acuity: tuple[tuple[str, float], ...] = ()
+    """Share of the visual acuity that is left, by body of an eye; all of it where nothing is said."""
+    field_deg: tuple[tuple[Direction, float], ...] = ()
+    """How far its eyes see to a side of their line of sight: `left`, `right`, `up`, `down`; as far as their pictures
+    reach where nothing is said."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
 
@@ -200,6 +236,7 @@ def remove_parts(tree: BodyTree, names: Collection[str]) -> BodyTree:
         tree,
         bodies=bodies,
         motors=tuple(motor for motor in tree.motors if motor.joint in joints),
+        reflexes=tuple(reflex for reflex in tree.reflexes if reflex.joint in joints),
         tendons=tuple(tendon for tendon in tree.tendons if all(joint in joints for joint, _ in tendon.coefficients)),
         excluded=tuple(pair for pair in tree.excluded if gone.isdisjoint(pair)),
     )

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, ValidationError, model_serializer, model_validator
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
@@ -48,7 +48,9 @@ class ChildEntry(Model):
     """The child's measurements, as built."""
 
     age_months: Annotated[Amount, Field(le=24)]
-    """Age of the body."""
+    """Age since birth."""
+    months_early: Annotated[Amount, Field(le=12)] = 0.0
+    """How long before term the child was born; 0 from term on."""
     sex: Literal["male", "female"] | None = None
     """Which of WHO's standards it is compared with; None is the mean of boys and girls."""
     length_cm: Amount
@@ -59,6 +61,15 @@ class ChildEntry(Model):
     """Head circumference."""
     arm_circumference_cm: Amount | None
     """Upper-arm circumference, if there is an upper arm."""
+
+    @property
+    def corrected_age_months(self) -> float:
+        """Age of what matures with it: that since term of a child that was born before."""
+        return max(0.0, self.age_months - self.months_early)
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "months_early" or value}
 
 
 class FaceEntry(Model):
@@ -219,6 +230,7 @@ class Manifest(Model):
             "noise.delay_jitter_ms": self.noise.delay_jitter_ms,
             **{f"{name}.ms": delay.ms for name, delay in delays.items()},
             **{f"{name}.legs_ms": delay.legs_ms or 0.0 for name, delay in delays.items()},
+            **{f"{name}.parts_ms.{part}": ms for name, delay in delays.items() for part, ms in delay.parts_ms.items()},
         }
         for name, time_ms in times_ms.items():
             try:

@@ -70,6 +70,7 @@ def assemble_infant(
         joint_defaults=limits_of(tree.development),
         actuator_defaults=actuation.defaults,
         actuators=actuation.actuators,
+        reflexes=actuation.reflexes,
         sensors=(
             *sensor_sites.VESTIBULAR_SENSORS,
             *sensor_sites.torque_sensors(tree),

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from mimoc.base.errors import GeometryError, IndividualError, Problem, SpecError
+from mimoc.base.errors import ContractureError, GeometryError, IndividualError, Problem, SpecError
 from mimoc.base.units import m_to_cm
 from mimoc.body.anatomy import assemble
 from mimoc.body.grow import GrownBody, grow_body, grow_child, measure_child, reference_of
@@ -53,7 +53,7 @@ def check_available(spec: InfantSpec) -> None:
 def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
     """Yield a problem for each measurement that this body does not follow, or that no child of its age has."""
     anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
-    written, average = as_written(spec), measure(spec.age_months, CURVES[spec.development])
+    written, average = as_written(spec), measure(spec.corrected_age_months, CURVES[spec.development])
     for key, value_cm in spec.body.measurements.items():
         path, average_cm = ("body", "measurements", key), m_to_cm(average[unsided(key)])
         if unsided(key) not in anatomy.follows:
@@ -62,9 +62,9 @@ def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
         if not LEAST <= value_cm / average_cm <= LARGEST:
             least_cm, largest_cm = math.ceil(10 * LEAST * average_cm) / 10, math.floor(10 * LARGEST * average_cm) / 10
             message = (
-                f"{value_cm:g} cm is {value_cm / average_cm:.2g} times what the average child of {spec.age_months:g} "
-                f"months has ({average_cm:.1f} cm), and children have {LEAST:g} to {LARGEST:g} times as much; "
-                f"give {least_cm:.1f} to {largest_cm:.1f} cm"
+                f"{value_cm:g} cm is {value_cm / average_cm:.2g} times what the average child of "
+                f"{spec.corrected_age_months:g} months has ({average_cm:.1f} cm), and children have {LEAST:g} to "
+                f"{LARGEST:g} times as much; give {least_cm:.1f} to {largest_cm:.1f} cm"
             )
             yield written.problem(path, message)
 
@@ -111,6 +111,9 @@ def child_of(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
         return grow_body(spec, reference)
     except IndividualError as error:
         raise SpecError([as_written(spec).problem(("body", "individual"), str(error))]) from None
+    except ContractureError as error:
+        path = "impairments", "range", error.movement
+        raise SpecError([as_written(spec).problem(path, str(error))]) from None
     except GeometryError as error:
         path, advice = _culprit(spec)
         raise SpecError([as_written(spec).problem(path, f"{error}; {advice}")]) from None

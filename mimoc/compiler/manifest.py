@@ -89,10 +89,14 @@ def make_manifest(
     """Return the manifest of a scene, numbers rounded as in its file."""
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
+    actuation = _actuation(spec.actuation, scene.actuators, commanded)
     manifest = Manifest(
         name=spec.name,
         child=ChildEntry(
-            age_months=tree.age_months, sex=spec.body.individual and spec.body.individual.sex, **stature(tree)
+            age_months=spec.age_months,
+            months_early=spec.months_early,
+            sex=spec.body.individual and spec.body.individual.sex,
+            **stature(tree),
         ),
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
@@ -100,11 +104,11 @@ def make_manifest(
         step_ms=spec.control.step_ms,
         pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec.actuation, scene.actuators, commanded),
+        actuation=actuation,
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
-        noise=noise(spec),
+        noise=noise(spec, [actuator.joint for actuator in actuation.actuators if actuator.commanded]),
         constraints=ConstraintsEntry(
             locks=tuple(LockEntry(equality=joint, joint=joint) for joint in locked),
             welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),

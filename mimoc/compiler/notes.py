@@ -85,7 +85,7 @@ def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:
 
 
 def _said_twice(spec: InfantSpec) -> Iterator[str]:
-    for earlier, later, _ in pairs(spec.body, spec.age_months):
+    for earlier, later, _ in pairs(spec.body, spec.corrected_age_months):
         first, second = dotted(earlier.path), dotted(later.path)
         if later.is_side_of(earlier) and later.value != earlier.value:
             yield f"'{second}' counts in place of '{first}' on that side"

@@ -135,6 +135,10 @@ def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: 
             else:
                 origin = setup.origins.get(key, unknown)
                 entries[key] = origin.entry(value, _xml(actuator.name, attribute))
+    for reflex in setup.reflexes:
+        for attribute, value in (("biasprm", reflex.bias), ("forcerange", reflex.force_range)):
+            key = f"actuator.{reflex.name}.{attribute}"
+            entries[key] = setup.origins[key].entry(value, _xml(reflex.name, attribute))
     return entries
 
 
@@ -189,7 +193,7 @@ def who_percentiles(child: ChildEntry) -> dict[str, float]:
     """
     measures = child.model_dump()
     return {
-        indicator: percentile(standard.z_score(measures[indicator], child.age_months, child.sex or "mean"))
+        indicator: percentile(standard.z_score(measures[indicator], child.corrected_age_months, child.sex or "mean"))
         for indicator, standard in fits.load_tables().who.items()
-        if standard.covers(child.age_months) and measures[indicator] is not None
+        if standard.covers(child.corrected_age_months) and measures[indicator] is not None
     }

@@ -7,7 +7,8 @@ half of an adult's at birth and an adult's by 3 to 5 years (Garcia-Garcia and Ca
 each sense is in its record.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import product
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from mimoc.body.tree import BodyTree
 from mimoc.delays import AGES_MONTHS
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.regions import SIDES, of_place
 from mimoc.senses import SENSES
 
 LEGS = ("right_upper_leg", "left_upper_leg")
@@ -32,7 +34,7 @@ def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
     Delays of a preset are rounded to whole physics steps; those that a spec gives are whole already.
     """
     bodies = {body.name for body in tree.bodies}
-    delays = {signal: _delay(spec, signal) for signal in signals()}
+    delays = {signal: _longer(_delay(spec, signal), spec, bodies) for signal in signals()}
     return DelaysEntry(**delays, legs=tuple(leg for leg in LEGS if leg in bodies))
 
 
@@ -40,7 +42,28 @@ def _delay(spec: InfantSpec, signal: str) -> DelayEntry:
     keys = given_keys(spec.delays, signal)
     if keys:
         return DelayEntry(ms=getattr(spec.delays, keys[0]))
-    return PRESETS[spec.delays.preset](signal, spec.age_months, spec.control.timestep_ms)
+    return PRESETS[spec.delays.preset](signal, spec.corrected_age_months, spec.control.timestep_ms)
+
+
+LIMBS = ((("shoulder", "upper_arm"), ("wrist", "hand")), (("hip", "upper_leg"), ("ankle", "foot")))
+"""Where the parts of each limb begin to and from which delays can be longer, and their first bodies, outwards."""
+
+
+def _longer(delay: DelayEntry, spec: InfantSpec, bodies: Collection[str]) -> DelayEntry:
+    """Return a delay with the factors of the impairments, by first body of the parts that have one of their own."""
+    if spec.impairments is None or not spec.impairments.delay:
+        return delay
+    factors, timestep_ms = spec.impairments.delay, spec.control.timestep_ms
+    everywhere, parts_ms = factors.get("body", 1.0), dict[str, float]()
+    for side, limb in product(SIDES, LIMBS):
+        usual_ms = delay.legs_ms if limb is LIMBS[1] and delay.legs_ms is not None else delay.ms
+        factor = everywhere
+        for place, body in limb:
+            _, wanted = of_place(f"{side}_{place}", factors) or ("", everywhere)
+            if wanted != factor and f"{side}_{body}" in bodies:
+                parts_ms[f"{side}_{body}"], factor = _whole(usual_ms * wanted, timestep_ms), wanted
+    legs_ms = None if delay.legs_ms is None else _whole(delay.legs_ms * everywhere, timestep_ms)
+    return DelayEntry(ms=_whole(delay.ms * everywhere, timestep_ms), legs_ms=legs_ms, parts_ms=parts_ms)
 
 
 def _none(signal: str, age_months: float, timestep_ms: float) -> DelayEntry:
@@ -91,7 +114,12 @@ def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, E
         rule = "given by the spec" if keys else RULES[spec.delays.preset]
         usual = ("spec.delays.preset", "spec.age_months", "spec.control.timestep_ms")
         origin = Origin(rule, tuple(f"spec.delays.{key}" for key in keys) or usual, "ms")
+        for region, factor in (spec.impairments.delay if spec.impairments else {}).items():
+            key = f"spec.impairments.delay.{region}"
+            origin = origin.times(f"; x {factor:g} to and from {region} ({key})", key)
         delay = getattr(delays, signal)
         for name, ms in (("ms", delay.ms), ("legs_ms", delay.legs_ms)):
             if ms is not None:
                 yield f"delays.{signal}.{name}", origin.entry(ms)
+        for body, ms in delay.parts_ms.items():
+            yield f"delays.{signal}.parts_ms.{body}", origin.entry(ms)

@@ -14,10 +14,10 @@ import numpy.typing as npt
 from mimoc.actuation.binding import Actuation
 from mimoc.base.state_form import checked_list, demand
 from mimoc.base.units import ms_to_s
-from mimoc.bundle.model import in_subtrees, out_of_memory
+from mimoc.bundle.model import out_of_memory
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
-from mimoc.delays.timing import Commands, Samples, Timing
+from mimoc.delays.timing import Commands, Samples, Timing, within
 from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 
@@ -111,13 +111,12 @@ class Schedule:
         """
         streams = streams or NoiseStreams(0)
         self._model, self._senses, self._actuation, self._period = model, senses, actuation, timing.period
-        in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])
         self._samples = {
-            name: timing.samples(name, None if sense.bodies is None else in_legs[sense.bodies], streams)
+            name: timing.samples(name, None if sense.bodies is None else within(model, sense.bodies), streams)
             for name, sense in senses.items()
         }
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
-        self._commands = timing.commands(in_legs[moved], actuation.actuators, streams)
+        self._commands = timing.commands(within(model, moved), actuation.actuators, streams)
         self._noisy = {
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }

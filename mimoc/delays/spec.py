@@ -1,9 +1,9 @@
 """The `delays` of a spec and of a manifest: one for each registered sense, and one for the motor commands."""
 
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import KindError
@@ -63,6 +63,12 @@ class DelayEntry(Model):
     """Delay."""
     legs_ms: Duration | None = None
     """Delay to or from legs and feet, if it differs."""
+    parts_ms: dict[Body, Duration] = Field(default_factory=dict)
+    """Delay to or from other parts, by their first body, if it differs; later ones may be in earlier ones."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "parts_ms" or value}
 
 
 @composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})

@@ -1,12 +1,15 @@
 """The time base of an infant: its signals on their way, by their delays in whole physics steps."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+import mujoco
 import numpy as np
 
 from mimoc.base.units import to_steps
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import in_subtrees
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
@@ -16,8 +19,15 @@ from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import IntArray, Sense
 
 NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
+Within = Callable[[Sequence[str]], Mask]
+"""Returns which of n numbers belong to some bodies or to what hangs on them, shape (n,)."""
 Samples = DelayedSamples | JitteredSamples
 Commands = DelayedCommands | JitteredCommands
+
+
+def within(model: mujoco.MjModel, bodies: IntArray) -> Within:
+    """Return what says which of n numbers, each of one of some bodies of a model, shape (n,), are in a part."""
+    return lambda parts: in_subtrees(model, [model.body(part).id for part in parts])[bodies]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,51 +53,57 @@ class Timing:
         """Physics steps in a control step."""
         return to_steps(self.step_ms, self.timestep_ms)
 
-    def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:
-        """Return the samples of a sense on their way, by their delay.
+    def samples(self, sense: str, within: Within | None, streams: NoiseStreams) -> list[Samples]:
+        """Return the samples of a sense on their way, by their delay; *within* says which of its n numbers are where.
 
-        Of its n numbers, those *in_legs* belong to the legs, shape (n,); None where none does.
+        None is for a sense that is of no part of the body.
         """
         return [
             JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
-            for steps, part, wander in self._jittered(sense, in_legs, streams)
+            for steps, part, wander in self._jittered(sense, within, streams)
         ]
 
-    def commands(self, in_legs: Mask, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
-        """Return the n commands on their way to some actuators, shape (n,), by their delay.
-
-        Those *in_legs*, shape (n,), go to the legs.
-        """
+    def commands(self, within: Within, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
+        """Return the n commands on their way to some actuators, shape (n,), by their delay."""
         delayed: list[Commands] = []
-        for steps, part, wander in self._jittered(MOTOR, in_legs, streams):
+        for steps, part, wander in self._jittered(MOTOR, within, streams):
             which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
             way = steps, self.period, which, actuators[which]
             delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
         return delayed
 
-    def groups(self, signal: str, in_legs: Mask | None) -> list[tuple[str, int, Mask | None]]:
+    def groups(self, signal: str, within: Within | None) -> list[tuple[str, int, Mask | None]]:
         """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all.
 
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
         """
         delay = self.delays.get(signal, NO_DELAY)
-        groups: list[tuple[str, float, Mask | None]] = [(signal, delay.ms, None)]
-        if delay.legs_ms is not None and in_legs is not None:
-            groups = [(signal, delay.ms, ~in_legs), (f"{signal}.legs", delay.legs_ms, in_legs)]
-        return [(name, to_steps(ms, self.timestep_ms), part) for name, ms, part in groups]
+        parts = [(f"{signal}.{part}", ms, [part]) for part, ms in delay.parts_ms.items()]
+        if delay.legs_ms is not None:
+            parts = [(f"{signal}.legs", delay.legs_ms, self.legs), *parts]
+        if within is None or not parts:
+            return [(signal, to_steps(delay.ms, self.timestep_ms), None)]
+        groups: list[tuple[str, int, Mask | None]] = []
+        left: Any = True
+        for name, ms, bodies in reversed(parts):  # Later parts are in earlier ones.
+            inside = within(bodies) & left
+            if inside.any():
+                groups.append((name, to_steps(ms, self.timestep_ms), inside))
+                left = left & ~inside
+        return [(signal, to_steps(delay.ms, self.timestep_ms), left), *reversed(groups)]
 
     def jitter(self, delay_steps: int) -> int:
         """Return by how many physics steps a delay of some varies at most: never by more than there are."""
         return min(to_steps(self.noise.delay_jitter_ms, self.timestep_ms), delay_steps)
 
     def _jittered(
-        self, signal: str, in_legs: Mask | None, streams: NoiseStreams
+        self, signal: str, within: Within | None, streams: NoiseStreams
     ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
         """Return the delays of a signal in physics steps, the numbers that have them, and the jitter; see `groups`."""
         return [
             (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := self.jitter(late)) else None)
-            for name, late, part in self.groups(signal, in_legs)
+            for name, late, part in self.groups(signal, within)
         ]
 
 

@@ -106,6 +106,17 @@ class Actuator:
 
 
 @dataclass(frozen=True, slots=True)
+class PassiveActuator:
+    """An actuator of a joint that takes no commands: its torque is its bias, within its force range."""
+
+    name: str
+    joint: str
+    bias: tuple[float, ...]
+    """Torque at angle and speed 0, and by angle and speed."""
+    force_range: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class PrintedTendon:
     """A fixed tendon."""
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
-from mimoc.mjcf.elements import Actuator, Camera, Node, PrintedTendon, Sensor, Site
+from mimoc.mjcf.elements import Actuator, Camera, Node, PassiveActuator, PrintedTendon, Sensor, Site
 from mimoc.mjcf.furniture import Appearance, Material
 from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
@@ -56,6 +56,8 @@ class SceneTree:
     actuator_defaults: tuple[tuple[str, str], ...]
     """Attributes that all actuators have in common."""
     actuators: tuple[Actuator, ...]
+    reflexes: tuple[PassiveActuator, ...]
+    """Actuators that take no commands."""
     sensors: tuple[Sensor, ...]
     world: World
     keyframes: tuple[Keyframe, ...]

@@ -214,7 +214,7 @@ class MotorNoise(Noise):
     """
 
     share: FloatArray
-    """The standard deviation c, as a share of the command, shape (1,)."""
+    """The standard deviation c, as a share of the command, shape (n,)."""
     low: FloatArray
     """Smallest command, shape (n,)."""
     high: FloatArray
@@ -253,12 +253,13 @@ class BandLimited(Noise):
 
 def is_disturbed(entry: NoiseEntry, actuation: Actuation) -> bool:
     """Return whether commands have noise or a limited bandwidth, so that they change at each physics step."""
-    return bool(entry.motor) or actuation.bandwidth_hz is not None
+    return bool(entry.motor or any(entry.of_commands)) or actuation.bandwidth_hz is not None
 
 
 def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise | BandLimited:
     """Return the noise of all commanded actuators; its amount may be 0."""
-    noise = MotorNoise(np.array([entry.motor]), actuation.low, actuation.high, LowPass(ms_to_s(entry.low_pass_ms)))
+    shares = np.array(entry.of_commands) if entry.of_commands else np.full(len(actuation.low), entry.motor)
+    noise = MotorNoise(shares, actuation.low, actuation.high, LowPass(ms_to_s(entry.low_pass_ms)))
     if actuation.bandwidth_hz is None:
         return noise
     return BandLimited(noise, np.array([2 * math.pi * actuation.bandwidth_hz]))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
@@ -66,10 +66,16 @@ class NoiseEntry(ComposedModel):
 
     motor: Annotated[Amount, Field(le=1)] = 0.0
     """Standard deviation of what an actuator is driven by, as a share of its command."""
+    of_commands: tuple[Annotated[Amount, Field(le=1)], ...] = ()
+    """The same of each number of the action, if they differ."""
     low_pass_ms: Annotated[Duration, Field(ge=0.1)] = LOW_PASS_MS
     """Time constant of the noise of commands and of senses whose noise changes gradually."""
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key != "of_commands" or value}
 
 
 def check_noise(

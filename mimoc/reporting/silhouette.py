@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.compiler.validation.measuring import Figure, own_solids, solid_extents
+from mimoc.bundle.primitives import solid_extents
+from mimoc.compiler.validation.measuring import Figure, own_solids
 from mimoc.render.plots.drawing import Point, Shape, area
 
 CORNERS = 24

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from mimoc.scenes.room.spec import RoomSpec as RoomSpec
     from mimoc.scenes.spec import SceneSpec as SceneSpec, TexturesSpec as TexturesSpec
     from mimoc.schema.body import BodySpec as BodySpec, IndividualSpec as IndividualSpec, PartSpec as PartSpec
+    from mimoc.schema.impairments import ImpairmentsSpec as ImpairmentsSpec, ToneSpec as ToneSpec
     from mimoc.schema.infant import (
         InfantSpec as InfantSpec,
         as_written as as_written,

@@ -24,12 +24,15 @@ OLDEST_MONTHS = 24
 """Last age of the growth tables."""
 
 
-def at_another_age(body: BodySpec, before_months: float, after_months: Any) -> dict[str, Any]:
+def at_another_age(
+    body: BodySpec, before_months: float, after_months: Any, months_early: float = 0.0
+) -> dict[str, Any]:
     """Return what changes in a body when its child has another age: sections with new values by key, None to remove.
 
     An individual keeps its percentiles: a measured length, weight or head becomes what a child with the same z-score by
     WHO's standards has then, z(after) = z(before). A single measurement keeps its ratio to the average child's.
-    Percentiles and factors stay as they are. What is said twice is said once from then on: the individual's measure
+    Ages are corrected of children born *months_early* before term. Percentiles and factors stay as they are. What is
+    said twice is said once from then on: the individual's measure
     counts, not its percentile, nor the measurement of the same size. Where the other age is none, nothing changes:
     validation says why.
     """
@@ -37,6 +40,7 @@ def at_another_age(body: BodySpec, before_months: float, after_months: Any) -> d
         return {}
     if rounded(float(after_months)) == rounded(before_months):  # Ages in manifests are rounded.
         return {}
+    before_months, after_months = (max(0.0, float(months) - months_early) for months in (before_months, after_months))
     changes: dict[str, Any] = {}
     if body.individual and (grown := grown_individual(body.individual, before_months, after_months)):
         changes["individual"] = grown
@@ -120,7 +124,7 @@ class InfantSpec(InfantKeys):
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
         if "age_months" in changes and (
-            grown := at_another_age(self.body, self.age_months, plain(changes["age_months"]))
+            grown := at_another_age(self.body, self.age_months, plain(changes["age_months"]), self.months_early)
         ):
             data = changed(data, {"body": grown})
         return _checked(type(self), changed(data, changes), self)
@@ -143,6 +147,24 @@ class InfantSpec(InfantKeys):
         """Whether each value is the very one that was read, and so validated, from the source."""
         values = tuple(self.__dict__.values())
         return len(values) == len(self._as_read) and all(map(operator.is_, values, self._as_read))
+
+
+def healthy(spec: InfantSpec) -> InfantSpec:
+    """Return the same child without impairments, of the same age, and at the same percentiles if it was born early.
+
+    Raises:
+        SpecError: If there is no such child.
+
+    Example:
+        >>> import mimoc
+        >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"gestation_weeks": 32})
+        >>> healthy(spec).impairments is None, healthy(spec).age_months
+        (True, 6.0)
+    """
+    if spec.impairments is None:
+        return spec
+    grown = at_another_age(spec.body, spec.corrected_age_months, spec.age_months)
+    return spec.with_(impairments=None, **({"body": grown} if grown else {}))
 
 
 def read_spec(source: Source) -> InfantSpec:

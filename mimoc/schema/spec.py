@@ -1,5 +1,6 @@
 """All keys of a spec, its `control`, and the checks that involve several sections or what the infant does not have."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Annotated, Literal, Self
@@ -17,6 +18,7 @@ from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
+from mimoc.schema.impairments import ImpairmentsSpec
 from mimoc.schema.names import SIDES, Development, limb_bodies, single_groups, trunk_bodies, unsided
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
@@ -88,6 +90,8 @@ class InfantKeys(FileModel):
     """What changes with age besides size: strength, tone, ranges of joints and proportions as real infants'
     (`maturing`), or as published with MIMo v2 (`published`), where strength follows volume and all else stays as at 18
     months."""
+    impairments: ImpairmentsSpec | None = None
+    """What differs from a healthy child: weakness, muscle tone, contractures, birth before term."""
     body: BodySpec = Field(default_factory=BodySpec)
     """The body."""
     actuation: ActuationSpec = Field(default_factory=ActuationSpec)
@@ -104,6 +108,27 @@ class InfantKeys(FileModel):
     """Duration of control and physics steps."""
     task: TaskSpec | None = None
     """The task; by default, none."""
+
+    @property
+    def months_early(self) -> float:
+        """How many months before term the child was born; 0 from term on."""
+        return self.impairments.months_early if self.impairments else 0.0
+
+    @property
+    def corrected_age_months(self) -> float:
+        """Age of what matures with it: that since term of a child that was born before, else since birth."""
+        return self.age_months - self.months_early
+
+    @model_validator(mode="after")
+    def _is_at_term(self) -> Self:
+        if self.corrected_age_months < 0:
+            months = math.ceil(100 * self.months_early) / 100
+            message = (
+                f"a child that was born {self.months_early:.2f} months early is not at term yet, and there are no "
+                f"tables of growth before; give {months:g} or more"
+            )
+            raise KeyedError(("age_months",), message, against=("impairments",))
+        return self
 
     @model_validator(mode="after")
     def _takes_what_its_task_begins_with(self) -> Self:
@@ -159,7 +184,7 @@ class InfantKeys(FileModel):
 
     @model_validator(mode="after")
     def _says_each_size_once(self, info: ValidationInfo) -> Self:
-        check_sizes(self.body, self.age_months, info.context)
+        check_sizes(self.body, max(0.0, self.corrected_age_months), info.context)
         return self
 
     @model_validator(mode="after")
@@ -205,4 +230,7 @@ class InfantKeys(FileModel):
     @model_validator(mode="after")
     def _noise_has_something_to_act_on(self) -> Self:
         check_noise(self.noise, dict(self.senses), self.delays, self.actuation.model, self.control.timestep_ms)
+        if self.impairments and self.impairments.noise and not ACTUATIONS[self.actuation.model].command_is_effort:
+            message = f"commands of '{self.actuation.model}' actuators are no efforts, which have noise; leave it out"
+            raise KeyedError(("impairments", "noise"), message, against=("actuation", "model"))
         return self

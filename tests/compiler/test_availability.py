@@ -25,13 +25,24 @@ development: published
 )
 """One of each, so that one refusal shows them all."""
 
-INERT = {"body.extra", "scene.seed", "scene.room", "scene.textures"}
-"""The smallest spec is in no room, and nothing in it is random; parts besides a child's come from others."""
+INERT = {"impairments.side", "body.extra", "scene.seed", "scene.room", "scene.textures"}
+"""The smallest spec is in no room, nothing in it is random, and it has no disorder of one side; parts besides a child's
+come from others."""
 
 BUILT = {
     "name": "other",
     "age_months": 10,
     "development": "published",
+    "impairments": {"preset": "hypotonia"},
+    "impairments.preset": "diplegia",
+    "impairments.weakness": {"right_arm": 0.05},
+    "impairments.tone": {"legs": {"kind": "spastic"}},
+    "impairments.range": {"left_elbow": [-90, -20]},
+    "impairments.delay": {"right_side": 2},
+    "impairments.noise": {"hands": 0.2},
+    "impairments.acuity": {"left_eye": 0.3},
+    "impairments.field_deg": {"right": 0},
+    "impairments.gestation_weeks": 34,
     "body.hands": "five_finger",
     "body.chest_joint": True,
     "body.individual": {"sex": "female", "length_percentile": 25},
@@ -73,6 +84,9 @@ BUILT = {
 """What this version builds: keys and values that are not the default."""
 
 NEEDED = {
+    "impairments.delay": {"delays": {"preset": "physiological"}},
+    "impairments.acuity": {"senses": {"vision": {}}},
+    "impairments.field_deg": {"senses": {"vision": {}}},
     **{f"delays.{sense}_ms": {"senses": {sense: {}}} for sense in SENSES},
     "noise.proprioception_deg": {"senses": {"proprioception": {}}},
     "noise.touch_n": {"senses": {"touch": {}}},

@@ -24,7 +24,7 @@ NOISY = {
 
 def test_all_noise_is_off_by_default():
     spec = mimoc.InfantSpec.model_validate(BASE)
-    assert noise(spec) == NoiseEntry()
+    assert noise(spec, ["robot:left_elbow"]) == NoiseEntry()
     assert set(NoiseEntry().model_dump().values()) == {0.0, 60.0}
 
 
@@ -33,7 +33,9 @@ def test_the_manifest_has_what_the_spec_says():
 
 
 def test_the_spec_and_the_manifest_have_the_same_keys():
-    assert NoiseSpec.model_fields.keys() == NoiseEntry.model_fields.keys() - {"low_pass_ms"} == ALL.keys()
+    assert (
+        NoiseSpec.model_fields.keys() == NoiseEntry.model_fields.keys() - {"low_pass_ms", "of_commands"} == ALL.keys()
+    )
     assert set(noise_keys().values()) < ALL.keys()
 
 
@@ -49,7 +51,7 @@ def test_every_noise_is_led_back_to_its_key():
 @given(st.floats(0, 24), st.floats(0, 24))
 def test_maturing_motor_noise_falls_from_30_to_10_percent(one, other):
     young, old = (
-        noise(mimoc.InfantSpec.model_validate({**BASE, "age_months": age, "noise": {"motor": "maturing"}})).motor
+        noise(mimoc.InfantSpec.model_validate({**BASE, "age_months": age, "noise": {"motor": "maturing"}}), []).motor
         for age in sorted((one, other))
     )
     assert 0.1 <= old <= young <= 0.3 + 1e-12

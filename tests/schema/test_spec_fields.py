@@ -20,7 +20,7 @@ from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
-UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd", "n")
+UNITS = ("cm", "m", "kg", "deg", "ms", "px", "weeks", "months", "percentile", "cpd", "n")
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
 WRONG = [
     "a word",
@@ -63,6 +63,7 @@ def test_every_field_belongs_to_a_public_model():
     assert {name for model in MODELS for name in model.model_fields} == {str(path[-1]) for path in FIELDS} | {
         "length",
         "girth",
+        "gain",
     }
 
 

@@ -15,12 +15,12 @@ from mimoc.actuation.build_setup import build_actuation
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s
 from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.primitives import solid_extents
 from mimoc.compiler.assembling import assemble_infant
 from mimoc.compiler.child import child_of
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.placing import SceneAssets, place_in_scene
 from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
 from mimoc.mjcf import printing
@@ -38,15 +38,6 @@ IntArray = npt.NDArray[np.intp]
 Row = TypeVar("Row")
 Progress = Callable[[int, int], None]
 """Called with the number of infants measured and their total number."""
-
-PRIMITIVES: Mapping[int, Kind] = {
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
-    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
-}
-"""Kinds of primitives by MuJoCo's geom type."""
 
 
 def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
@@ -76,11 +67,6 @@ def own_solids(model: mujoco.MjModel) -> IntArray:
     """Return the indices of the solids of an infant's body, shape (n,): no clothes, toys or floor."""
     is_infants = model.body_rootid[model.geom_bodyid] == model.body_rootid[model.body(ROOT).id]
     return np.flatnonzero(is_infants & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
-
-
-def solid_extents(model: mujoco.MjModel, geoms: IntArray) -> Extents:
-    """Return how far some geoms reach from their centres, from their indices, shape (n,)."""
-    return extents((PRIMITIVES[model.geom_type[geom]], model.geom_size[geom]) for geom in geoms)
 
 
 def compare_at_ages(

@@ -13,9 +13,9 @@ from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
 from mimoc.body.kinematics import Stature, stature
 from mimoc.body.measurements import targets
+from mimoc.bundle.primitives import PRIMITIVES, solid_extents
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.validation.measuring import (
-    PRIMITIVES,
     ROOT,
     SAME,
     UP,
@@ -23,7 +23,6 @@ from mimoc.compiler.validation.measuring import (
     compare_at_ages,
     compile_infant,
     own_solids,
-    solid_extents,
 )
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
@@ -175,14 +174,15 @@ def grow_against_who(
 
     Args:
         spec: The infant, which is measured at its own age too; None means the average child.
-        months: Ages in months, 0 to 24; None means every whole month.
+        months: Ages in months, 0 to 24; None means every whole month from term on.
         progress: Called after each age.
 
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
     infant = checked_or_average(spec)
-    ages = sorted({*map(float, MONTHS if months is None else months), *([infant.age_months] if spec else ())})
+    usual = (month for month in MONTHS if month >= infant.months_early)
+    ages = sorted({*map(float, usual if months is None else months), *([infant.age_months] if spec else ())})
     return GrowthReport(compare_at_ages(infant, ages, _rows, progress))
 
 
@@ -190,7 +190,7 @@ def _rows(child: InfantSpec) -> list[Row]:
     """Return the rows of a child at its age."""
     measures, individual = measure_compiled(compile_infant(child)), child.body.individual
     reference: Reference = (individual and individual.sex) or "mean"
-    return compare_with_who(child.age_months, measures, reference, requests_of(child, measures))
+    return compare_with_who(rounded(child.corrected_age_months), measures, reference, requests_of(child, measures))
 
 
 def measure_compiled(model: mujoco.MjModel) -> Stature:
@@ -242,7 +242,7 @@ def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
     """
     requests: dict[str, float | None] = {}
     if spec.body.individual:
-        wanted = targets(spec.body.individual, spec.age_months)
+        wanted = targets(spec.body.individual, spec.corrected_age_months)
         requests = {
             "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
             "weight_kg": wanted.weight_kg,

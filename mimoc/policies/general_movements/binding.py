@@ -24,7 +24,10 @@ class Moving:
     def __init__(self, batch: Batch):
         """Bind it to infants."""
         first, self._batch = batch.infants[0], batch
-        self._ages, step_s = [infant.age_months for infant in batch.infants], ms_to_s(first.manifest.step_ms)
+        self._ages, step_s = (
+            [infant.manifest.child.corrected_age_months for infant in batch.infants],
+            ms_to_s(first.manifest.step_ms),
+        )
         joints, laws = joints_of(first.manifest.actuation, first.actuation), [law_at(age) for age in self._ages]
         self._movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
         self._started = False
@@ -37,7 +40,7 @@ class Moving:
     def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
         """Return the actions of the next control step, shape (k, n)."""
         movement, batch, put = self._movement, self._batch, self._batch.put
-        ages = [infant.age_months for infant in batch.infants]
+        ages = [infant.manifest.child.corrected_age_months for infant in batch.infants]
         if not self._started:
             movement.start(put(draw(generators, 0, movement.starts)[1]))
             self._started = True

@@ -114,7 +114,7 @@ class Reflexes:
         self._rows = {name: batch.put(row[None]) for name, row in command_rows(batch).items()}
         low, high = batch.limits()
         self._low, self._high, self._rest = map(batch.put, (low, high, np.clip(0.0, low, high)))
-        ages = np.array([infant.age_months for infant in batch.infants]) - self._late_months
+        ages = np.array([infant.manifest.child.corrected_age_months for infant in batch.infants]) - self._late_months
         gains = {name: self._reflexes[name].ages.gain(ages) for name in self._reflexes if name not in self.idle}
         never = batch.put(np.zeros(self._count))
         self._forget({name: self.gains.get(name, never) == 0 for name in gains})

@@ -27,7 +27,7 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)
     size, body, sensed = infant_sections(bundle, model, sources)
-    measured = proportions(model, bundle.manifest.child.age_months, sources)
+    measured = proportions(model, bundle.manifest.child.corrected_age_months, sources)
     progress(1, steps)
     checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else UNCHECKED
     lead, pictures = introduce(bundle)

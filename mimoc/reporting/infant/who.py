@@ -58,6 +58,9 @@ def _sentences(bundle: Bundle) -> Iterator[str]:
     head = words.quantity(child.head_circumference_cm, "cm")
     noun = f"{NOUNS[child.sex]} {words.of_age(child.age_months)}"
     yield f"{noun}, {length} long and {weight} heavy, with a head of {head} around."
+    if child.months_early:
+        corrected = f"its corrected age, {child.corrected_age_months:.1f} months, counts"
+        yield f"It was born {child.months_early:.1f} months early: {corrected}."
     begins = POSES.get(manifest.pose, f'takes the pose "{words.name(manifest.pose)}"')
     toys = f" among {words.count(len(manifest.toys), 'toy')}" if manifest.toys else ""
     yield f"At the start of an episode it {begins}{toys}. {_task(bundle)}"
@@ -93,7 +96,7 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
             continue
         text = "WHO has no standard for this age"
         if indicator in percentiles:
-            text = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
+            text = words.rank(indicator, percentiles[indicator], child.sex, child.corrected_age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
         value = words.quantity(measures[indicator], quantity.unit)
         yield Tile(quantity.label, value, f"{words.sentence(text)}.", links)
@@ -103,8 +106,8 @@ def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) 
     quantity, value, text = INDICATORS[indicator], getattr(child, indicator), "this infant has none to measure"
     dots: tuple[Dots, ...] = ()
     if value is not None:
-        text = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
-        dots = (Dots((child.age_months,), (value,), "", "infant", (text,), 5.5),)
+        text = f"{words.quantity(value, quantity.unit)} at {words.age(child.corrected_age_months)}"
+        dots = (Dots((child.corrected_age_months,), (value,), "", "infant", (text,), 5.5),)
     if indicator in percentiles:
         text += f", percentile {percentiles[indicator]:.0f}"
     chart = who_chart(indicator, child.sex or "mean", () if value is None else (value,))

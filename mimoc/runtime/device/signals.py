@@ -14,9 +14,8 @@ from gymnasium.spaces import Box, Dict
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import Code, function_of
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.bundle.model import in_subtrees
 from mimoc.delays.spec import MOTOR
-from mimoc.delays.timing import timing_of
+from mimoc.delays.timing import timing_of, within
 from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.lines import Delays, JitteredLine, Line
 from mimoc.runtime.device.noise import CounterRandom, noise_of
@@ -134,13 +133,12 @@ def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | Non
         count: How many numbers it has.
         bodies: Those in which a sense measures them, of which each measures as many; None if none is in the legs.
     """
-    model, timing, in_legs = infant.model, timing_of(infant.manifest, infant.senses), None
+    model, timing = infant.model, timing_of(infant.manifest, infant.senses)
     if signal == MOTOR:
         bodies = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
-    if bodies is not None:
-        in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])[bodies].repeat(count // len(bodies))
+    where = None if bodies is None else within(model, bodies.repeat(count // len(bodies)))
     delays = Delays(*np.zeros((len(Delays._fields), count), np.intp))
-    for channel, (_, late, part) in enumerate(timing.groups(signal, in_legs)):
+    for channel, (_, late, part) in enumerate(timing.groups(signal, where)):
         for values, value in zip(delays, (late, timing.jitter(late), channel), strict=True):
             values[... if part is None else part] = value
     return delays

@@ -2,13 +2,14 @@
 
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer
 
 from mimoc.base.kinds import AgeTable, SenseKind
 from mimoc.delays import AGES_MONTHS
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Camera
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
+from mimoc.schema.regions import Direction
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
@@ -84,6 +85,11 @@ class VisionEntry(Model):
     """Factor by which an image is rendered larger before it is averaged down."""
     acuity_cpd: Annotated[float, Field(gt=0, le=60)] | None
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
+    acuity_shares: tuple[Annotated[Amount, Field(gt=0, le=1)], ...] = ()
+    """Share of that acuity that each camera's eye has, if it is not all of it."""
+    field_deg: dict[Direction, Annotated[Amount, Field(le=90)]] = Field(default_factory=dict)
+    """How far the eyes see to a side of their line of sight, beyond which pictures are black, if not as far as these
+    reach."""
     contrast: ContrastLaw = "linear"
     """Law of the contrast that is left of coarser gratings."""
     foveation: Annotated[Amount, Field(le=1000)]
@@ -94,6 +100,14 @@ class VisionEntry(Model):
     """Bodies that are hidden from the eyes: the infant's own head."""
     body: Shown = "solids"
     """What the eyes see of infants: their skins, or the solids under these."""
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in serialize(self).items() if key not in IMPAIRED or value}
+
+
+IMPAIRED = ("acuity_shares", "field_deg")
+"""What only impaired eyes have."""
 
 
 KIND = SenseKind(

@@ -1,5 +1,7 @@
 """Vision on a body."""
 
+from collections.abc import Iterable, Iterator
+
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
@@ -24,6 +26,8 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         height_px=spec.height_px,
         supersample=spec.supersample,
         acuity_cpd=resolve_acuity(spec, body.age_months),
+        acuity_shares=_shares(body, cameras),
+        field_deg=dict(body.field_deg),
         contrast=spec.contrast,
         foveation=spec.foveation,
         foveation_radius=spec.foveation_radius,
@@ -33,13 +37,33 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
 
 
+def _shares(body: BodyTree, eyes: Iterable[str]) -> tuple[float, ...]:
+    """Return the share of the acuity that some eyes have, if one has less than all."""
+    left = dict(body.acuity)
+    return tuple(left.get(eye, 1.0) for eye in eyes) if left else ()
+
+
 def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object]]:
+    origins = dict(_impaired(entry))
     if entry.acuity_cpd is None:
-        return {}
+        return origins
     if isinstance(spec.acuity, (int, float, str)):
         rule = PROFILES[spec.acuity_profile]
         sources = ["spec.senses.vision.acuity", "spec.senses.vision.acuity_profile", "spec.age_months"]
     else:
         rule, sources = "given by the spec", ["spec.senses.vision.acuity.cpd"]
     origin = {"value": entry.acuity_cpd, "unit": "cycles/deg", "rule": rule, "from": sources}
-    return {"vision.acuity_cpd": origin}
+    return {"vision.acuity_cpd": origin, **origins}
+
+
+def _impaired(entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
+    """Yield the origins of what impaired eyes have."""
+    rule = "given by the spec"
+    if entry.acuity_shares:
+        yield (
+            "vision.acuity_shares",
+            {"value": list(entry.acuity_shares), "unit": "1", "rule": f"{rule}: impairments.acuity"},
+        )
+    for direction, angle_deg in entry.field_deg.items():
+        at = [f"spec.impairments.field_deg.{direction}"]
+        yield f"vision.field_deg.{direction}", {"value": angle_deg, "unit": "deg", "rule": rule, "from": at}

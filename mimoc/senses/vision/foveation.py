@@ -1,11 +1,14 @@
 """Foveation: warping a picture so that its centre has a finer resolution than its rim, and blur by visual acuity."""
 
 import functools
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
 import numpy.typing as npt
 from scipy import fft, sparse, special
+
+from mimoc.schema.regions import Direction
 
 Pictures = npt.NDArray[np.float32]
 """Shape (..., height, width, colours), 0 to 255."""
@@ -165,6 +168,27 @@ def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: fl
     gain = CONTRAST_LAWS[law](frequencies_cpd, acuity_cpd).astype(np.float32)
     gain.flags.writeable = False
     return gain
+
+
+def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapping[Direction, float]) -> Pictures:
+    """Return 1 where an eye sees and 0 where it does not, shape (height, width).
+
+    Args:
+        width_px: Width of its pictures.
+        height_px: Height of its pictures.
+        fovy_deg: Their vertical field of view.
+        field_deg: How far it sees `left`, `right`, `up` and `down` of its line of sight, in the picture's plane.
+    """
+    tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
+    across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
+    tangents = {side: math.tan(math.radians(min(angle_deg, MOST_DEG))) for side, angle_deg in field_deg.items()}
+    left, right, up, low = (tangents.get(side, math.inf) for side in ("left", "right", "up", "down"))
+    columns, rows = (across >= -left) & (across <= right), (down >= -up) & (down <= low)
+    return (rows[:, None] & columns).astype(np.float32)
+
+
+MOST_DEG = 89.9
+"""Beyond this no plane picture reaches."""
 
 
 def _power_law(frequencies_cpd: FloatArray, acuity_cpd: float) -> FloatArray:

@@ -12,7 +12,7 @@ from mimoc.render.renderer import average_down
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
 from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import Drawn, Eyes
-from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights
+from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights, visual_field
 
 Filter = Callable[[Pictures], Pictures]
 """From pictures to pictures, shape (..., height, width, colours), 0 to 255."""
@@ -68,9 +68,15 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
 def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
     """Return the filters between drawing and observation: blur at the size drawn, average down, then warp."""
     chain: list[Filter] = []
+    drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample
     if entry.acuity_cpd is not None:
-        drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample
-        chain.append(partial(blur, gain=contrast_gain(*drawn, fovy_deg, entry.acuity_cpd, entry.contrast)))
+        gains = [
+            contrast_gain(*drawn, fovy_deg, share * entry.acuity_cpd, entry.contrast)
+            for share in entry.acuity_shares or (1.0,)
+        ]
+        chain.append(partial(blur, gain=np.stack(gains) if len(gains) > 1 else gains[0]))
+    if entry.field_deg:
+        chain.append(partial(np.multiply, visual_field(*drawn, fovy_deg, entry.field_deg)[..., None]))
     if entry.supersample > 1:
         chain.append(partial(average_down, times=entry.supersample))
     if entry.foveation:

@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 
 from mimoc.compiler.validation.measuring import ROOT
+from mimoc.control.holding.postures import seat
 from mimoc.render.body_camera import STILL, BodyCamera
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones import TRIALS, Conditions, Outcome, TrialInfant, compile_at
 from mimoc.studies.milestones.trial import Attempt, simulate
-from mimoc.studies.milestones.trials.sitting import seat
 
 LYING_S, FALLING_S = 6.0, 3.0
 ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0

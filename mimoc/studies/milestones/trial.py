@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
+from mimoc.control.holding.controller import Controller, servo
 from mimoc.senses.sense import FloatArray
-from mimoc.studies.milestones.controller import Controller, servo
 from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
 INTERVAL_S = 0.005

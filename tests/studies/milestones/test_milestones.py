@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from mimoc.control.holding.controller import Controller, servo
+from mimoc.control.holding.postures import seat
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions, compile_at, try_out
-from mimoc.studies.milestones.controller import Controller, servo
-from mimoc.studies.milestones.trials.sitting import seat
 
 USUAL = Conditions()
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)

@@ -17,7 +17,7 @@ from mimoc.runtime.device.signals import DeviceSetup
 from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.vision import VisionEntry
-from mimoc.senses.vision.foveation import contrast_gain, source_weights
+from mimoc.senses.vision.foveation import contrast_gain, source_weights, visual_field
 
 
 class Filters:
@@ -29,9 +29,17 @@ class Filters:
         self._times, self._eyes = first.supersample, len(first.cameras)
         self._size = first.height_px * first.supersample, first.width_px * first.supersample
         if any(entry.acuity_cpd is not None for entry in entries):
-            gains = np.stack([_gain(*self._size, *of_eyes) for of_eyes in zip(entries, fovy_deg, strict=True)])
-            self._gain = put(gains[body_of_world][:, None, :, :, None])
+            eyes = self._eyes if any(entry.acuity_shares for entry in entries) else 1
+            gains = np.stack([_gain(*self._size, *of_eyes, eyes) for of_eyes in zip(entries, fovy_deg, strict=True)])
+            self._gain = put(gains[body_of_world][..., None])
             self._cosines = [put(cosines(size_px)) for size_px in self._size]
+        self._field = None
+        if any(entry.field_deg for entry in entries):
+            fields = [
+                visual_field(*self._size[::-1], at_deg, entry.field_deg)
+                for entry, at_deg in zip(entries, fovy_deg, strict=True)
+            ]
+            self._field = put(np.stack(fields)[body_of_world][:, None, :, :, None])
         kinds = [(entry.foveation, entry.foveation_radius) for entry in entries]
         self._warps = [
             (put(np.flatnonzero([kinds[body] == kind for body in body_of_world])), _weights(first, *kind))
@@ -47,6 +55,8 @@ class Filters:
         if self._gain is not None:  # The cosine transform of `blur`, as products, for torch has none.
             spectrum = torch.einsum("rh,cw,kehwx->kercx", *self._cosines, pictures) * self._gain
             pictures = torch.einsum("rh,cw,kercx->kehwx", *self._cosines, spectrum)
+        if self._field is not None:
+            pictures = pictures * self._field
         pictures = average_down(pictures, self._times)
         for worlds, weights in self._warps:
             planes = pictures[worlds].permute(2, 3, 0, 1, 4)
@@ -63,11 +73,16 @@ def cosines(size: int) -> FloatArray:
     return rows
 
 
-def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float) -> FloatArray:
-    """Return how much contrast is left of each cosine, all of it where acuity is not limited."""
+def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float, eyes: int) -> FloatArray:
+    """Return how much contrast is left of each cosine, shape (eyes, height, width), of one for both if they are equal.
+
+    That is all of it where acuity is not limited.
+    """
+    shares = entry.acuity_shares or (1.0,) * eyes
     if entry.acuity_cpd is None:
-        return np.ones((height_px, width_px))
-    return contrast_gain(width_px, height_px, fovy_deg, entry.acuity_cpd, entry.contrast).astype(float)
+        return np.ones((len(shares), height_px, width_px))
+    size = width_px, height_px, fovy_deg
+    return np.stack([contrast_gain(*size, share * entry.acuity_cpd, entry.contrast) for share in shares]).astype(float)
 
 
 def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:

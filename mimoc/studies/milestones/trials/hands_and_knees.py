@@ -1,18 +1,18 @@
 """Limbs that carry or lift: keeping on hands and knees, rocking there, an arm held out, both legs lifted."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
+from mimoc.control.holding.driven import SIDES, rise_deg
+from mimoc.control.holding.postures import SUPPORTS, kneel
 from mimoc.senses.sense import FloatArray
-from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, rise_deg
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import Attempt, Trial
 
 HELD_S = 10.0
-SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
-"""Parts that may touch the floor, with all that hangs on them; thighs, because they end in the knees."""
 ELBOWS_DEG = (-30.0, -40.0)
 """Elbows of the postures that are tried: bent, so that muscles carry the infant. Stretched, its weight would lock them
 against the ends of their range, and arms would need hardly any strength."""
@@ -45,32 +45,6 @@ def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
             return still + np.sin(2 * np.pi * ROCKING_HZ * time_s) * sway
 
         yield replace(attempt, target=rock)
-
-
-def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjData:
-    """Return an infant on hands and knees, its shanks flat on the floor and its arms upright.
-
-    The pitch of the trunk that brings hands and knees to the floor together is found by bisection.
-    """
-    return bisect(
-        50.0,
-        110.0,
-        lambda pitch_deg: infant.placed(pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg)),
-        lambda data: infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg"),
-    )
-
-
-def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Mapping[str, float]:
-    return {
-        "{side}_hip1": -pitch_deg - thigh_deg,
-        "{side}_knee": -90.0 - thigh_deg,
-        "{side}_foot1": -55.0,
-        "{side}_shoulder_horizontal": 80.0,
-        "{side}_shoulder_ad_ab": pitch_deg,
-        "{side}_elbow": elbow_deg,
-        "{side}_hand2": 80.0,
-        "head_tilt": -30.0,
-    }
 
 
 HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still, SUPPORTS)

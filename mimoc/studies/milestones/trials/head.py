@@ -6,7 +6,9 @@ import mujoco
 import numpy as np
 
 from mimoc.base.units import deg_to_rad
-from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, elevation_deg
+from mimoc.control.holding.driven import SIDES, elevation_deg
+from mimoc.control.holding.postures import on_forearms
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import Attempt, Trial
 
 PRONE_S = 3.0
@@ -31,27 +33,7 @@ def _prone(infant: TrialInfant) -> Iterator[Attempt]:
     flat = infant.placed(90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
     yield Attempt(infant, flat, PRONE_S, check, strategy="arms at the sides")
     if infant.has("left_lower_arm", "left_upper_leg"):
-        yield Attempt(infant, _on_forearms(infant), PRONE_S, check, strategy="on the forearms")
-
-
-def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
-    """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
-    return bisect(
-        30.0,
-        95.0,
-        lambda pitch_deg: infant.placed(pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG}),
-        lambda data: infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg"),
-    )
-
-
-FOREARMS_DEG = {
-    "{side}_knee": -10.0,
-    "{side}_foot1": -50.0,
-    "{side}_shoulder_horizontal": 80.0,
-    "{side}_shoulder_ad_ab": 60.0,
-    "{side}_elbow": -120.0,
-    "head_tilt": -60.0,
-}
+        yield Attempt(infant, on_forearms(infant), PRONE_S, check, strategy="on the forearms")
 
 
 def _raised(infant: TrialInfant) -> Iterator[Attempt]:

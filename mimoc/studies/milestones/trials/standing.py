@@ -5,12 +5,11 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, tilt_deg
+from mimoc.control.holding.postures import FEET, fallen, stance
+from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 
 STANDING_S = 10.0
-MOST_TILT_DEG = 45.0
-FEET = ("left_foot", "right_foot")
 KNEES_DEG = (0.0, -20.0, -40.0)
 """Knees of the postures that are tried, straight and bent; what a young joint cannot stretch stays bent."""
 LEANS = (0.2, 0.3, 0.4)
@@ -29,34 +28,6 @@ def _standing(infant: TrialInfant) -> Iterator[Attempt]:
                 pushes=PUSHES,
                 strategy=f"knees {knee_deg:g}°, weight {lean:g} of the way from ankle to toes",
             )
-
-
-def fallen(infant: TrialInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
-    """Return whether a body that must not touch the floor does, or the trunk is tilted too far."""
-    tilted = "trunk tilted" if tilt_deg(data, infant.pushed) > MOST_TILT_DEG else ""
-    return infant.touching(data, forbidden) or tilted
-
-
-def stance(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
-    """Return an infant standing with flat soles on the floor, its centre of mass over some point of its feet.
-
-    The hips bend half as far as the knees, or as far as a young hip is bent anyway; the ankles, and with them the lean
-    of the whole infant, are found by bisection.
-    """
-    knee = float(np.clip(knee_deg, *infant.range_deg("left_knee")))
-    hip = min(knee_deg / 2, infant.range_deg("left_hip1")[1])
-
-    def placed(ankle: float) -> mujoco.MjData:
-        angles_deg = {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
-        return infant.placed(ankle + knee - hip, angles_deg)
-
-    return bisect(*infant.range_deg("left_foot1"), placed, lambda data: _lean(data) > lean)
-
-
-def _lean(data: mujoco.MjData) -> float:
-    """Return where the centre of mass stands over the feet: 0 over the ankles, 1 over the joints of the toes."""
-    ankle, toes = (np.mean([data.body(f"{side}_{part}").xpos[0] for side in SIDES]) for part in ("foot", "toes"))
-    return float((data.subtree_com[1, 0] - ankle) / (toes - ankle))
 
 
 def _half_squat(infant: TrialInfant) -> Iterator[Attempt]:

@@ -1,12 +1,12 @@
-"""The controller of all trials: a saturating spring and damper at every joint, around a posture.
+"""A controller that holds postures: a saturating spring and damper at every joint.
 
 Torque = compensation + K (target - angle) - D speed, clipped by the infant's own strength, with K = I w² and D = 2 I w;
-w is one natural frequency for all joints, ages and trials, and I is the inertia that the joint has to move: the larger
-of what hangs on it and what it hangs on, of which each limb of a pair bears half.
+w is one natural frequency for all joints, ages and postures, and I is the inertia that the joint has to move: the
+larger of what hangs on it and what it hangs on, of which each limb of a pair bears half.
 The compensation cancels the joint's own spring and the weight of what hangs on it. The damper is evaluated implicitly
-(Tan, Liu & Turk 2011, stable
-proportional-derivative control), so that stiff joints of light parts do not shake with physics steps of 5 ms.
-Wanted torques become the controls of motors, servos or muscles, through their activation filters.
+(Tan, Liu & Turk 2011, stable proportional-derivative control), so that stiff joints of light parts do not shake with
+physics steps of 5 ms. Wanted torques become the controls of motors, servos or muscles, through their activation
+filters.
 """
 
 import copy
@@ -19,9 +19,8 @@ import numpy as np
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation.measuring import ROOT
+from mimoc.control.holding.driven import DrivenInfant
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.studies.milestones.infant import TrialInfant
 
 LEAST_NM = 1e-9
 """Torque at full activation below which an actuator counts as powerless."""
@@ -34,7 +33,7 @@ class DelayedMotors:
     near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
     """
 
-    def __init__(self, infant: TrialInfant, interval_s: float, bias: FloatArray | None = None):
+    def __init__(self, infant: DrivenInfant, interval_s: float, bias: FloatArray | None = None):
         """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval.
 
         Torques are those beside a *bias* of motors and servos, shape (nu, mjNBIAS); their whole bias unless given.
@@ -117,7 +116,7 @@ class Servo:
     damping_nms: FloatArray
 
 
-def servo(infant: TrialInfant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
+def servo(infant: DrivenInfant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
     """Return the gains of an infant in a posture.
 
     Args:
@@ -133,7 +132,7 @@ def servo(infant: TrialInfant, data: mujoco.MjData, factor: float = 1.0) -> Serv
 class Controller:
     """Computes controls that keep the joints at target angles."""
 
-    def __init__(self, infant: TrialInfant, gains: Servo, interval_s: float):
+    def __init__(self, infant: DrivenInfant, gains: Servo, interval_s: float):
         """Prepare a twin of the model, whose inertia has the damping of one interval in it.
 
         Args:
@@ -204,7 +203,7 @@ class _Loads:
     """Weight of what hangs on each."""
 
 
-def _loads(infant: TrialInfant) -> _Loads:
+def _loads(infant: DrivenInfant) -> _Loads:
     """Return the driven hinges and those coupled to them, as hip_bend2 is to hip_bend1."""
     model, slots = infant.model, {int(joint): slot for slot, joint in enumerate(infant.joints)}
     loads = [(joint, slot, 1.0) for joint, slot in slots.items()]
@@ -224,11 +223,11 @@ def _loads(infant: TrialInfant) -> _Loads:
     return _Loads(at, np.array(owners, np.intp), np.array(ratios), bodies, dofs, weights_n)
 
 
-def _inertia(infant: TrialInfant, data: mujoco.MjData, joint: int) -> float:
+def _inertia(infant: DrivenInfant, data: mujoco.MjData, joint: int) -> float:
     """Return the inertia about a hinge of what it has to move, in [kg m²]."""
     model = infant.model
     body = int(model.jnt_bodyid[joint])
-    belongs = model.body_rootid == model.body(ROOT).id
+    belongs = model.body_rootid == infant.root
     outer = in_subtrees(model, [body])
     hanging = _about(model, data, joint, np.flatnonzero(outer))
     if model.body(body).name.endswith("_eye"):

@@ -1,0 +1,165 @@
+"""An infant's model with the hinges that its motors drive, and the postures that it can be placed in."""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
+from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.primitives import solid_extents
+from mimoc.senses.sense import FloatArray, IntArray
+
+SIDES = ("left", "right")
+SMALL_GAP_M = 1e-4
+"""Penetration of the floor at the start, so that the first physics step already carries the infant."""
+BISECTIONS = 12
+
+
+@dataclass(frozen=True)
+class DrivenInfant:
+    """A model, and the hinges that its motors drive."""
+
+    model: mujoco.MjModel
+    joints: IntArray
+    """Index of each driven hinge, shape (n,), each once."""
+
+    @cached_property
+    def root(self) -> int:
+        """Index of the infant's root body."""
+        return int(self.model.body_rootid[self.model.jnt_bodyid[self.joints[0]]])
+
+    @cached_property
+    def angles(self) -> IntArray:
+        """Where the angles of the driven hinges stand in `qpos`, shape (n,)."""
+        return self.model.jnt_qposadr[self.joints].astype(np.intp)
+
+    @cached_property
+    def dofs(self) -> IntArray:
+        """Where their speeds stand in `qvel`, shape (n,)."""
+        return self.model.jnt_dofadr[self.joints].astype(np.intp)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the driven hinges, without `robot:`."""
+        return tuple(self.model.joint(joint).name.removeprefix("robot:") for joint in self.joints)
+
+    @cached_property
+    def weight_n(self) -> float:
+        """Weight of the whole infant."""
+        return float(self.model.body_subtreemass[self.root]) * GRAVITY_M_S2
+
+    @cached_property
+    def floor(self) -> int:
+        """Index of the floor's geom."""
+        return self.model.geom("floor").id
+
+    @cached_property
+    def solids(self) -> IntArray:
+        """Indices of the geoms that touch things."""
+        touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
+        belongs = self.model.body_rootid[self.model.geom_bodyid] == self.root
+        return np.flatnonzero(belongs & touching).astype(np.intp)
+
+    @cached_property
+    def pushed(self) -> int:
+        """Index of the body that pushes act on."""
+        return self.model.body("chest" if self.has("chest") else "upper_body").id
+
+    def has(self, *bodies: str) -> bool:
+        """Return whether the infant has all of some body parts."""
+        return all(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name) >= 0 for name in bodies)
+
+    def parts_without(self, roots: Collection[str]) -> frozenset[int]:
+        """Return the bodies that are not among *roots* nor below them: those that must not touch the floor."""
+        ids = [self.model.body(name).id for name in roots if self.has(name)]
+        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
+
+    def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
+        """Return in words which of some bodies touches the floor; nothing if none does."""
+        geoms = data.contact.geom
+        others = geoms[(geoms == self.floor).any(axis=1)]
+        for geom in others[others != self.floor]:
+            body = int(self.model.geom_bodyid[geom])
+            if body in bodies:
+                return f"{self.model.body(body).name} touches the floor"
+        return ""
+
+    def range_deg(self, joint: str) -> tuple[float, float]:
+        """Return the range of a hinge."""
+        low, high = np.degrees(self.model.joint(f"robot:{joint}").range)
+        return float(low), float(high)
+
+    def placed(self, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0) -> mujoco.MjData:
+        """Return a posture at rest, its lowest point on the floor or above it.
+
+        Args:
+            pitch_deg: Rotation of the hip about y: 90 is face down, -90 face up.
+            angles_deg: Angles by joint, without `robot:`, clipped to the ranges; `{side}` stands for both sides. Joints
+                that this infant lacks are left out.
+            above_m: Height of the lowest point above the floor.
+        """
+        data = mujoco.MjData(self.model)
+        for joint, angle_rad in self._clipped(angles_deg):
+            data.qpos[self.model.jnt_qposadr[joint]] = angle_rad
+        half = deg_to_rad(pitch_deg) / 2
+        data.qpos[:7] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
+        mujoco.mj_kinematics(self.model, data)
+        data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
+        mujoco.mj_forward(self.model, data)
+        return data
+
+    def turned(self, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
+        """Return the angles of the driven hinges in a state, but for some, clipped to their ranges, shape (n,).
+
+        Joints are named as for `placed`.
+        """
+        angles = data.qpos[self.angles].copy()
+        for joint, angle_rad in self._clipped(angles_deg):
+            angles[self.joints == joint] = angle_rad
+        return angles
+
+    def _clipped(self, angles_deg: Mapping[str, float]) -> Iterator[tuple[int, float]]:
+        """Yield index and angle of the hinges that there are."""
+        for pattern, angle_deg in angles_deg.items():
+            for side in SIDES:
+                name = "robot:" + pattern.format(side=side)
+                joint = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
+                if joint >= 0:
+                    yield joint, float(np.clip(deg_to_rad(angle_deg), *self.model.jnt_range[joint]))
+
+    def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
+        """Return the height of the lowest point of a body part, or of the whole infant."""
+        geoms = self.solids
+        if part:
+            geoms = geoms[self.model.geom_bodyid[geoms] == self.model.body(part).id]
+        up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]
+        return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
+
+
+def bisect(
+    low: float, high: float, place: Callable[[float], mujoco.MjData], is_too_high: Callable[[mujoco.MjData], bool]
+) -> mujoco.MjData:
+    """Return the posture of the value from which on something is too high, by halving an interval again and again."""
+    for _ in range(BISECTIONS - 1):
+        middle = (low + high) / 2
+        low, high = (low, middle) if is_too_high(place(middle)) else (middle, high)
+    return place((low + high) / 2)
+
+
+def tilt_deg(data: mujoco.MjData, body: int) -> float:
+    """Return the angle between a body's own upward axis and the vertical."""
+    return float(np.degrees(np.arccos(np.clip(data.xmat[body, 8], -1.0, 1.0))))
+
+
+def elevation_deg(data: mujoco.MjData, body: int) -> float:
+    """Return how far a body faces up: 90 degrees for straight up, -90 for straight down."""
+    return float(np.degrees(np.arcsin(np.clip(data.xmat[body, 6], -1.0, 1.0))))
+
+
+def rise_deg(data: mujoco.MjData, start: int, end: int) -> float:
+    """Return the elevation of the line from one body's origin to another's: 90 degrees for straight up."""
+    line_m = data.xpos[end] - data.xpos[start]
+    return float(np.degrees(np.arctan2(line_m[2], np.hypot(line_m[0], line_m[1]))))
