@@ -91,9 +91,7 @@ def run(
     from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
-    if movement and not record:
-        raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
-    groups = groups_named(movement or ALL)
+    groups = _groups(movement, record)
     user_task = import_object(task) if task else None
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
@@ -111,6 +109,13 @@ def run(
     console.print_joints(act)
     for path in written:
         print(printable(path))
+
+
+def _groups(movement: str | None, record: Path | None) -> Sequence[str]:
+    """Return which movement columns are recorded."""
+    if movement and not record:
+        raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
+    return groups_named(movement or ALL)
 
 
 def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":

@@ -61,7 +61,7 @@ class Parts:
         return np.array([index[self._thing(geom)] for geom in range(self.model.ngeom)], np.intp)
 
     def _thing(self, geom: int) -> str:
-        """Return what a geom belongs to: a part; a fixed thing by the name of its geom, one that moves by its body's."""
+        """Return what a geom belongs to: a part, a fixed thing named as its geom, or one that moves, as its body."""
         body = int(self.model.geom_bodyid[geom])
         if body in self.part_of_body:
             return self.part_of_body[body]

@@ -32,10 +32,7 @@ def bind_contacts(env: InfantEnv) -> Group:
     touching = _Touching(parts, env.data)
     columns = [
         *(Column(f"{part}_contact_n", "N", _SUM.format(_words(part)), source=_FORCE) for part in parts.names),
-        *(
-            Column(f"{part}_ground_z_n", "N", _UPWARD.format(_words(part)), source=_FORCE)
-            for part in parts.names
-        ),
+        *(Column(f"{part}_ground_z_n", "N", _UPWARD.format(_words(part)), source=_FORCE) for part in parts.names),
         *(Column(f"ground_reaction_{axis}_n", "N", f"{axis} of the {_GROUND}", source=_FORCE) for axis in "xyz"),
         *(
             Column(f"{part}_touches", "", _TOUCHED.format(_words(part)), source=_FORCE, is_text=True)
@@ -81,7 +78,10 @@ class _Touching:
         numbers, pairs = np.zeros((times, 2 * count + 3)), [()] * times
         contact, efc_force, time_of_contact = _joined(moments)
         if (forces := contact_forces(contact, efc_force, self._body_of_geom)) is not None:
-            part, other = self._part_of_body[forces.bodies], self._thing_of_geom[contact.geom[forces.contacts]].sum(axis=1)
+            part, other = (
+                self._part_of_body[forces.bodies],
+                self._thing_of_geom[contact.geom[forces.contacts]].sum(axis=1),
+            )
             other, time, normal_n = other - part, time_of_contact[forces.contacts], forces.normal_forces_n[:, 0]
             pressing = (other != part) & (normal_n > 0)
             fixed = pressing & self._is_fixed[other]
@@ -133,7 +133,6 @@ def bind_joints(env: InfantEnv) -> Group:
     driven = set(model.actuator_trnid[env.actuation.actuators, 0].tolist())
     moved = [joint for joint in hinges if joint in driven]
     addresses, dofs = model.jnt_qposadr[hinges].astype(np.intp), model.jnt_dofadr[moved].astype(np.intp)
-
 
     def values(fields: Sequence[FloatArray], moments: object) -> Values:
         return Values(np.hstack([fields[0][:, addresses] * rad_to_deg(1.0), fields[1][:, dofs]]))

@@ -78,13 +78,13 @@ def bind_gaze(env: InfantEnv) -> Group:
     parts, geom = Parts(model, env.manifest), np.zeros(1, np.int32)
     data, cam_xpos, cam_xmat = env.data, env.data.cam_xpos, env.data.cam_xmat
     mean = np.bincount(eyes, minlength=model.ncam) / len(eyes)
-    own = parts.things.index(head) if head in parts.things else -1
+    skipped = parts.things.index(head) if head in parts.things else -1
     excluded = model.body(head).id if head else -1
 
     def moment() -> tuple[FloatArray, FloatArray, float, int]:
         start_m, towards = mean @ cam_xpos, (-mean @ cam_xmat)[2::3]  # Cameras look along -z; it need not be a unit.
-        times, thing, begin_m = 0.0, own, start_m
-        while thing == own:  # The eyes are bodies of their own, through which it may pass.
+        times, thing, begin_m = 0.0, skipped, start_m
+        while thing == skipped:  # The eyes are bodies of their skipped, through which it may pass.
             further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, excluded, geom)
             if further < 0:
                 return start_m, towards, math.nan, -1
@@ -107,7 +107,9 @@ _RAY = "MuJoCo's mj_ray from between the cameras of the eyes"
 _SIGHT = "mean line of sight of the eyes"
 _GAZE = (
     *(
-        Column(f"gaze_{axis}_m", "m", f"{axis} of where the {_SIGHT} first meets something; empty if nothing", source=_RAY)
+        Column(
+            f"gaze_{axis}_m", "m", f"{axis} of where the {_SIGHT} first meets something; empty if nothing", source=_RAY
+        )
         for axis in AXES
     ),
     Column("gaze_distance_m", "m", "distance from between the eyes to there; empty if there is nothing", source=_RAY),

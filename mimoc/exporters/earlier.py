@@ -8,8 +8,8 @@ from typing import Any
 
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.recording import folder, tables
 from mimoc.columns.column import Column
+from mimoc.recording import folder, tables
 from mimoc.recording.description import RECORDING
 from mimoc.recording.dictionary import read_dictionary, write_dictionary
 from mimoc.recording.folder import EPISODES, part_stem, with_extension

@@ -1,7 +1,7 @@
 """A recording as tidy tables: a row for each time, a column for each quantity, and a dictionary of all columns."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -96,7 +96,10 @@ def _write_movement(recording: ReadRecording, out: Path, open_table: Opened) -> 
         for episode in recording:
             columns = _keys(episode) | {"step": episode.step, "time_s": episode.time_s} | dict(episode.movement)
             missing = [None] * len(episode.step)
-            arrays = [_filled(columns[name], kind) if name in columns else pa.array(missing, kind) for name, kind in kinds.items()]
+            arrays = [
+                _filled(columns[name], kind) if name in columns else pa.array(missing, kind)
+                for name, kind in kinds.items()
+            ]
             file.write_table(pa.table(arrays, schema=pa.schema(kinds.items())))
     dictionary = read_dictionary(recording.path)
     return {(MOVEMENT, name): dictionary.get(name) or _entry(name) for name in kinds}
@@ -104,7 +107,10 @@ def _write_movement(recording: ReadRecording, out: Path, open_table: Opened) -> 
 
 def _keys(episode: Episode) -> dict[str, Array]:
     """Return which episode each row is of."""
-    return {name: np.full(len(episode.step), getattr(episode, "number" if name == "episode" else name)) for name in ("infant", "episode")}
+    return {
+        name: np.full(len(episode.step), getattr(episode, "number" if name == "episode" else name))
+        for name in ("infant", "episode")
+    }
 
 
 def _filled(values: Any, kind: Any = None) -> Any:
@@ -116,9 +122,9 @@ def _entry(column: str) -> dict[str, str]:
     """Return what the name of a column says of it."""
     if column.startswith(MEASURE) and (quantity := QUANTITIES.get(column.removeprefix(MEASURE))):
         return {"name": column, "unit": quantity.unit, "about": quantity.about, "source": quantity.source or ""}
-    about = {**KEYS, **STEPS, **{column: text for prefix, text in GROUPS.items() if column.startswith(prefix)}}
-    if column in about:
-        return _said(column, about[column])
+    of_group = next((text for prefix, text in GROUPS.items() if column.startswith(prefix)), None)
+    if about := of_group or KEYS.get(column) or STEPS.get(column):
+        return _said(column, about)
     match = UNIT.fullmatch(column)
     label, unit = match.groups() if match else (column, None)
     return {"name": column, "unit": unit or "", "about": label.replace(f"{ACTION}: ", "command of the actuator ", 1)}

@@ -107,4 +107,5 @@ def _field(quantity: Quantity, item: object) -> Any:
 
 
 def reduced(quantity: Quantity, values: Sequence[Any]) -> Value:
+    """Return what a quantity makes of the values that there are, without None."""
     return REDUCERS[quantity.reduce]([value for value in values if value is not None])

@@ -18,13 +18,13 @@ LEAST_PEAK_M_S, LEAST_RISE_M_S = 0.05, 0.025
 
 
 def movement_units(speeds_m_s: Iterable[float]) -> int:
-    """Return how often a speed rises to a peak and falls again, each by a least amount.
+    r"""Return how often a speed rises to a peak and falls again, each by a least amount.
 
     ```
     speed    A
-            / \\    b    C
-           /   \\  / \\  / \\       A and C are units; b is none, for it rises too little
-         _/     \\/   \\/   \\_
+            / \    b    C
+           /   \  / \  / \       A and C are units; b is none, for it rises too little
+         _/     \/   \/   \_
     ```
 
     Args:

@@ -155,7 +155,9 @@ def _movement(name: str, column: _Column | None) -> tuple[str, ...]:
     """Return the names of movement columns, which must be words; none of recordings that do not have them."""
     layout = _layout(name, column.layout) if column else ()
     if len(set(layout)) < len(layout) or not all(WORD.fullmatch(item) for item in layout):
-        raise UnusableFileError(f"columns.{name}.layout: it has what is not the name of a movement column, or one twice")
+        raise UnusableFileError(
+            f"columns.{name}.layout: it has what is not the name of a movement column, or one twice"
+        )
     return layout
 
 

@@ -25,8 +25,8 @@ def export_recording(
 
     Args:
         recording: The recording, or its folder.
-        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, the name of an `ExporterKind` that was registered, or `recording`: one of an
-            earlier version as this one records.
+        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, the name of an `ExporterKind` that was registered, or
+            `recording`: one of an earlier version as this one records.
         out: A new or empty folder.
         progress: Called with how much is written, and how much there is.
 
@@ -83,9 +83,9 @@ def _check_uniform(recording: ReadRecording) -> None:
     for episode in recording:
         if _form(episode) != _form(first):
             raise RecordingError(
-                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, movement columns,"
-                f" actuators or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
-                " only; export it to csv"
+                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, movement"
+                f" columns, actuators or control steps than infant {first.infant}, episode {first.number}, and this"
+                " format holds one kind only; export it to csv"
             )
 
 

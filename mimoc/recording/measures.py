@@ -1,6 +1,6 @@
 """Quantities of recorded episodes: a row for each episode of one recording, or of all in a folder."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,9 @@ def measurable() -> dict[str, Quantity]:
     return {
         name: item
         for name, item in QUANTITIES.items()
-        if item.over == "movement" or (item.over == "episode" and "run" in item.steps and item.reduce != "count") or "record" in item.steps
+        if item.over == "movement"
+        or (item.over == "episode" and "run" in item.steps and item.reduce != "count")
+        or "record" in item.steps
     }
 
 
@@ -54,7 +56,11 @@ def measure_recordings(source: str | Path, names: Sequence[str] = ()) -> dict[st
     for name in names:
         if name not in known:
             raise UnknownNameError("quantity of recordings", name, known)
-    rows = [_row(episode, folder, path, names or known) for path in recordings_in(folder) for episode in read_recording(path)]
+    rows = [
+        _row(episode, folder, path, names or known)
+        for path in recordings_in(folder)
+        for episode in read_recording(path)
+    ]
     if not rows:
         raise RecordingError(f"{folder}: there are no episodes in this recording")
     empty = [name for name in known if name in rows[0] and all(row[name] is None for row in rows)]

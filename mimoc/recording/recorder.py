@@ -62,7 +62,9 @@ class Recording(AbstractContextManager):
                 files.discard(leftover)
             self._writer = Writer()
             self._observers = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
-            write_dictionary(self.path, [column for observer in self._observers for column in observer.movement_columns])
+            write_dictionary(
+                self.path, [column for observer in self._observers for column in observer.movement_columns]
+            )
         except BaseException:
             self._folder.close()
             raise
@@ -114,7 +116,9 @@ class Recording(AbstractContextManager):
         software, observers, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
             about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
-            row_bytes = MOVEMENT_BYTES + sum(math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values())
+            row_bytes = MOVEMENT_BYTES + sum(
+                math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
+            )
             rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
             stem_of = partial(folder.stem, number)
             infant.observer = RecordingObserver(
@@ -193,9 +197,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
     for name, value in (("states_every", states_every), ("part_rows", part_rows)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:
             raise RecordingError(f"{name} must be a positive whole number, not {value!r}")
-    recording = Recording(
-        infants_of(env), folder, states_every=states_every, part_rows=part_rows, movement=movement
-    )
+    recording = Recording(infants_of(env), folder, states_every=states_every, part_rows=part_rows, movement=movement)
     for note in recording.notes:
         warnings.warn(note, stacklevel=2)
     return VectorRecorder(env, recording) if isinstance(env, VectorEnv) else EnvRecorder(env, recording)
