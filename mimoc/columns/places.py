@@ -84,7 +84,7 @@ def bind_gaze(env: InfantEnv) -> Group:
     def moment() -> tuple[FloatArray, FloatArray, float, int]:
         start_m, towards = mean @ cam_xpos, (-mean @ cam_xmat)[2::3]  # Cameras look along -z; it need not be a unit.
         times, thing, begin_m = 0.0, skipped, start_m
-        while thing == skipped:  # The eyes are bodies of their skipped, through which it may pass.
+        while thing == skipped:  # The eyes are bodies of their own, through which it may pass.
             further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, excluded, geom)
             if further < 0:
                 return start_m, towards, math.nan, -1
