@@ -113,7 +113,12 @@ _GAZE = (
         for axis in AXES
     ),
     Column("gaze_distance_m", "m", "distance from between the eyes to there; empty if there is nothing", source=_RAY),
-    *(Column(f"gaze_direction_{axis}", "", f"{axis} of the unit vector along the {_SIGHT}") for axis in AXES),
+    *(
+        Column(
+            f"gaze_direction_{axis}", "", f"{axis} of the unit vector along the {_SIGHT}", source="MuJoCo's cam_xmat"
+        )
+        for axis in AXES
+    ),
     Column("gaze_at", "", "what it meets: a part of the own body, a toy, or a fixed thing", source=_RAY, is_text=True),
 )
 

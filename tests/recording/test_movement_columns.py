@@ -104,7 +104,9 @@ def test_only_the_chosen_columns_are_recorded(groups, names, tmp_path):
     assert all(name.startswith("gaze") for name in movement)
     mimoc.export_recording(tmp_path / "kept", "csv", tmp_path / "csv")
     assert (tmp_path / "csv" / "movement.csv").exists() == bool(groups)
-    with pytest.raises(RecordingError, match=r"no episode has what 'left_foot_path_m' needs; record it with 'mimoc run"):
+    with pytest.raises(
+        RecordingError, match=r"no episode has what 'left_foot_path_m' needs; record it with 'mimoc run"
+    ):
         mimoc.measure_recordings(tmp_path / "kept", ["left_foot_path_m"])
 
 
