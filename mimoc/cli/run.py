@@ -92,8 +92,7 @@ def run(
 
     check_video(video, eyes)
     groups = _groups(movement, record)
-    user_task = import_object(task) if task else None
-    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
+    env = InfantEnv(load_infant(infant), "human" if window else None, task=import_object(task) if task else None)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, _chosen(policy, infant, root), load_trained)  # Refuses bad names before writing anything.
         if record:
