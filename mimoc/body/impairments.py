@@ -20,7 +20,7 @@ from mimoc.schema.impairments import PRETERM_WEEKS, ImpairmentsSpec, ToneSpec
 from mimoc.schema.regions import RANGED, SIDES, in_regions
 
 KEY = "spec.impairments"
-REFLEX = 2.8
+REFLEX = 2.6
 """K: such that spastic knees swing, from straight, at .69 of the peak speed of healthy ones at 18 months, as those of
 children with cerebral palsy do (202 and 293 degrees/s, White et al. 2007, Gait Posture 26: 97-105; fitted)."""
 THRESHOLD_RAD_S = 1.0

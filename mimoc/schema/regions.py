@@ -1,13 +1,11 @@
 """Regions of the body as clinicians name them, and the joints of each: `right_arm`, `legs`, `left_knee`, `trunk`."""
 
 from collections.abc import Iterable, Mapping
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 from mimoc.base.errors import suggestion
 
 Value = TypeVar("Value")
-Direction = Literal["left", "right", "up", "down"]
-"""A side of the line of sight."""
 
 SIDES = ("left", "right")
 ARM, LEG = ("shoulder", "elbow", "wrist", "fingers"), ("hip", "knee", "ankle", "toes")

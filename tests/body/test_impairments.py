@@ -196,3 +196,14 @@ def test_every_changed_number_names_the_key_that_changed_it():
     for key, source in expected.items():
         assert source in entries[key]["from"], key
     assert math.isclose(entries["spec.impairments.weakness.right_arm"]["value"], 0.05)
+
+
+def test_a_bundle_notes_what_differs_from_a_healthy_child():
+    (note,) = mimoc.build(infant(preset="brachial_plexus_palsy", side="left", acuity={})).manifest.notes
+    assert note.startswith("differs from a healthy child (brachial_plexus_palsy, left): weakness left_shoulder 0.28")
+    assert mimoc.build(infant()).manifest.notes == ()
+
+
+def test_what_eyes_lose_has_no_effect_without_vision():
+    notes = mimoc.build(infant(acuity={"eyes": 0.5})).manifest.notes
+    assert "'impairments.acuity' has no effect: senses.vision is off" in notes

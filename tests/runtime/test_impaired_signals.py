@@ -1,11 +1,18 @@
 """Impaired signals: delays to one arm, noise of one hand, an eye that sees less, a field that ends."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
+import pytest
 from hypothesis import given, strategies as st
+from pydantic import ValidationError
 
 import mimoc
-from mimoc.delays.spec import DelayEntry
+from mimoc.base.errors import BundleError
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import check_model, load_model
+from mimoc.delays.spec import DelayEntry, PartDelay
 from mimoc.delays.timing import Timing, within
 from mimoc.senses.vision.foveation import visual_field
 
@@ -17,17 +24,21 @@ def manifest(delays=None, **impairments):
     return mimoc.build(mimoc.InfantSpec.model_validate(data)).manifest
 
 
+def parts(delay: DelayEntry) -> dict[str, float]:
+    return {part.body: part.ms for part in delay.parts}
+
+
 def test_delays_are_longer_to_and_from_the_parts_that_are_named():
     usual = manifest().delays.motor
     late = manifest(delay={"right_arm": 2, "right_hand": 3, "body": 1.2}).delays.motor
     assert late.ms == round(1.2 * usual.ms / 5) * 5
     assert late.legs_ms == round(1.2 * usual.legs_ms / 5) * 5
-    assert late.parts_ms == {"right_upper_arm": 2 * usual.ms, "right_hand": 3 * usual.ms}
+    assert parts(late) == {"right_upper_arm": 2 * usual.ms, "right_hand": 3 * usual.ms}
 
 
 def test_a_leg_is_later_by_its_own_usual_delay():
     usual, late = manifest().delays.motor, manifest(delay={"left_leg": 2}).delays.motor
-    assert late.parts_ms == {"left_upper_leg": 2 * usual.legs_ms}
+    assert parts(late) == {"left_upper_leg": 2 * usual.legs_ms}
     assert (late.ms, late.legs_ms) == (usual.ms, usual.legs_ms)
 
 
@@ -41,7 +52,7 @@ def test_each_number_has_the_delay_of_the_innermost_part(trunk, arm, hand, leg):
     """Numbers of trunk, arm, hand and leg are of one group each, and all are of some."""
     model = mujoco.MjModel.from_xml_string(TREE)
     bodies = np.array([model.body(name).id for name in ("trunk", "arm", "hand", "leg", "hand")])
-    entry = DelayEntry(ms=trunk, legs_ms=leg, parts_ms={"arm": arm, "hand": hand})
+    entry = DelayEntry(ms=trunk, legs_ms=leg, parts=(PartDelay(body="arm", ms=arm), PartDelay(body="hand", ms=hand)))
     groups = Timing(10, 1, {"touch": entry}, ("leg",)).groups("touch", within(model, bodies))
     steps = np.full(len(bodies), -1)
     for _, late, part in groups:
@@ -114,3 +125,34 @@ def test_one_eye_sees_less_and_both_lose_a_side():
     blurred.close()
     impaired.close()
     usual.close()
+
+
+@pytest.mark.parametrize(
+    ("section", "change"),
+    [
+        (("noise",), {"of_commands": (0.1,)}),
+        (("senses", "vision"), {"acuity_shares": (0.5,)}),
+        (("senses", "vision"), {"field_deg": {"left": 100.0}}),
+        (("delays", "motor"), {"parts": ({"body": "right_hand", "ms": 3.0},)}),
+    ],
+)
+def test_a_manifest_that_says_too_little_or_too_much_is_refused(section, change):
+    data = mimoc.build(mimoc.InfantSpec.model_validate({**BASE, "senses": {"vision": {}}})).manifest.model_dump()
+    inner = data
+    for name in section:
+        inner = inner[name]
+    inner.update(change)
+    with pytest.raises(ValidationError):
+        Manifest.model_validate(data)
+
+
+def test_a_delay_of_a_body_that_is_not_there_is_refused(tmp_path):
+    spec = mimoc.InfantSpec.model_validate(
+        {**BASE, "delays": {"motor_ms": 20}, "impairments": {"delay": {"right_hand": 2}}}
+    )
+    bundle = mimoc.build(spec)
+    parts = (PartDelay(body="third_hand", ms=20.0),)
+    delays = bundle.manifest.delays.model_copy(update={"motor": DelayEntry(ms=20, parts=parts)})
+    other = replace(bundle, manifest=bundle.manifest.model_copy(update={"delays": delays}), path=tmp_path)
+    with pytest.raises(BundleError, match="third_hand"):
+        check_model(other, load_model(bundle))

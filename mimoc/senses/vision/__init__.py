@@ -1,18 +1,19 @@
 """Vision, with a camera in each eye."""
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer, model_validator
 
 from mimoc.base.kinds import AgeTable, SenseKind
 from mimoc.delays import AGES_MONTHS
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Camera
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
-from mimoc.schema.regions import Direction
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 ContrastLaw = Literal["linear", "mimo3"]
 
 
@@ -100,6 +101,12 @@ class VisionEntry(Model):
     """Bodies that are hidden from the eyes: the infant's own head."""
     body: Shown = "solids"
     """What the eyes see of infants: their skins, or the solids under these."""
+
+    @model_validator(mode="after")
+    def _each_eye_has_its_share(self) -> Self:
+        if len(self.acuity_shares) not in (0, len(self.cameras)):
+            raise ValueError(f"acuity_shares: {len(self.acuity_shares)} numbers for {len(self.cameras)} cameras")
+        return self
 
     @model_serializer(mode="wrap")
     def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
