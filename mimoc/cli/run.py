@@ -119,8 +119,7 @@ def run(
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
     console.print_run(summary, runs)
     console.print_joints(act)
-    for path in written:
-        print(printable(path))
+    sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
 def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
