@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -10,6 +10,7 @@ from rich.text import Text
 
 from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
+from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
@@ -337,3 +338,20 @@ def _duration(hours: float) -> str:
     if hours < 1 / 60:
         return f"{3600 * hours:.0f} s"
     return f"{60 * hours:.0f} min" if hours < 2 else f"{hours:.1f} h"
+
+
+def print_quantities(quantities: Iterable[Quantity]) -> None:
+    """Print what can be measured: name, unit and definition."""
+    table = new_table("name", "unit", "what it is", left=3)
+    for item in quantities:
+        table.add_row(item.name, item.unit, f"{item.label}: {item.about}")
+    open_console().print(table)
+
+
+def print_measured(columns: Mapping[str, Sequence[float | None]], title: str) -> None:
+    """Print the quantities of episodes, as means if there are several."""
+    values = {name: [value for value in column if value is not None] for name, column in columns.items()}
+    table = new_table("measure", "value" if max(map(len, values.values()), default=0) == 1 else "mean", title=title)
+    for name, column in values.items():
+        table.add_row(QUANTITIES[name].title, f"{sum(column) / len(column):.3g}")
+    open_console().print(table)
