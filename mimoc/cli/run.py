@@ -12,8 +12,19 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
-from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant, load_trained
+from mimoc.cli.arguments import (
+    Beside,
+    Body,
+    InfantPath,
+    ShownBody,
+    check_video,
+    import_object,
+    load_counterpart,
+    load_infant,
+    load_trained,
+)
 from mimoc.cli.terminal import printable
+from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.spec import usage
 
@@ -22,7 +33,9 @@ if TYPE_CHECKING:
 
     from mimoc.policies.policy import PolicyMaker
     from mimoc.recording.record import Watch
-    from mimoc.runtime.rollout import Run
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run, Summary
+    from mimoc.schema.infant import InfantSpec
 
 
 POLICY_NAMES = ", ".join(
@@ -36,6 +49,14 @@ VideoFile = Annotated[
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+MovementGroups = Annotated[
+    str | None,
+    typer.Option(
+        metavar="GROUPS",
+        help="Movement columns that are recorded: all, the default, none, or some, with commas: "
+        + ", ".join(f"{group.name} ({group.about})" for group in GROUPS.values()),
+    ),
 ]
 Steps = Annotated[
     int | None, typer.Option(min=1, help="Number of control steps to run; default: 1000, or a whole motion.")
@@ -68,10 +89,12 @@ def run(
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
+    movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
+    beside: Beside = None,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc import recording
@@ -81,23 +104,48 @@ def run(
     from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
-    user_task = import_object(task) if task else None
+    others = {beside: load_counterpart(infant, beside)} if beside else {}
+    user_task, chosen = import_object(task) if task else None, _chosen(policy, infant, root)
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
-        act = policy_of(env, _chosen(policy, infant, root), load_trained)  # Refuses bad names before writing anything.
-        if record:
-            from mimoc.recording.recorder import Recording
-
-            recorded.enter_context(Recording([env], record))
+        act = policy_of(env, chosen, load_trained)  # Refuses bad names before writing anything.
+        recorded.enter_context(_recording(env, record, movement))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
         written = [path for path in (video, record) if path]
         _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
-    console.print_run(rollout.summary())
+    summary = rollout.summary()
+    runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
+    console.print_run(summary, runs)
     console.print_joints(act)
-    for path in written:
-        print(printable(path))
+    sys.stdout.writelines(f"{printable(path)}\n" for path in written)
+
+
+def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
+    if folder is None:
+        if movement:
+            raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
+        return nullcontext()
+    from mimoc.recording.recorder import Recording
+
+    return Recording([env], folder, movement=groups_named(movement or ALL))
+
+
+def _run_beside(
+    infant: "InfantSpec", policy: "str | PolicyMaker", steps: int, seed: int, task: object | None
+) -> "Summary":
+    """Return the summary of the same run of another infant."""
+    from mimoc.compiler.pipeline import build
+    from mimoc.policies.named import policy_of
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run
+
+    with closing(InfantEnv(build(infant), task=task)) as env:
+        act = policy_of(env, policy, load_trained)
+        rollout = Run(env, lambda env: act, seed)
+        _run(rollout, steps, nullcontext(), [])
+        return rollout.summary()
 
 
 def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":

@@ -15,11 +15,18 @@ from mimoc.schema.quantities import Real
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
-from mimoc.studies.milestones.trials import TRIALS
+from mimoc.studies.milestones.trials import trial_called
 from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""
+
+
+def ages_of(spec: InfantSpec) -> Sequence[float]:
+    """Return the ages of the search that a child can have: of one that was born early, those from term on."""
+    return [age for age in AGES if age >= spec.months_early]
+
+
 COARSE_STRIDE = 2
 """The search descends by every second age of the grid, and then looks at those in between."""
 
@@ -123,9 +130,10 @@ def search_near(spec: InfantSpec, conditions: Conditions, name: str) -> SearchRe
     twenty and more of `search`.
     """
     individual = spec.body.individual
-    expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0)
-    near = min(AGES, key=lambda age: abs(age - expected))
-    return walk(AGES, near, partial(_try_at, spec.model_dump_json(), conditions, name))
+    expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0) + spec.months_early
+    ages = ages_of(spec)
+    near = min(ages, key=lambda age: abs(age - expected))
+    return walk(ages, near, partial(_try_at, spec.model_dump_json(), conditions, name))
 
 
 def search(
@@ -141,7 +149,7 @@ def search(
     Args:
         spec: The infant; its age is not used.
         conditions: Conditions of the trials.
-        names: The trials.
+        names: The trials, of one with sides also `arm_out:left`.
         ages: Ages to try, in months.
         processes: Number of processes; with 1, everything runs in this one.
         progress: Called after each search.
@@ -182,7 +190,8 @@ def _searched(
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
-    return try_out(TRIALS[name], compile_once(spec, age_months, conditions), conditions)
+    trial, side = trial_called(name)
+    return try_out(trial, compile_once(spec, age_months, conditions), conditions, side)
 
 
 FOLDER = "searches"
