@@ -74,6 +74,7 @@ def new(
     senses: Annotated[str | None, typer.Option(help="Names with commas between; `none` for none.")] = None,
     scene: Scene = None,
     pose: Pose = None,
+    held: Annotated[str | None, typer.Option(metavar="BODY", help="What somebody holds, such as chest.")] = None,
     task: Task = None,
     impairment: Impairment = None,
     side: Side = None,
@@ -87,7 +88,7 @@ def new(
 
     options = {
         "age_months": age, "hands": hands, "actuation": actuation, "senses": senses, "scene": scene, "pose": pose,
-        "task": task, "impairment": impairment, "side": side,
+        "held": held, "task": task, "impairment": impairment, "side": side,
     }  # fmt: skip
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if like and given:

@@ -24,6 +24,8 @@ class Choices:
     senses: Sequence[str] = ("proprioception", "vestibular")
     scene: str = "flat"
     pose: str = "supine"
+    held: str | None = None
+    """A body that somebody holds where it is."""
     task: str | None = None
     impairment: str | None = None
     """A preset of the impairments."""
@@ -82,6 +84,7 @@ def _lines(choices: Choices, language: Language) -> Iterator[str]:
     yield from ("", _beside("# delays: {preset: physiological}", f"preset: {_or(presets)}"))
     yield from ("", "scene:", said("kind", choices.scene, ("scene", "kind")))
     yield said("pose", choices.pose, ("scene", "pose"))
+    yield _beside(f"  {'' if choices.held else '# '}held: [{choices.held or 'chest'}]", "what somebody holds")
     tasks = offered()["task"]
     yield from ("", _beside(f"{'' if choices.task else '# '}task: {{kind: {choices.task or tasks[0]}}}", _or(tasks)))
 
