@@ -26,6 +26,11 @@ class DrivenInfant:
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
 
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "DrivenInfant":
+        """Return the infant of a model, whose actuators are all in it."""
+        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp))
+
     @cached_property
     def root(self) -> int:
         """Index of the infant's root body."""
@@ -52,11 +57,6 @@ class DrivenInfant:
         return float(self.model.body_subtreemass[self.root]) * GRAVITY_M_S2
 
     @cached_property
-    def floor(self) -> int:
-        """Index of the floor's geom."""
-        return self.model.geom("floor").id
-
-    @cached_property
     def solids(self) -> IntArray:
         """Indices of the geoms that touch things."""
         touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
@@ -78,12 +78,11 @@ class DrivenInfant:
         return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
 
     def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
-        """Return in words which of some bodies touches the floor; nothing if none does."""
-        geoms = data.contact.geom
-        others = geoms[(geoms == self.floor).any(axis=1)]
-        for geom in others[others != self.floor]:
-            body = int(self.model.geom_bodyid[geom])
-            if body in bodies:
+        """Return in words which of some bodies touches the floor, or what stands on it; nothing if none does."""
+        pairs = self.model.geom_bodyid[data.contact.geom]
+        is_still = self.model.body_weldid[pairs] == 0
+        for body in pairs[is_still.any(axis=1)][~is_still[is_still.any(axis=1)]]:
+            if int(body) in bodies:
                 return f"{self.model.body(body).name} touches the floor"
         return ""
 
