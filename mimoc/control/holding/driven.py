@@ -6,6 +6,7 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
 from mimoc.bundle.model import in_subtrees
@@ -37,6 +38,11 @@ class DrivenInfant:
         return int(self.model.body_rootid[self.model.jnt_bodyid[self.joints[0]]])
 
     @cached_property
+    def is_own(self) -> npt.NDArray[np.bool_]:
+        """Which bodies of the model are the infant's, shape (nbody,)."""
+        return np.asarray(self.model.body_rootid == self.root)
+
+    @cached_property
     def angles(self) -> IntArray:
         """Where the angles of the driven hinges stand in `qpos`, shape (n,)."""
         return self.model.jnt_qposadr[self.joints].astype(np.intp)
@@ -60,8 +66,7 @@ class DrivenInfant:
     def solids(self) -> IntArray:
         """Indices of the geoms that touch things."""
         touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
-        belongs = self.model.body_rootid[self.model.geom_bodyid] == self.root
-        return np.flatnonzero(belongs & touching).astype(np.intp)
+        return np.flatnonzero(self.is_own[self.model.geom_bodyid] & touching).astype(np.intp)
 
     @cached_property
     def pushed(self) -> int:
@@ -73,9 +78,9 @@ class DrivenInfant:
         return all(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name) >= 0 for name in bodies)
 
     def parts_without(self, roots: Collection[str]) -> frozenset[int]:
-        """Return the bodies that are not among *roots* nor below them: those that must not touch the floor."""
+        """Return its bodies that are not among *roots* nor below them: those that must not touch the floor."""
         ids = [self.model.body(name).id for name in roots if self.has(name)]
-        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
+        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids) & self.is_own).tolist())
 
     def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
         """Return in words which of some bodies touches the floor, or what stands on it; nothing if none does."""

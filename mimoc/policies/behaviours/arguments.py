@@ -43,7 +43,7 @@ def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], mos
         if not sign:
             words.append(piece)
             continue
-        check_name(f"option of '{behaviour}'", name, options)
+        check_name(f"setting of '{behaviour}'", name, options)
         numbers[name] = _number(behaviour, name, value, options[name])
     if len(words) > most_words:
         raise PolicyError(f"'{behaviour}' does not take '{words[most_words]}'; {_usage(options)}")

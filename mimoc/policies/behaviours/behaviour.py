@@ -54,6 +54,9 @@ class Behaviour:
     """The posture at the origin, facing along x, that an episode begins in; None to begin where the infant is."""
     is_whole = False
     """Whether it is a posture of the whole body, the rest of which others may move."""
+    loose: IntArray | None = None
+    """Those of its joints that bear nothing and only move what hangs on them; None for all, or, of a whole posture,
+    none."""
     may_touch: frozenset[int] = frozenset()
     """Bodies that it may bring to the floor, which counts against no posture."""
 

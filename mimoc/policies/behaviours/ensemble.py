@@ -59,7 +59,7 @@ class Ensemble:
             behaviour.begin(data)
         infant, self._owners = self._subject.infant, self._find_owners()
         self._may_touch = frozenset[int]().union(*(item.may_touch for item in self.behaviours))
-        gains, is_moved = servo(infant, data), self._owners != NOBODY
+        gains, is_moved = servo(infant, data, loose=self._loose()), self._owners != NOBODY
         self.rows: IntArray = np.flatnonzero(is_moved[self._slots]).astype(np.intp)
         gains = Servo(gains.stiffness_nm * is_moved, gains.damping_nms * is_moved)
         self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], _timing(self._subject))
@@ -84,6 +84,15 @@ class Ensemble:
         if self.whole is not None:
             owners[owners == NOBODY] = self.whole
         return owners
+
+    def _loose(self) -> frozenset[int]:
+        """Return the driven hinges that bear nothing."""
+        loose = frozenset[int]()
+        for number, behaviour in enumerate(self.behaviours):
+            usual = [] if behaviour.is_whole else behaviour.joints
+            joints = np.asarray(usual if behaviour.loose is None else behaviour.loose, np.intp)
+            loose |= set(joints[self._owners[joints] == number].tolist())
+        return loose
 
     def proposed(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves."""

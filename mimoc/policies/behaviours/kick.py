@@ -10,15 +10,15 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import check_name
-from mimoc.control.holding.driven import SIDES
+from mimoc.control.holding.driven import SIDES, elevation_deg
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.senses.sense import FloatArray
 
 PITCH_DEG = -90.0
 RESTING_DEG = {
-    "{side}_hip1": -50.0,
-    "{side}_knee": -70.0,
+    "{side}_hip1": -75.0,
+    "{side}_knee": -75.0,
     "{side}_foot1": -20.0,
     "{side}_shoulder_ad_ab": 60.0,
     "{side}_elbow": -60.0,
@@ -32,23 +32,26 @@ PHASE_S = 0.35
 OPTIONS = {"rate_per_min": Option(12.0, 1.0, 60.0), "hip_deg": Option(45.0, 5.0, 90.0)}
 """Kicks of each leg in a minute, of which infants of 0 to 4 months filmed on their backs make 12 (MINI-RGBD), and the
 excursion of the hip, for which 30 to 60 degrees have been published."""
-BOTH = "both"
+LEAST_UP_DEG = 30.0
+"""How far the chest of an infant on its back faces up at least; 0 is lying on the side (a choice)."""
+BOTH, LEGS = "both", ("left_leg", "right_leg")
 WORDS = (*SIDES, BOTH)
 
 
 class Kick(Behaviour):
-    """Kicks with one leg or, in turn, with both."""
+    """Kicks with one leg or, in turn, with both; all else keeps the pose, until the infant turns off its back."""
+
+    is_whole = True
 
     def __init__(self, subject: Subject, sides: tuple[str, ...], rate_per_min: float, hip_deg: float):
         """Bind it to an infant, and those of its legs that kick."""
         infant, self._sides = subject.infant, sides
         self.start = infant.placed(PITCH_DEG, RESTING_DEG)
-        legs = subject.moved_by(tuple(f"{side}_leg" for side in SIDES))
-        self.joints, self._rest_rad = legs, self.start.qpos[infant.angles[legs]].copy()
-        names = [infant.joint_names[joint] for joint in legs]
+        self.joints, self.loose = np.arange(len(infant.joints)), subject.moved_by(LEGS)
+        self._rest_rad, names = self.start.qpos[infant.angles].copy(), infant.joint_names
         self._flexed_rad = np.array([_flexion(name, sides, hip_deg) for name in names])
         self._lag = np.array([0.5 if name.startswith(sides[-1]) and len(sides) > 1 else 0.0 for name in names])
-        self._period_s = 60.0 / rate_per_min
+        self._infant, self._period_s = infant, 60.0 / rate_per_min
         self._hips = [infant.angles[infant.joint_names.index(f"{side}_hip1")] for side in sides]
 
     def begin(self, data: mujoco.MjData) -> None:
@@ -56,10 +59,14 @@ class Kick(Behaviour):
         self._seen_rad = list[FloatArray]()
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
-        """Return the angles of the legs; see `Behaviour`."""
+        """Return the angles of the pose, with legs that kick; see `Behaviour`."""
         since_s = (time_s / self._period_s + self._lag) % 1.0 * self._period_s
         share = np.clip(1.0 - np.abs(since_s / PHASE_S - 1.0), 0.0, 1.0)
         return self._rest_rad + self._flexed_rad * (10 * share**3 - 15 * share**4 + 6 * share**5)
+
+    def lost(self, data: mujoco.MjData, may_touch: frozenset[int]) -> str:
+        """Return whether it lies on its back no more; see `Behaviour`."""
+        return "" if elevation_deg(data, self._infant.pushed) >= LEAST_UP_DEG else "not on its back"
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:
         """Note where the hips are; see `Behaviour`."""

@@ -121,7 +121,7 @@ class BehaviourPolicy:
 def _place(env: InfantEnv, infant: DrivenInfant, start: mujoco.MjData) -> None:
     """Put an infant into a posture at the origin, at rest, in its place and facing as it does."""
     model, data = env.model, env.data
-    is_own = model.body_rootid[model.jnt_bodyid] == infant.root
+    is_own = infant.is_own[model.jnt_bodyid]
     (root,) = np.flatnonzero(is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE))
     hinges = model.jnt_qposadr[is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)]
     data.qpos[hinges], data.qvel[:] = start.qpos[hinges], 0.0
