@@ -12,7 +12,7 @@ _OWN = (
     *(*child.CHILD, motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
     *(outcome.RETURN, outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.EPISODES, motion.CONTACTS_SELF),
     *(motion.HIP_PATH, motion.HEAD_HEIGHT, motion.HEAD_LOWEST, motion.JOINT_SPEED, motion.UNSTABLE),
-    *(motion.HAND_ERROR, motion.FELL_AFTER, child.AGE, *outcome.CURVE),
+    *(motion.HAND_ERROR, motion.FELL_AFTER, *motion.BEHAVING, child.AGE, *outcome.CURVE),
     *(*movement.CORE, *details.DETAILS, *details.JOINTS),
 )
 """In the order in which tables show them."""
