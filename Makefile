@@ -28,10 +28,10 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses skills gpu bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test test-all docs clusters coverage golden skin pictures toys matrix consumers fuzz soak experiments poses skills gpu bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
 
 demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant of nine months, and let it reach.
 	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
@@ -112,6 +112,9 @@ gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes,
 	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest tests/runtime/device
 	$(BIN)/python benchmarks/gpu.py --device $(DEVICE)
 	$(BIN)/python sculpt/make_skills.py --device $(DEVICE) --steps $(STEPS) -o out/gpu
+
+experiments: $(TEST) opengl ## Run the experiments of seconds again whose pages are of earlier bodies, and let the other pages say so; docs/experiments.
+	$(BIN)/python sculpt/renew_pages.py
 
 poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
 	PYTHONPATH=tests $(BIN)/python -m support.start_poses

@@ -38,7 +38,7 @@ FILMS = {
     "hands_and_knees": (8, "prone", "hands_and_knees", 300),
     "stand": (12, "standing", "stand", 300),
     "kick": (3, "supine", "kick(rate_per_min=20)", 600),
-    "look_at": (9, "sitting", "sit+look_at(left_hand)+reach_for((0.1, 0.25, 0.3), left)", 300),
+    "look_at": (9, "sitting", "sit+look_at(left_hand)+reach_for((0.17, 0.12, 0.32), left)", 300),
     "reach_for": (9, "sitting", "sit+look_at(toy)+reach_for(toy)", 300),
 }
 """By film: age, pose, policy and steps."""
@@ -89,7 +89,7 @@ def main():
     if given.films:
         for name in given.only or FILMS:
             age_months, pose, policy, steps = FILMS[name]
-            env = opened(age_months, pose, **({"toys": TOYS, "seed": 3} if "toy" in policy else {}))
+            env = opened(age_months, pose, **({"toys": TOYS, "seed": 1} if "toy" in policy else {}))
             summary = mimoc.record(env, policy, given.films / f"{name}.gif", steps=steps, height_px=160, rate_hz=10)
             print(name, dict(summary.metrics), flush=True)
         return

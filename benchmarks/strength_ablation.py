@@ -2,10 +2,11 @@
 
     python benchmarks/strength_ablation.py [--variants 'as it is' 'arms <-> legs'] [--processes 2] [--spec SPEC]
 
-Each variant replaces `mimoc.body.strength.STRENGTH` in processes of its own, and every milestone with a median age in
+Each variant replaces `mimoc.body.strength.STRENGTH` in processes of its own, and every milestone with ages in
 `windows.csv` (but for rolling) is searched for, in half months from 0 to 24. Prints a table in Markdown: the youngest
 age from which on each is reached, how many are in their windows and how many at birth, and Spearman's correlation of
-these ages with the medians of real infants. A milestone not reached at 24 months counts as the last.
+these ages with the usual ones of real infants, or the middle of their range. A milestone not reached at 24 months
+counts as the last.
 """
 
 import argparse
@@ -30,7 +31,8 @@ from mimoc.studies.milestones.report import WINDOWS
 from mimoc.studies.milestones.search import AGES, SearchResult, search
 
 TRUNK_GROUPS, LEG_GROUPS, ARM_GROUPS = ("neck", "trunk"), ("hip", "knee", "ankle"), ("arm",)
-TRIALS = sorted((name for name in WINDOWS if name != "roll_over"), key=lambda name: WINDOWS[name].median_months)
+USUAL = {name: window.usual_months or sum(window.ages) / 2 for name, window in WINDOWS.items() if name != "roll_over"}
+TRIALS = sorted(USUAL, key=lambda name: USUAL[name])
 LAST_MONTHS = 99.0
 """Age at which a milestone that is not reached counts as reached."""
 
@@ -67,8 +69,8 @@ def main() -> None:
     spec = mimoc.load_spec(options.spec) if options.spec else InfantSpec(mimoc=1, name="child", age_months=0)
     print(f"| curves of strength | {' | '.join(f'`{name}`' for name in TRIALS)} | inside | at birth | order |")
     print(f"|{'---|' * (len(TRIALS) + 4)}")
-    medians = " | ".join(f"{WINDOWS[name].median_months:g}" for name in TRIALS)
-    print(f"| real infants, median | {medians} | | | |", flush=True)
+    usual = " | ".join(f"{USUAL[name]:g}" for name in TRIALS)
+    print(f"| real infants, usual | {usual} | | | |", flush=True)
     for variant in options.variants:
         pool = ProcessPoolExecutor(options.processes, get_context("spawn"), put_in, (variant,))
         with pool:
@@ -95,7 +97,7 @@ def row(variant: str, results: Mapping[str, SearchResult]) -> str:
         for name, age in ages.items()
     )
     ranked = [LAST_MONTHS if ages[name] is None else ages[name] for name in TRIALS]
-    real = [WINDOWS[name].median_months for name in TRIALS]
+    real = list(map(USUAL.__getitem__, TRIALS))
     order = np.corrcoef(rankdata(ranked), rankdata(real))[0, 1] if len(set(ranked)) > 1 else np.nan
     shown = " | ".join("-" if ages[name] is None else f"{ages[name]:g}" for name in TRIALS)
     born = sum(result.at_birth for result in results.values())

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from mimoc.body.anatomy import Anatomy, assemble
+from mimoc.body.composition import AVERAGE, Composition, composition
 from mimoc.body.dimensions import BodyGeometry, mirror, mirror_turn
 from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
@@ -83,10 +84,11 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
         ContractureError: If a contracture leaves nothing of a joint's range.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
-    tree, masses = _grow(child, reference, scales)
+    composed = composition(child, spec.body.individual)
+    tree, masses = _grow(child, reference, scales, composed)
     strength, strength_age_months = spec.actuation.strength, spec.actuation.strength_age_months
     if spec.body.individual or spec.body.measurements or scales or strength or strength_age_months is not None:
-        usual = _average(reference)
+        usual = _average(reference, composed.of_size())
         if strength_age_months is not None:
             tree = at_strength_of_age(tree, usual.motors, _average(reference.at(strength_age_months)).motors)
         tree = match_damping(scale_strength(tree, strength), usual, reference.anatomy)
@@ -109,13 +111,15 @@ def grow_average(age_months: float, anatomy: Anatomy) -> BodyTree:
     return grow_tree(measure(age_months, CURVES[anatomy.development]), anatomy)
 
 
-def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> tuple[BodyTree, Masses]:
+def _grow(
+    child: Measurements, reference: Reference, scales: Scales = NO_SCALES, composed: Composition = AVERAGE
+) -> tuple[BodyTree, Masses]:
     """Return the body that a child has grown to, and its masses."""
     anatomy = reference.anatomy
     shapes = shape_parts(child, reference, scales)
     masses = weigh_parts(shapes, reference)
     volumes = relative_volumes(shapes, reference)
-    growth = maturation(child, volumes, masses.head_gain, reference)
+    growth = maturation(child, volumes, masses.head_gain, reference, composed)
     joints = passive_joints(shapes, reference, growth)
     motors = motor_torques(volumes, reference, growth)
     tree = BodyTree(
@@ -133,9 +137,10 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
     return tree, masses
 
 
-def _average(reference: Reference) -> BodyTree:
-    """Return the body of the average child of an age."""
-    return _grow(measure(reference.age_months, CURVES[reference.anatomy.development]), reference)[0]
+def _average(reference: Reference, composed: Composition = AVERAGE) -> BodyTree:
+    """Return the body of the average child of an age, or of one of its size that matures at another rate."""
+    child = measure(reference.age_months, CURVES[reference.anatomy.development])
+    return _grow(child, reference, composed=composed)[0]
 
 
 def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:

@@ -20,7 +20,7 @@ from mimoc.schema.impairments import PRETERM_WEEKS, ImpairmentsSpec, ToneSpec
 from mimoc.schema.regions import RANGED, SIDES, in_regions
 
 KEY = "spec.impairments"
-REFLEX = 2.8
+REFLEX = 2.6
 """K: such that spastic knees swing, from straight, at .69 of the peak speed of healthy ones at 18 months, as those of
 children with cerebral palsy do (202 and 293 degrees/s, White et al. 2007, Gait Posture 26: 97-105; fitted)."""
 THRESHOLD_RAD_S = 1.0
@@ -61,7 +61,8 @@ def impair(tree: BodyTree, impairments: ImpairmentsSpec) -> BodyTree:
     newborn_tone = _preterm_tone(impairments)
     motors = (_impaired_motor(motor, impairments, weak, tones, newborn_tone) for motor in tree.motors)
     bodies = (replace(body, joints=tuple(joints[joint.name] for joint in body.joints)) for body in tree.bodies)
-    eyes = {f"{side}_eye": asked.acuity.get(f"{side}_eye", asked.acuity.get("eyes", 1.0)) for side in SIDES}
+    seen: Mapping[str, float] = {**asked.acuity}
+    eyes = {f"{side}_eye": seen.get(f"{side}_eye", seen.get("eyes", 1.0)) for side in SIDES}
     return replace(
         tree,
         bodies=tuple(bodies),
@@ -74,7 +75,8 @@ def impair(tree: BodyTree, impairments: ImpairmentsSpec) -> BodyTree:
 
 def _key(impairments: ImpairmentsSpec, section: str, name: str) -> str:
     """Return the key of the spec that says something: that of the preset, if it does."""
-    return f"{KEY}.{section}.{name}" if name in getattr(impairments, section) else f"{KEY}.preset"
+    leaf = ".kind" if section == "tone" else ""
+    return f"{KEY}.{section}.{name}{leaf}" if name in getattr(impairments, section) else f"{KEY}.preset"
 
 
 def _impaired_motor(

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import mirror, mirror_turn
 from mimoc.body.limits import limit_margin, margin_origin
-from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, size_gain
+from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, matured, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.reference import Reference
@@ -156,12 +156,13 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFacto
                 armature_kgm2=figures.armature_kgm2,
                 springref_deg=figures.springref_deg,
             )
-            joints[name] = _matured(joint, figures, groups[name], reference.age_months, growth) if growth else joint
+            joints[name] = _matured(joint, figures, groups[name], growth) if growth else joint
     return joints
 
 
-def _matured(joint: Joint, figures: ReferenceJoint, group: str, age_months: float, growth: MaturationFactors) -> Joint:
+def _matured(joint: Joint, figures: ReferenceJoint, group: str, growth: MaturationFactors) -> Joint:
     """Return a joint by the law `maturing`."""
+    age_months = growth.mature_months
     at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, growth)
     low, high = figures.range_deg
     if limit := LOWER_LIMITS.get(figures.name):
@@ -293,7 +294,8 @@ def _maturing_origins(figures: ReferenceJoint, joint: str, group: str, growth: M
         for name, why in figures_at_18(figures, group).why.items()
     }
     rubbing = f"none by {LAW}: a relaxed joint has no Coulomb friction to speak of, and with MIMo's no limb swings (D)"
-    return {**origins, "frictionloss": Origin(rubbing, (LAW_KEY,)), **dict(_angle_origins(figures))}
+    angles = {name: matured(origin, growth) for name, origin in _angle_origins(figures)}
+    return {**origins, "frictionloss": Origin(rubbing, (LAW_KEY,)), **angles}
 
 
 def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:

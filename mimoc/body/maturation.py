@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mimoc.body.anatomy import Anatomy
+from mimoc.body.composition import RATE_KEY, Composition
+from mimoc.body.origins import Origin
 from mimoc.body.part import REFERENCE_AGE_MONTHS
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
@@ -71,19 +73,34 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
 
 
 def maturation(
-    child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference
+    child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference, composed: Composition
 ) -> MaturationFactors | None:
     """Return what strength and joints mature with besides age; None by the published law, by which nothing does."""
     if reference.anatomy.development == "published":
         return None
     length = child.paper_law[HEIGHT] / reference.length_m
-    return MaturationFactors(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
+    return MaturationFactors(
+        length,
+        _volumes_of_joints(volumes, reference.anatomy),
+        head_gain,
+        composed.maturation_rate * reference.age_months,
+        composed.maturation_rate == 1,
+        composed.lean_gain,
+        composed.lean_keys,
+    )
 
 
 def heavier(group: str, growth: MaturationFactors) -> str:
     """Return what is said of the neck's numbers, which grow with its heavier head."""
     gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
     return gain if group == NECK else ""
+
+
+def matured(origin: Origin, growth: MaturationFactors) -> Origin:
+    """Return the origin of a number that follows maturity, with the child's own rate, if that is not average."""
+    if growth.is_usual:
+        return origin
+    return origin.times(f", at a maturity of {growth.mature_months:.6g} months", RATE_KEY)
 
 
 def size_gain(joint: str, group: str, growth: MaturationFactors) -> float:

@@ -10,7 +10,7 @@ from mimoc.base.units import cm_to_m, m_to_cm
 from mimoc.fits import Measured, Measurements, load_tables
 from mimoc.fits.who import Sex
 from mimoc.geometry.solvers import root
-from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
+from mimoc.schema.body import HEADS_CM, INDICATORS, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 
 Weigh = Callable[[Measurements], float]
@@ -70,7 +70,8 @@ def measure_individual(spec: InfantSpec, average: Measurements, weigh: Weigh, he
         IndividualError: If no child matches the requested individual.
     """
     individual = spec.body.individual
-    return replace_given(individualise(average, individual, weigh, height) if individual else average, spec)
+    sized = individual and any(getattr(individual, key) is not None for pair in INDICATORS.items() for key in pair)
+    return replace_given(individualise(average, individual, weigh, height) if individual and sized else average, spec)
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
@@ -95,7 +96,8 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
         IndividualError: If no child matches; the message gives the possible range.
     """
     wanted = targets(individual, measurements.age_months)
-    keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None)
+    sizing = {"sex", *(key for pair in INDICATORS.items() for key in pair)}
+    keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None and key in sizing)
     length = _factor(wanted.length_m, height(measurements), SIZES, LENGTHS_CM, "this age is not {} long")
     of_size = f"{m_to_cm(wanted.length_m):.1f} cm" if wanted.length_m else "this age"
     heads = _times(HEADS, length or 1.0)

@@ -6,9 +6,10 @@ A motor's torque at full command is
 
 with MIMo's torque T_18 at 18 months, the volume v of the part that it moves and the standing height l, both relative to
 18 months, and the share r of its muscle group's strength that an infant of that age has; f is 1 but for the shoulder's
-horizontal flexion, the middle joints of fingers and newborns' fingers. The load of its joint grows by v l, so r alone
-decides whether an infant can hold its own weight. Of the eyes, T = T_18 v l², in proportion to their inertia. By the
-published law, T = T_18 v.
+horizontal flexion, the middle joints of fingers and newborns' fingers, and for individuals, of whose volume only the
+lean part is strong and whose age counts times their rate of maturation (`mimoc.body.composition`). The load of its
+joint grows by v l, so r and the lean share decide whether an infant can hold its own weight. Of the eyes, T = T_18 v
+l², in proportion to their inertia. By the published law, T = T_18 v.
 
 No dynamometry of infants exists. Four numbers were fitted (D), each to one fact: `NEWBORN_SHARE` to the age at which
 prone infants lift their heads, `AXIAL_MONTHS` to that at which they sit, `LIMB_MONTHS` to that at which they stand (WHO
@@ -21,7 +22,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mimoc.body import origins
-from mimoc.body.maturation import EYES, FINGERS, HAND, Decay, RelativeVolumes, heavier, size_gain
+from mimoc.body.maturation import (
+    EYES,
+    FINGERS,
+    HAND,
+    NECK,
+    Decay,
+    RelativeVolumes,
+    heavier,
+    matured,
+    size_gain,
+)
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
 from mimoc.body.published_figures import as_published
@@ -106,10 +117,10 @@ def motor_torques(
         name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
         tone = fastest_rad_s = None
         if growth:
-            gain, _ = _gain(figures, groups[joint], reference.age_months, growth)
+            gain, _ = _gain(figures, groups[joint], growth)
             torque_nm *= gain
             fastest_rad_s = FASTEST_RAD_S
-            tone = tone_of(figures.joint, size_gain(joint, groups[joint], growth), reference.age_months)
+            tone = tone_of(figures.joint, size_gain(joint, groups[joint], growth), growth.mature_months)
         speed = figures.vmax_lengths_per_s
         motors.append(
             Motor(
@@ -127,24 +138,26 @@ def motor_torques(
     return tuple(motors)
 
 
-def _gain(figures: ReferenceMotor, group: str, age_months: float, growth: MaturationFactors) -> tuple[float, str]:
+def _gain(figures: ReferenceMotor, group: str, growth: MaturationFactors) -> tuple[float, str]:
     """Return the factor l r f on a torque T_18 v, for the neck also x what its head is heavier, and its reasons."""
     length, curve = growth.relative_length, STRENGTH[group]
     if group == EYES:
         why = f" x {length:.6g} ^ 2, standing height relative to 18 months, as their inertia grows by {LAW} (D)"
         return length**2, why
-    share = curve(age_months)
+    share = curve(growth.mature_months)
     why = (
         f" x {length:.6g}, the standing height relative to 18 months, x {share:.6g}, the share of its strength at 18 "
         f"months that the {group} has at this age by {LAW} (row `{group}`: {curve.newborn:g} at birth, decay of "
         f"{curve.decay.tau_months:g} months and power {curve.decay.power:g}; {curve.source})"
     )
-    gain = length * share * (growth.head_gain if group == "neck" else 1.0)
+    gain = length * share * (growth.head_gain if group == NECK else growth.lean_gain)
+    if growth.lean_gain != 1 and group != NECK:
+        why += f" x {growth.lean_gain:.6g}, by which it is leaner than the average child of its age (D)"
     if figures.joint == "robot:{side}_shoulder_horizontal":
         why += f" x {HORIZONTAL_FLEXION:g} (adults' adduction is twice abduction, Ivey et al. 1985, S; fitted, D)"
         return gain * HORIZONTAL_FLEXION, why
     if figures.joint in FINGERS:
-        grasp = 1 + GRASP * GRASP_DECAY(age_months)
+        grasp = 1 + GRASP * GRASP_DECAY(growth.mature_months)
         why += f" x {grasp:.6g}, by which newborns grasp harder (Robinson 1891, S; fitted, D)"
         if figures.joint.endswith("_middle"):
             why += f" x {MIDDLE:g}, .6 of the knuckle's torque (Purves & Berme 1980, S; An et al. 1983, M)"
@@ -189,8 +202,10 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     )
     gear = Origin(rule, (f"geom.{motor.driven_geom}.size",))
     if tree.growth:
-        _, why = _gain(figures, group, tree.age_months, tree.growth)
-        gear = gear.times(why, LENGTH_KEY, origins.AGE_KEY, LAW_KEY)
+        _, why = _gain(figures, group, tree.growth)
+        lean_keys = () if group in (EYES, NECK) else tree.growth.lean_keys
+        gear = gear.times(why, LENGTH_KEY, origins.AGE_KEY, LAW_KEY, *lean_keys)
+        gear = gear if group == EYES else matured(gear, tree.growth)
     else:
         gear = gear.times(", by the law `published`", LAW_KEY)
     for key, factor in motor.factors:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from mimoc.body.part import Development, GeomType, ReferenceMotor, Region
 from mimoc.geometry.rotations import Vec3
@@ -154,6 +155,14 @@ class MaturationFactors:
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
     head_gain: float
     """Mass of head and neck, relative to the published law."""
+    mature_months: float
+    """Age of the average child that is as mature: the age times the rate of maturation."""
+    is_usual: bool = True
+    """Whether that is its own age."""
+    lean_gain: float = 1.0
+    """Lean share of the body, relative to the average child of the same age."""
+    lean_keys: tuple[str, ...] = ()
+    """Keys of the spec that the lean share follows from, where it is not the average child's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +190,7 @@ class BodyTree:
     """Stretch reflexes of spastic muscles."""
     acuity: tuple[tuple[str, float], ...] = ()
     """Share of the visual acuity that is left, by body of an eye; all of it where nothing is said."""
-    field_deg: tuple[tuple[str, float], ...] = ()
+    field_deg: tuple[tuple[Literal["left", "right", "up", "down"], float], ...] = ()
     """How far its eyes see to a side of their line of sight: `left`, `right`, `up`, `down`; as far as their pictures
     reach where nothing is said."""
     merged: tuple[tuple[str, str], ...] = ()

@@ -230,7 +230,7 @@ class Manifest(Model):
             "noise.delay_jitter_ms": self.noise.delay_jitter_ms,
             **{f"{name}.ms": delay.ms for name, delay in delays.items()},
             **{f"{name}.legs_ms": delay.legs_ms or 0.0 for name, delay in delays.items()},
-            **{f"{name}.parts_ms.{part}": ms for name, delay in delays.items() for part, ms in delay.parts_ms.items()},
+            **{f"{name}.parts.{part.body}": part.ms for name, delay in delays.items() for part in delay.parts},
         }
         for name, time_ms in times_ms.items():
             try:
@@ -238,6 +238,13 @@ class Manifest(Model):
                     raise ValueError(f"{time_ms:g} ms is less than a physics step of {self.timestep_ms:g} ms")
             except ValueError as error:
                 raise ValueError(f"{name}: {error}") from None
+        return self
+
+    @model_validator(mode="after")
+    def _each_command_has_its_noise(self) -> Self:
+        commands = sum(actuator.commanded for actuator in self.actuation.actuators)
+        if len(self.noise.of_commands) not in (0, commands):
+            raise ValueError(f"noise.of_commands: {len(self.noise.of_commands)} numbers for {commands} commands")
         return self
 
     @model_validator(mode="after")

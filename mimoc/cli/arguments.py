@@ -46,6 +46,10 @@ PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]
 STDIN = Path("-")
+Beside = Annotated[
+    str | None,
+    typer.Option(metavar="healthy", help="Put the same child without what impairs it beside the one of the spec."),
+]
 
 
 def load_spec(path: Path) -> "InfantSpec":
@@ -85,6 +89,23 @@ def load_infant(path: Path) -> "Bundle":
     spec = load_spec(path)
     with console.progress("building") as show:
         return pipeline.build(spec, progress=show)
+
+
+def load_counterpart(path: Path, beside: str) -> "InfantSpec":
+    """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one.
+
+    Raises:
+        SpecError: If the spec is invalid, or there is no such child.
+        UnknownNameError: If there is no such counterpart.
+        MimocError: If there is no spec, or nothing impairs its child.
+    """
+    from mimoc.compiler.provenance import SPEC_FILE
+    from mimoc.schema.counterparts import counterpart
+
+    file = path / SPEC_FILE if path.is_dir() else path
+    if path == STDIN or not file.is_file():
+        raise MimocError(f"{path}: --beside changes the spec of an infant; name the file of one, or a bundle")
+    return counterpart(load_spec(file), beside)
 
 
 def load_trained(path: str) -> "PolicyMaker":

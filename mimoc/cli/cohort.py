@@ -1,5 +1,6 @@
-"""`mimoc cohort`: plan, run, status, table and retry."""
+"""`mimoc cohort`: plan, run, status, table, milestones and retry."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -110,6 +111,22 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
         with console.progress("reading results") as show:
             written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
+
+
+@app.command(epilog="Example:  mimoc cohort milestones spring.yaml -o out/spring")
+def milestones(
+    cohort: CohortPath,
+    out: Out,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+) -> None:
+    """Say when the children reach milestones, beside WHO's children, and whether the heavy and the fat are late."""
+    from mimoc.cli import console, tables
+    from mimoc.cohorts.milestones import milestone_summary
+
+    study = mimoc.read_cohort(cohort)
+    with console.progress("reading results") as show:
+        summary = milestone_summary(study.rows(out, progress=show))
+    print(json.dumps(summary.to_data(), indent=1)) if as_json else tables.print_milestone_summary(summary)
 
 
 def _given(**options: Any) -> dict[str, Any]:

@@ -102,18 +102,26 @@ def print_toys(manifest: Manifest) -> None:
         console.print(Text(f"note: {note}", style="yellow"))
 
 
-def print_run(summary: Summary) -> None:
-    """Print the summary of a run and its speed."""
+def print_run(summary: Summary, beside: Mapping[str, Summary]) -> None:
+    """Print the summary of a run and its speed, and what comes of the same run of other infants, by what they are."""
     title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
-    table = new_table("quantity", "value", title=title)
-    for name, value in {**summary.measures, **summary.metrics}.items():
-        if value is not None:
-            table.add_row(quantity_of(name).title, ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}")
+    table = new_table("quantity", "value", *beside, title=title)
+    columns = [{**one.measures, **one.metrics} for one in (summary, *beside.values())]
+    for name in dict.fromkeys(name for column in columns for name in column):
+        values = [column.get(name) for column in columns]
+        if any(value is not None for value in values):
+            table.add_row(quantity_of(name).title, *map(_value, values))
     console = open_console()
     console.print(table)
     console.print(f"{counted(summary.episodes, 'episode')}, total reward {summary.total_reward:.6g}")
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+
+
+def _value(value: float | None) -> str:
+    if value is None:
+        return ""
+    return ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}"
 
 
 def print_joints(policy: object) -> None:

@@ -8,6 +8,7 @@ import typer
 
 import mimoc
 from mimoc.base.errors import MimocError
+from mimoc.cli.arguments import Beside, load_counterpart
 from mimoc.cli.pictures import parse_seeds
 from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
 from mimoc.cli.run import POLICY_NAMES
@@ -25,6 +26,14 @@ Source = Annotated[
         "such, or of a cohort whose steps record; or a bundle or a spec, with --policy.",
     ),
 ]
+Against = Annotated[
+    str | None, typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own.")
+]
+PolicyName = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
+]
+Phase = Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")]
 REAL = "real"
 SHOWN = 2
 """Simulated or measured infants that are animated beside one of those they are compared with."""
@@ -32,32 +41,26 @@ SHOWN = 2
 
 def movement(
     source: Source,
-    against: Annotated[
-        str | None,
-        typer.Option(metavar="real|PATH", help="Compare with 12 real infants, or with recordings of your own."),
-    ] = None,
-    policy: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
-    ] = None,
+    against: Against = None,
+    policy: PolicyName = None,
     seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
     seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
     rate: Rate = None,
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
+    beside: Beside = None,
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Plot the 21 measures: .png, .svg ...")] = None,
-    phase: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")
-    ] = None,
+    phase: Phase = None,
     gif: Annotated[Path | None, typer.Option(metavar="FILE", help="Animate stick figures: .gif or .mp4.")] = None,
 ) -> None:
     """Measure how infants move, real or simulated, and compare them with real infants or with others."""
     from mimoc.cli import console
     from mimoc.cli.movement_table import print_movement
     from mimoc.movement import sources
+    from mimoc.movement.report import measure_all
 
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
@@ -65,12 +68,17 @@ def movement(
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name)}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
+    if beside and not policy:
+        raise MimocError("--beside is for an infant that is simulated; name a spec or a bundle, and its --policy")
+    others = {beside: load_counterpart(source, beside)} if beside else {}
     with console.progress("simulating") as show, options_in_messages():
         films = sources.films_in(source, options, show)
-    others = _recordings(against, options) if against and against != REAL else []
-    measured = _measured(films, against, others)
+        filmed = {name: sources.films_of(other, options, show) for name, other in others.items()}
+    sample = _recordings(against, options) if against and against != REAL else []
+    counterparts = {name: measure_all(some) for name, some in filmed.items()}
+    measured = replace(_measured(films, against, sample), beside=counterparts)
     print_movement(measured, full)
-    _write(measured, films, others, (json, plot, phase, gif))
+    _write(measured, films, sample, (json, plot, phase, gif))
 
 
 def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]") -> Any:

@@ -20,18 +20,20 @@ FAR_SD = 2.0
 
 
 def print_movement(measured: MovementMeasures, full: bool) -> None:
-    """Print the measures of infants, beside those of the sample that they are compared with, if there is one."""
+    """Print the measures of infants, of each side if sides differ, beside counterparts and the sample, if any."""
     console = open_console()
     core = {quantity.name for quantity in CORE}
     means, scores, sample = measured.means, measured.scores, measured.sample
     count = len(measured.infants)
     title = counted(count, "infant") if count > 1 else printable(measured.names[0])
-    headings = ["measure", "value" if count == 1 else "mean", *(["sample", "SD", "z"] if sample else [])]
+    columns = _columns(measured)
+    headings = ["measure", "value" if count == 1 else "mean", *columns, *(["sample", "SD", "z"] if sample else [])]
     table = new_table(*headings, title=title)
     for name, value in means.items():
         if name not in core and not full:
             continue
-        row = [QUANTITIES[name].title, f"{value:.3g}"]
+        others = (f"{values[name]:.3g}" if name in values else "" for values in columns.values())
+        row = [QUANTITIES[name].title, f"{value:.3g}", *others]
         if sample and name in sample.means:
             row += [f"{sample.means[name]:.3g}", f"{sample.deviations[name]:.2g}", _score(scores[name])]
         table.add_row(*row)
@@ -40,6 +42,16 @@ def print_movement(measured: MovementMeasures, full: bool) -> None:
         _print_comparison(measured)
     for note in measured.notes:
         console.print(Text(f"note: {printable(note)}", style="yellow"))
+
+
+def _columns(measured: MovementMeasures) -> dict[str, dict[str, float]]:
+    """Return what stands beside the means, by heading: each side if it differs, and the same of counterparts."""
+    shows_sides = any(one.sides_differ for one in (measured, *measured.beside.values()))
+    columns = dict(measured.side_means) if shows_sides else {}
+    for name, other in measured.beside.items():
+        sides = other.side_means if shows_sides else {}
+        columns |= {name: other.means} | {f"{name} {side}": means for side, means in sides.items()}
+    return columns
 
 
 def _score(score: float) -> Text:

@@ -55,6 +55,14 @@ Task = Annotated[
         autocompletion=_of("task"),
     ),
 ]
+Impairment = Annotated[
+    str | None,
+    typer.Option(
+        help="hemiparesis, diplegia, brachial_plexus_palsy, hypotonia or preterm.",
+        autocompletion=_of("impairment"),
+    ),
+]
+Side = Annotated[str | None, typer.Option(help="left or right.", autocompletion=_of("side"))]
 
 
 def new(
@@ -67,6 +75,8 @@ def new(
     scene: Scene = None,
     pose: Pose = None,
     task: Task = None,
+    impairment: Impairment = None,
+    side: Side = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a commented spec to begin with, from a few choices; in a terminal, without any, it asks."""
@@ -77,7 +87,7 @@ def new(
 
     options = {
         "age_months": age, "hands": hands, "actuation": actuation, "senses": senses, "scene": scene, "pose": pose,
-        "task": task,
+        "task": task, "impairment": impairment, "side": side,
     }  # fmt: skip
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if like and given:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 import mimoc
-from mimoc.cli.arguments import STDIN, load_spec
+from mimoc.cli.arguments import STDIN, Beside, load_spec
 from mimoc.cli.terminal import printable, resumable
 from mimoc.studies.names import EXPERIMENTS
 
@@ -27,6 +27,7 @@ def report(
     cohort: Annotated[
         Path | None, typer.Option(metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too.")
     ] = None,
+    beside: Beside = None,
 ) -> None:
     """Write one HTML page on an infant, a training run or a cohort, which opens anywhere and needs no network."""
     from mimoc.cli import console
@@ -34,7 +35,7 @@ def report(
     study = mimoc.read_cohort(cohort) if cohort else None
     infant = load_spec(source) if source == STDIN else source
     with console.progress("writing the page") as show:
-        print(printable(mimoc.report(infant, out, check=not no_check, cohort=study, progress=show)))
+        print(printable(mimoc.report(infant, out, check=not no_check, cohort=study, progress=show, beside=beside)))
 
 
 def experiment(

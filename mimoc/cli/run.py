@@ -12,7 +12,17 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
-from mimoc.cli.arguments import Body, InfantPath, ShownBody, check_video, import_object, load_infant, load_trained
+from mimoc.cli.arguments import (
+    Beside,
+    Body,
+    InfantPath,
+    ShownBody,
+    check_video,
+    import_object,
+    load_counterpart,
+    load_infant,
+    load_trained,
+)
 from mimoc.cli.terminal import printable
 from mimoc.policies import POLICIES
 from mimoc.policies.spec import usage
@@ -22,7 +32,9 @@ if TYPE_CHECKING:
 
     from mimoc.policies.policy import PolicyMaker
     from mimoc.recording.record import Watch
-    from mimoc.runtime.rollout import Run
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run, Summary
+    from mimoc.schema.infant import InfantSpec
 
 
 POLICY_NAMES = ", ".join(
@@ -75,6 +87,7 @@ def run(
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
+    beside: Beside = None,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc import recording
@@ -84,23 +97,47 @@ def run(
     from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
-    user_task = import_object(task) if task else None
+    others = {beside: load_counterpart(infant, beside)} if beside else {}
+    user_task, chosen = import_object(task) if task else None, _chosen(policy, infant, root)
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
-        act = policy_of(env, _chosen(policy, infant, root), load_trained)  # Refuses bad names before writing anything.
-        if record:
-            from mimoc.recording.recorder import Recording
-
-            recorded.enter_context(Recording([env], record))
+        act = policy_of(env, chosen, load_trained)  # Refuses bad names before writing anything.
+        recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
         written = [path for path in (video, record) if path]
         _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
-    console.print_run(rollout.summary())
+    summary = rollout.summary()
+    runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
+    console.print_run(summary, runs)
     console.print_joints(act)
     for path in written:
         print(printable(path))
+
+
+def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
+    if folder is None:
+        return nullcontext()
+    from mimoc.recording.recorder import Recording
+
+    return Recording([env], folder)
+
+
+def _run_beside(
+    infant: "InfantSpec", policy: "str | PolicyMaker", steps: int, seed: int, task: object | None
+) -> "Summary":
+    """Return the summary of the same run of another infant."""
+    from mimoc.compiler.pipeline import build
+    from mimoc.policies.named import policy_of
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run
+
+    with closing(InfantEnv(build(infant), task=task)) as env:
+        act = policy_of(env, policy, load_trained)
+        rollout = Run(env, lambda env: act, seed)
+        _run(rollout, steps, nullcontext(), [])
+        return rollout.summary()
 
 
 def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":

@@ -95,8 +95,8 @@ def skill(
 
 
 def _around(real: Any) -> tuple[int, int, int]:
-    """Return ages from two months before the first real infants to when half of them can, in steps."""
-    first, last = max(0, round(real.youngest_months) - 2), round(real.median_months) + 2
+    """Return ages from two months before the first real infants to two after they usually can, in steps."""
+    first, last = max(0, round(real.youngest_months) - 2), round(real.usual_months or real.oldest_months) + 2
     return first, last, 2
 
 

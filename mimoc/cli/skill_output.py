@@ -55,5 +55,6 @@ def print_skill(report: SkillReport) -> None:
     is_searched = all(attempt.movement for result in report.ages for attempt in result.searches)
     if report.from_months is None and is_searched:
         out.print("a search without feedback that finds nothing says little; on a GPU a policy learns: --device cuda:0")
-    span = f"{real.youngest_months:g} to {real.oldest_months:g}, half of them by {real.median_months:g}"
-    out.print(f"real infants: {span} months ({real.source}; {real.certainty})")
+    usual = f", usually {real.usual_months:g}" if real.usual_months is not None else ""
+    span = f"{real.youngest_months:g} to {real.oldest_months:g}{usual} months: {real.span}"
+    out.print(f"real infants: {span} ({real.source}; {real.certainty})")

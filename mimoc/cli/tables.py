@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -10,15 +10,16 @@ from rich.text import Text
 
 from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
-from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, TIME_LEFT
+from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
+    from mimoc.cohorts.milestones import MilestoneSummary
     from mimoc.cohorts.plan import Plan, StepPlan
     from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow
     from mimoc.compiler.validation.who import GrowthReport, Row
     from mimoc.fits.who import Reference
-    from mimoc.studies.milestones import Milestone, MilestoneReport
+    from mimoc.studies.milestones import AgeRange, Milestone, MilestoneReport
     from mimoc.studies.movement import MovementReport, Row as MovementRow, Window
 
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
@@ -118,31 +119,80 @@ def print_milestones(report: MilestoneReport) -> None:
     """Print a row for each milestone, the sources, and the verdict."""
     out = open_console()
     out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
-    table = new_table("milestone", FROM_AGE.heading, "real infants", "median", "verdict")
-    for milestone in report.milestones:
-        table.add_row(*_milestone_row(milestone))
+    healthy = [other.milestones for other in report.beside.values()]
+    headings = (FROM_AGE.heading, *report.beside, "real infants", "usual", "verdict", "age")
+    table = new_table("milestone", *headings, padding=0)
+    for milestone, *others in zip(report.milestones, *healthy, strict=True):
+        for row in _milestone_rows(milestone, others):
+            table.add_row(*row)
     out.print(table)
     for milestone in report.milestones:
-        window, trial = milestone.window, milestone.trial
-        out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
-    out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
-    failing = [item.trial.name for item in report.milestones if item.verdict not in ("inside", "no verdict")]
-    if failing:
+        trial = milestone.trial
+        out.print(f"{trial.name}: {trial.title}{_source(milestone.window)}")
+    out.print("from: the youngest age at which, and at all older ages tried, the infant succeeds")
+    out.print("age: fitted if a number of the law was chosen for it, so that it is reproduced; otherwise predicted")
+    if failing := [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
     else:
         out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
 
 
-def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:
-    age, window = milestone.result.youngest_months, milestone.window
-    colour = {"inside": "green", "no verdict": ""}.get(milestone.verdict, "red")
-    return (
-        milestone.trial.name,
-        "not by 24" if age is None else "birth" if age == 0 else f"{age:g}",
-        f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
-        f"{window.median_months:g}" if window else "",
-        Text(milestone.verdict, style=colour),
-    )
+def _milestone_rows(milestone: Milestone, others: Sequence[Milestone]) -> Iterator[tuple[str | Text, ...]]:
+    """Yield a row for a milestone, or one for each side if the sides of one of the infants differ."""
+    window, infants = milestone.window, (milestone, *others)
+    sides = milestone.sides if any(infant.side for infant in infants) else [next(iter(milestone.sides))]
+    for side in sides:
+        results = [infant.sides[side] for infant in infants]
+        verdict = milestone.verdict_of(results[0])
+        yield (
+            f"{milestone.trial.name}{f', {side}' if len(sides) > 1 else ''}",
+            *(_from_months(result.youngest_months) for result in results),
+            f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
+            "" if window is None or window.usual_months is None else f"{window.usual_months:g}",
+            Text(verdict, style={"inside": "green", "no verdict": ""}.get(verdict, "red")),
+            milestone.trial.basis,
+        )
+
+
+def _from_months(age_months: float | None) -> str:
+    return "never" if age_months is None else "birth" if age_months == 0 else f"{age_months:g}"
+
+
+def _source(window: AgeRange | None) -> str:
+    return f"; {window.span}: {window.source} ({window.certainty})" if window else ""
+
+
+def print_milestone_summary(summary: MilestoneSummary) -> None:
+    """Print the ages at which the children of a cohort reach milestones, and the odds of being late, with sources."""
+    out = open_console()
+    headings = ("n", "not by 24", MEAN_AGE.heading, "SD", "WHO's mean", "WHO's SD", "WHO's milestone")
+    table = new_table("milestone", *headings, title="ages of milestones")
+    for row in summary.spreads:
+        who = row.who_mean_months, row.who_sd_months
+        table.add_row(
+            row.trial, f"{row.n}", f"{row.not_reached}", *map(_months, (row.mean_months, row.sd_months, *who)), row.who
+        )
+    out.print(table)
+    out.print(f"WHO: {summary.who_source}")
+    if summary.odds:
+        table = new_table("group", "milestone", "late", "late of others", "odds ratio", title="odds of being late")
+        for row in summary.odds:
+            others = f"{row.late_others} of {row.others}"
+            table.add_row(
+                row.group, row.trial, f"{row.late} of {row.n}", others, _ratio((row.odds_ratio, row.low, row.high))
+            )
+        out.print(table)
+        published = ", ".join(f"{group} {_ratio(odds)}" for group, odds in summary.published_odds.items())
+        out.print(f"published: {published}: {summary.odds_source}")
+        out.print("late: more than one SD above the mean; groups: the uppermost tenth; in brackets: 95 % intervals")
+
+
+def _months(months: float | None) -> str:
+    return "" if months is None else f"{months:.2f}"
+
+
+def _ratio(odds: tuple[float, float, float]) -> str:
+    return "{:.2f} ({:.2f} to {:.2f})".format(*odds)
 
 
 def print_movement(report: MovementReport) -> None:
@@ -151,7 +201,7 @@ def print_movement(report: MovementReport) -> None:
     out.print(f"movement, development {report.development}, {report.actuation} actuation")
     for trial, title in report.titles.items():
         out.print(f"{trial}: {title}", highlight=False)
-        out.print(_movement_table([rows for rows in report.by_measure.values() if rows[0].trial == trial]))
+        out.print(_movement_table(trial, report))
     for source, names in _sources(report).items():
         out.print(f"{', '.join(names)}: {source}", highlight=False)
     for reason in dict.fromkeys(f"{row.trial} was not tried: {row.reason}" for row in report.rows if row.reason):
@@ -160,7 +210,7 @@ def print_movement(report: MovementReport) -> None:
         inside = sum(not row.failed for row in report.held_out)
         title = f"held out: {inside} of {len(report.held_out)} inside"
         out.print(_held_out(report.held_out, title))
-    out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is a guess")
+    out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is an assumption")
     failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]
     if failing:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
@@ -168,13 +218,21 @@ def print_movement(report: MovementReport) -> None:
         out.print(Text("ok: every movement is inside the window of real infants", style="green"))
 
 
-def _movement_table(measures: Sequence[Sequence[MovementRow]]) -> Table:
-    """Return a table of the measures of a trial, a row each, by age."""
-    asked = [_asked(rows) for rows in measures]
-    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked", "used"] * any(asked)
+def _movement_table(trial: str, report: MovementReport) -> Table:
+    """Return a table of the measures of a trial by age, a row each, or one for each side where these differ."""
+    measures = [rows for rows in report.by_measure.values() if rows[0].trial == trial]
+    asked = any(map(_asked, measures))
+    headings = [f"{row.age_months:g}" for row in measures[0]] + ["asked", "used"] * asked
     table = new_table("months", *headings, padding=0)
-    for rows, window in zip(measures, asked, strict=True):
-        table.add_row(rows[0].measure.name, *map(_movement_value, rows), *[window, _used(rows)] * any(asked))
+    for child, one in {"": report, **report.beside}.items():
+        by_values: dict[tuple[str, ...], list[Sequence[MovementRow]]] = {}
+        for rows in (rows for rows in one.by_measure.values() if rows[0].trial == trial):
+            values = [f"{_movement_value(row)}" for row in rows]
+            by_values.setdefault((rows[0].measure.name, *values), []).append(rows)
+        for (name, *_), alike in by_values.items():
+            label = alike[0][0].name if len(alike) == 1 else name
+            cells = [_asked(alike[0]), _used(alike[0])] * asked
+            table.add_row(f"{label} ({child})" if child else label, *map(_movement_value, alike[0]), *cells)
     return table
 
 
@@ -184,7 +242,7 @@ def _held_out(rows: Sequence[MovementRow], title: str) -> Table:
     for row in rows:
         error = "never" if row.error is None else f"{row.error:+.3g}" if row.failed else "inside"
         window = _range(row.window) if row.window else ""
-        table.add_row(row.measure.name, f"{row.age_months:g}", _movement_value(row), window, error)
+        table.add_row(row.name, f"{row.age_months:g}", _movement_value(row), window, error)
     return table
 
 
@@ -196,18 +254,19 @@ def _used(rows: Sequence[MovementRow]) -> str:
 
 def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:
     """Return the measures that each source is about, by what it says, how surely, and what it is used for."""
-    names: dict[str, list[str]] = {}
-    for name, rows in report.by_measure.items():
-        for window in dict.fromkeys(row.window for row in rows if row.window):
-            names.setdefault(f"{window.source} ({window.certainty}; {window.used})", []).append(name)
-    return names
+    names: dict[str, dict[str, None]] = {}
+    for row in report.rows:
+        if window := row.window:
+            source = f"{window.source} ({window.certainty}; {window.used})"
+            names.setdefault(source, {})[row.measure.name] = None
+    return {source: list(measures) for source, measures in names.items()}
 
 
 def _movement_value(row: MovementRow) -> Text:
     text = "-" if row.value is None else f"{row.value:.3g}"
     if row.reason:
         return Text("not tried")
-    if row.window and row.window.certainty == "guess":
+    if row.window and row.window.certainty == "assumption":
         return Text(f"({text})")
     return Text(f"{text}{'*' if row.failed else ' '}", style="yellow" if row.failed else "")
 

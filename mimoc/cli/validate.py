@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.cli.arguments import load_spec
+from mimoc.cli.arguments import Beside, load_spec
 from mimoc.cli.terminal import FAILED_CHECK
 
 if TYPE_CHECKING:
@@ -61,19 +61,27 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
     return Findings(report.within_tolerance, report.to_data(), shown, sheet)
 
 
-def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
+def _against_milestones(
+    infant: InfantSpec | None, progress: Progress, *, delays: bool = False, beside: str | None = None
+) -> Findings:
     from mimoc.cli.tables import print_milestones
     from mimoc.render.plots.growth import rows_sheet
     from mimoc.studies.milestones import Conditions, validate_milestones
 
-    processes = os.cpu_count() or 1
-    report = validate_milestones(infant, Conditions(delays=delays), processes=processes, progress=progress)
-    sheet = partial(rows_sheet, report.rows, "real infants (line: median)", ("window", "reached"))
+    report = validate_milestones(
+        infant, Conditions(delays=delays), processes=os.cpu_count() or 1, progress=progress, beside=beside
+    )
+    sheet = partial(rows_sheet, report.rows, "real infants (line: usual age)", ("window", "reached"))
     return Findings(report.passed, report.to_data(), partial(print_milestones, report), sheet)
 
 
 def _against_movement(
-    infant: InfantSpec | None, progress: Progress, *, ages: str | None = None, trials: str | None = None
+    infant: InfantSpec | None,
+    progress: Progress,
+    *,
+    ages: str | None = None,
+    trials: str | None = None,
+    beside: str | None = None,
 ) -> Findings:
     from mimoc.cli.tables import print_movement
     from mimoc.render.plots.windows import windows_sheet
@@ -81,7 +89,9 @@ def _against_movement(
     from mimoc.studies.movement import USUAL, validate_movement
 
     names, months = trials.split(",") if trials else USUAL, read_ages(ages) if ages is not None else None
-    report = validate_movement(infant, names=names, ages=months, processes=os.cpu_count() or 1, progress=progress)
+    report = validate_movement(
+        infant, names=names, ages=months, processes=os.cpu_count() or 1, progress=progress, beside=beside
+    )
     sheet = partial(windows_sheet, report.panels, "real infants")
     return Findings(report.passed, report.to_data(), partial(print_movement, report), sheet)
 
@@ -92,7 +102,7 @@ def _against_skills(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.studies.skills.shipped import shipped_skills
 
     report = shipped_skills()
-    sheet = partial(rows_sheet, report.rows, "real infants (line: median)", ("window", "reached"))
+    sheet = partial(rows_sheet, report.rows, "real infants (line: usual age)", ("window", "reached"))
     return Findings(report.passed, report.to_data(), partial(print_skills, report, infant), sheet)
 
 
@@ -133,6 +143,7 @@ def validate(
     ] = False,
     ages: _Ages = None,
     trials: _Trials = None,
+    beside: Beside = None,
 ) -> None:
     """Compare the infant, grown to 0 to 24 months, with children; exit code 1 if it deviates too much.
 
@@ -151,7 +162,7 @@ def validate(
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
-    options = _options(against, delays, ages, trials)
+    options = _options(against, delays, ages, trials, beside)
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
@@ -164,7 +175,7 @@ def validate(
         raise typer.Exit(FAILED_CHECK)
 
 
-def _options(against: str, delays: bool, ages: str | None, trials: str | None) -> dict[str, object]:
+def _options(against: str, delays: bool, ages: str | None, trials: str | None, beside: str | None) -> dict[str, object]:
     """Return what a comparison is given besides the infant, if it takes that."""
     if delays and against != "milestones":
         raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
@@ -172,4 +183,7 @@ def _options(against: str, delays: bool, ages: str | None, trials: str | None) -
         raise typer.BadParameter("only movements are tried at ages of choice; use it with --against movement")
     if trials is not None and against != "movement":
         raise typer.BadParameter("only movement has trials of choice; use it with --against movement")
-    return {"milestones": {"delays": delays}, "movement": {"ages": ages, "trials": trials}}.get(against, {})
+    if beside is not None and against not in ("milestones", "movement"):
+        raise typer.BadParameter("only who tries stands beside another child; use --against milestones or movement")
+    taken = {"milestones": {"delays": delays}, "movement": {"ages": ages, "trials": trials}}
+    return {**taken[against], "beside": beside} if against in taken else {}

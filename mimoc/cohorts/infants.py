@@ -231,6 +231,15 @@ CORRELATIONS = np.array(
 )
 """Correlations of the z-scores of length, weight and head, shape (3, 3)."""
 
+FAT_BUILD = 0.6
+"""Correlation of the z-scores of fat and of weight for length: between .51 of weight for length and .73 of BMI, which
+Roy et al. 2019 (J Pediatr; 293 infants of one month, S) find with fat over length squared (D). Fat depends on length
+and head in no other way: an assumption.
+"""
+RATE_SD = 0.18
+"""Standard deviation of the logarithm of the rate of maturation, which is correlated with nothing (D): fitted to WHO's
+standard deviation of the age of sitting, 1.1 months, with what size and fat add to it."""
+
 _FURTHEST = 1e-9
 """Smallest probability of a tail that is drawn from, so that no draw is infinite."""
 
@@ -240,16 +249,35 @@ def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:
 
     Each child has random numbers of its own: the first children of a seed are the same however many are drawn.
     """
-    mixing, normal = np.linalg.cholesky(CORRELATIONS), NormalDist()
     sexes = ("female", "male") if wanted.sex == "both" else (wanted.sex,)
-    children = []
-    for index in range(wanted.draw):
-        shares = stream(wanted.seed, f"cohort.child.{index}").random(len(PERCENTILES))
-        z = mixing @ [normal.inv_cdf(min(max(float(share), _FURTHEST), 1 - _FURTHEST)) for share in shares]
-        probabilities = (normal.cdf(float(score)) for score in z)
-        percentiles = {
-            name: rounded(min(max(100 * probability, LEAST_PERCENTILE), LARGEST_PERCENTILE))
-            for name, probability in zip(PERCENTILES, probabilities, strict=True)
-        }
-        children.append(IndividualSpec(sex=sexes[index % len(sexes)], **percentiles))
-    return tuple(children)
+    return tuple(
+        IndividualSpec(
+            sex=sexes[index % len(sexes)], **_drawn(stream(wanted.seed, f"cohort.child.{index}"), wanted.sizes_only)
+        )
+        for index in range(wanted.draw)
+    )
+
+
+def _drawn(generator: np.random.Generator, sizes_only: bool) -> dict[str, float]:
+    """Return the percentiles of a child and its rate of maturation, which are drawn after its size.
+
+    The mean of 1 / rate is 1, so that the mean age of a milestone stays.
+    """
+    shares = generator.random(len(PERCENTILES) + 2)
+    normal = [NormalDist().inv_cdf(min(max(float(share), _FURTHEST), 1 - _FURTHEST)) for share in shares]
+    length, weight, head = (float(z) for z in np.linalg.cholesky(CORRELATIONS) @ normal[: len(PERCENTILES)])
+    percentiles = {name: _percentile(z) for name, z in zip(PERCENTILES, (length, weight, head), strict=True)}
+    if sizes_only:
+        return percentiles
+    fat = FAT_BUILD * build_z(length, weight) + math.sqrt(1 - FAT_BUILD**2) * normal[-2]
+    rate = math.exp(RATE_SD * normal[-1] + RATE_SD**2 / 2)
+    return {**percentiles, "fat_percentile": _percentile(fat), "maturation_rate": rounded(min(max(rate, 0.5), 2.0))}
+
+
+def build_z(length_z: float, weight_z: float) -> float:
+    """Return how many standard deviations a child is heavier than others of its length and age."""
+    return (weight_z - LENGTH_WEIGHT * length_z) / math.sqrt(1 - LENGTH_WEIGHT**2)
+
+
+def _percentile(z: float) -> float:
+    return rounded(min(max(100 * NormalDist().cdf(z), LEAST_PERCENTILE), LARGEST_PERCENTILE))

@@ -19,6 +19,7 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.policy import PolicyMaker
 from mimoc.quantities import measured_in
 from mimoc.quantities.measuring import measure
+from mimoc.quantities.milestones import MILESTONE_AGES
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Run
@@ -98,6 +99,15 @@ def check(work: JobContext) -> Measures:
     return {**measure_child(work), **measure("pose", "check", checks)}
 
 
+def milestones(work: JobContext) -> Measures:
+    """Find the ages from which on the child reaches motor milestones."""
+    from mimoc.studies.milestones import Conditions, search_near
+
+    conditions, options = Conditions(delays=work.job.options["delays"]), work.job.options
+    ages = {name: search_near(work.spec, conditions, name).youngest_months for name in options["trials"]}
+    return {**measure_child(work), **{MILESTONE_AGES[name].name: age for name, age in ages.items()}}
+
+
 def run(work: JobContext) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
@@ -147,7 +157,7 @@ def python(work: JobContext) -> Measures:
 
 
 STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
-    step.__name__: step for step in (build, check, run, train, experiment, python)
+    step.__name__: step for step in (build, check, milestones, run, train, experiment, python)
 }
 """What does each step, by name."""
 

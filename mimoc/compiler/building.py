@@ -213,6 +213,9 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
             spec = spec.with_(body={"chest_joint": True})
         check_available(spec)
     grown = child_of(spec, younger and younger.grown.reference)
+    if target is not None and grown.tree.reflexes:
+        message = f"{target}'s code knows no stretch reflexes of spastic muscles; leave spastic tone out"
+        raise SpecError([as_written(spec).problem(("impairments",), message)])
     tree = compatibility.body(grown.tree)
     usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
     has_skin = usual if spec.body.skin is None else spec.body.skin

@@ -12,7 +12,8 @@ from mimoc.base.kinds import Kinds
 from mimoc.mjcf.mimo import find_target
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
-from mimoc.schema.base import dotted
+from mimoc.schema.base import dotted, given
+from mimoc.schema.body import FAT
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.schema.sizes import pairs
@@ -29,6 +30,10 @@ def unused_keys(spec: InfantSpec) -> tuple[str, ...]:
 
 
 def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
+    if spec.development == "published" and spec.body.individual:
+        for key in (*FAT, "maturation_rate"):
+            if getattr(spec.body.individual, key) is not None:
+                yield f"body.individual.{key}", "by the law 'published', strength follows size alone"
     yield from _other_kinds("actuation", "model", spec.actuation, ACTUATIONS)
     yield from _other_kinds("scene", "kind", spec.scene, SCENES)
     if toys := spec.scene.toys:
@@ -43,6 +48,10 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
             yield "senses.vision.contrast", "senses.vision.acuity is off"
         if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
             yield "senses.vision.foveation_radius", "senses.vision.foveation is 0"
+    if (impairments := spec.impairments) and spec.senses.vision is None:
+        for key in ("acuity", "field_deg"):
+            if getattr(impairments, key):
+                yield f"impairments.{key}", "senses.vision is off"
     if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != TouchSpec().density:
         yield "senses.touch.density", "senses.touch.spacing_cm gives the distances"
     locked = single_groups(spec.actuation.locked)
@@ -73,7 +82,23 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
         built_for += (f"'body.chest_joint' is false: {target}'s own infants have two joints and commands more",)
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))
-    return (*built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
+    return (*_impaired(spec), *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
+
+
+def _impaired(spec: InfantSpec) -> Iterator[str]:
+    """Yield what differs from a healthy child, in a line."""
+    if spec.impairments is None or not (asked := given(spec.impairments.complete)):
+        return
+    preset, side = spec.impairments.preset, spec.impairments.side
+    name = "" if preset == "none" else f" ({preset}{f', {side}' if side else ''})"
+    parts = [f"{key} {_shown(value)}" for key, value in asked.items() if key != "preset"]
+    yield f"differs from a healthy child{name}: {'; '.join(parts)}"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {_shown(item)}" for key, item in value.items())
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:

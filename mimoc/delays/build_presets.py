@@ -16,7 +16,7 @@ from mimoc.base.kinds import AgeTable
 from mimoc.body.origins import Entry, Origin
 from mimoc.body.tree import BodyTree
 from mimoc.delays import AGES_MONTHS
-from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, PartDelay, given_keys, signals
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.regions import SIDES, of_place
 from mimoc.senses import SENSES
@@ -54,16 +54,17 @@ def _longer(delay: DelayEntry, spec: InfantSpec, bodies: Collection[str]) -> Del
     if spec.impairments is None or not spec.impairments.delay:
         return delay
     factors, timestep_ms = spec.impairments.delay, spec.control.timestep_ms
-    everywhere, parts_ms = factors.get("body", 1.0), dict[str, float]()
+    everywhere, parts = factors.get("body", 1.0), list[PartDelay]()
     for side, limb in product(SIDES, LIMBS):
         usual_ms = delay.legs_ms if limb is LIMBS[1] and delay.legs_ms is not None else delay.ms
         factor = everywhere
         for place, body in limb:
             _, wanted = of_place(f"{side}_{place}", factors) or ("", everywhere)
             if wanted != factor and f"{side}_{body}" in bodies:
-                parts_ms[f"{side}_{body}"], factor = _whole(usual_ms * wanted, timestep_ms), wanted
+                parts.append(PartDelay(body=f"{side}_{body}", ms=_whole(usual_ms * wanted, timestep_ms)))
+                factor = wanted
     legs_ms = None if delay.legs_ms is None else _whole(delay.legs_ms * everywhere, timestep_ms)
-    return DelayEntry(ms=_whole(delay.ms * everywhere, timestep_ms), legs_ms=legs_ms, parts_ms=parts_ms)
+    return DelayEntry(ms=_whole(delay.ms * everywhere, timestep_ms), legs_ms=legs_ms, parts=tuple(parts))
 
 
 def _none(signal: str, age_months: float, timestep_ms: float) -> DelayEntry:
@@ -121,5 +122,5 @@ def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, E
         for name, ms in (("ms", delay.ms), ("legs_ms", delay.legs_ms)):
             if ms is not None:
                 yield f"delays.{signal}.{name}", origin.entry(ms)
-        for body, ms in delay.parts_ms.items():
-            yield f"delays.{signal}.parts_ms.{body}", origin.entry(ms)
+        for part in delay.parts:
+            yield f"delays.{signal}.parts.{part.body}", origin.entry(part.ms)

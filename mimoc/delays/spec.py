@@ -56,6 +56,15 @@ def is_delayed(spec: DelaysSpec, senses: Iterable[str]) -> bool:
     return False
 
 
+class PartDelay(Model):
+    """Delay of one signal to or from a part of the body."""
+
+    body: Body
+    """The first body of the part."""
+    ms: Duration
+    """Delay."""
+
+
 class DelayEntry(Model):
     """Delay of one signal, in whole physics steps."""
 
@@ -63,12 +72,12 @@ class DelayEntry(Model):
     """Delay."""
     legs_ms: Duration | None = None
     """Delay to or from legs and feet, if it differs."""
-    parts_ms: dict[Body, Duration] = Field(default_factory=dict)
-    """Delay to or from other parts, by their first body, if it differs; later ones may be in earlier ones."""
+    parts: tuple[PartDelay, ...] = ()
+    """Delays to or from other parts, if they differ; later ones may be in earlier ones."""
 
     @model_serializer(mode="wrap")
     def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "parts_ms" or value}
+        return {key: value for key, value in serialize(self).items() if key != "parts" or value}
 
 
 @composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})

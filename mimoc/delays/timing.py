@@ -79,7 +79,7 @@ class Timing:
             ValueError: If a delay is not a whole number of physics steps.
         """
         delay = self.delays.get(signal, NO_DELAY)
-        parts = [(f"{signal}.{part}", ms, [part]) for part, ms in delay.parts_ms.items()]
+        parts = [(f"{signal}.{part.body}", part.ms, [part.body]) for part in delay.parts]
         if delay.legs_ms is not None:
             parts = [(f"{signal}.legs", delay.legs_ms, self.legs), *parts]
         if within is None or not parts:

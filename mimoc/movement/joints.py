@@ -1,7 +1,7 @@
 """What legs do whose points are known in space: angles of joints, how they move together, kicks, leg movements."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,22 +15,22 @@ PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")
 LONGEST_LAG_S = 0.5
 
 
-def joint_measures(recording: PointRecording) -> dict[str, float]:
-    """Return what is measured of the joints of the legs; nothing if places in space are not known."""
+def joint_measures(recording: PointRecording, sides: Sequence[str] = SIDES) -> dict[str, float]:
+    """Return what is measured of the joints of the legs of some sides; nothing if places in space are not known."""
     places_m = _in_space(recording)
     if places_m is None:
         return {}
     angles_deg = _angles(places_m)
     middle = (places_m["left_hip"] + places_m["right_hip"]) / 2
     trunk_m = float(np.median(np.linalg.norm(places_m["neck"] - middle, axis=1)))
-    values = _of_kicks(angles_deg, places_m, trunk_m, recording.rate_hz)
-    values |= _of_movements(places_m, trunk_m, recording.rate_hz)
+    values = _of_kicks(angles_deg, places_m, trunk_m, recording.rate_hz, sides)
+    values |= _of_movements(places_m, trunk_m, recording.rate_hz, sides)
     for first, second in PAIRS:
         if f"left_{second}" in angles_deg:
-            pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in SIDES]
+            pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in sides]
             values[f"{first}_{second}_r"] = float(np.mean([correlation(*pair) for pair in pairs]))
     values["hips_together_r"] = correlation(angles_deg["left_hip"], angles_deg["right_hip"])
-    legs = [(angles_deg[f"{side}_hip"], angles_deg[f"{side}_knee"]) for side in SIDES]
+    legs = [(angles_deg[f"{side}_hip"], angles_deg[f"{side}_knee"]) for side in sides]
     values["hip_knee_lag_s"] = float(np.mean([lag_s(hip, knee, recording.rate_hz) for hip, knee in legs]))
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
@@ -90,11 +90,15 @@ def _between(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def _of_kicks(
-    angles_deg: Mapping[str, FloatArray], places_m: Mapping[str, FloatArray], trunk_m: float, rate_hz: float
+    angles_deg: Mapping[str, FloatArray],
+    places_m: Mapping[str, FloatArray],
+    trunk_m: float,
+    rate_hz: float,
+    sides: Sequence[str],
 ) -> dict[str, float]:
     """Return ranges of angles in kicks, how much angles move together in them, and the feet's largest acceleration."""
     values: dict[str, list[float]] = {}
-    for side in SIDES:
+    for side in sides:
         foot, hip = places_m[f"{side}_foot"], places_m[f"{side}_hip"]
         acceleration = _acceleration(foot, rate_hz)
         angles = {joint: angles_deg.get(f"{side}_{joint}") for joint in ("hip", "knee", "ankle")}
@@ -112,10 +116,12 @@ def _of_kicks(
     return {name: float(np.median(some) if name.endswith("deg") else np.mean(some)) for name, some in values.items()}
 
 
-def _of_movements(places_m: Mapping[str, FloatArray], trunk_m: float, rate_hz: float) -> dict[str, float]:
+def _of_movements(
+    places_m: Mapping[str, FloatArray], trunk_m: float, rate_hz: float, sides: Sequence[str]
+) -> dict[str, float]:
     """Return how long the movements of ankles last, and the mean of their largest accelerations."""
     lengths_s, peaks_m_s2 = [], []
-    for side in SIDES:
+    for side in sides:
         ankle = places_m.get(f"{side}_ankle", places_m[f"{side}_foot"])
         speed, acceleration = np.linalg.norm(np.gradient(ankle, axis=0), axis=1), _acceleration(ankle, rate_hz)
         for start, _, stop in unit_spans(speed * rate_hz / trunk_m):

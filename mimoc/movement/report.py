@@ -1,21 +1,25 @@
 """What is said of some infants' movement: measures, scores, distances, and whether they are told from others."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.points import SIDES
 from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, windows_of
 from mimoc.movement.filming import Filmed
 from mimoc.movement.joints import joint_measures
 from mimoc.movement.measured import measure_movement
 from mimoc.movement.real_infants import told_from_real
 from mimoc.movement.sample import Sample, distance, standard_scores
+from mimoc.movement.sides import measure_sides
 from mimoc.movement.trunk_frame import stand_ins
 from mimoc.quantities import QUANTITIES
 
+SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
+"""Speeds that tell whether sides differ, and from which ratio on they do; a choice."""
 DIGITS = 6
 """Significant digits of numbers in files."""
 
@@ -43,12 +47,26 @@ class MovementMeasures:
     sample: Sample | None = None
     apart: ToldApart | None = None
     notes: tuple[str, ...] = ()
+    sides: Mapping[str, tuple[Mapping[str, float], ...]] = field(default_factory=dict)
+    """The measures of each that a side has, by `left` and `right`."""
+    beside: Mapping[str, "MovementMeasures"] = field(default_factory=dict)
+    """Those of counterparts of an infant, by what they are, such as `healthy`."""
 
     @property
     def means(self) -> dict[str, float]:
         """Mean over infants of each measure that any of them has."""
-        names = [name for name in QUANTITIES if any(name in one for one in self.infants)]
-        return {name: float(np.mean([one[name] for one in self.infants if name in one])) for name in names}
+        return _means(self.infants)
+
+    @property
+    def side_means(self) -> dict[str, dict[str, float]]:
+        """The same of each side, by `left` and `right`."""
+        return {side: _means(infants) for side, infants in self.sides.items()}
+
+    @property
+    def sides_differ(self) -> bool:
+        """Whether a hand or a foot is `APART` times as fast as the other, in the median."""
+        pairs = [[means.get(name, 0.0) for means in self.side_means.values()] for name in SPEEDS]
+        return any(max(pair) > APART * min(pair) for pair in pairs if pair)
 
     @property
     def scores(self) -> dict[str, float]:
@@ -73,11 +91,14 @@ class MovementMeasures:
                 "unit": QUANTITIES[name].unit,
                 "mean": _short(mean),
                 "infants": [_short(one[name]) if name in one else None for one in self.infants],
+                **self._of_sides(name),
                 **self._compared(name),
             }
             for name, mean in self.means.items()
         }
         data: dict[str, Any] = {"infants": list(self.names), "measures": measures, "notes": list(self.notes)}
+        if self.beside:
+            data["beside"] = {name: other.to_data() for name, other in self.beside.items()}
         if self.sample:
             data["against"] = {"name": self.sample.name, "infants": self.sample.infants}
             data["distance"] = {"of_mean": _short(self.distance), "infants": [_short(one) for one in self.distances]}
@@ -90,6 +111,13 @@ class MovementMeasures:
             }
         return data
 
+    def _of_sides(self, name: str) -> dict[str, Any]:
+        return {
+            side: {"mean": _short(means[name]), "infants": [_short(one.get(name)) for one in self.sides[side]]}
+            for side, means in self.side_means.items()
+            if name in means
+        }
+
     def _compared(self, name: str) -> dict[str, Any]:
         if self.sample is None or name not in self.sample.means:
             return {}
@@ -98,6 +126,11 @@ class MovementMeasures:
             "sample_sd": _short(self.sample.deviations[name]),
             "score": _short(self.scores[name]),
         }
+
+
+def _means(infants: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    names = [name for name in QUANTITIES if any(name in one for one in infants)]
+    return {name: float(np.mean([one[name] for one in infants if name in one])) for name in names}
 
 
 def measure_all(films: Sequence[Filmed]) -> MovementMeasures:
@@ -110,7 +143,9 @@ def measure_all(films: Sequence[Filmed]) -> MovementMeasures:
     for film in films:
         infants.append(measure_movement(film.seen) | (joint_measures(film.space) if film.space else {}))
         notes |= dict.fromkeys(film.seen.notes) | dict.fromkeys(_assumptions(film.seen))
-    return MovementMeasures(tuple(film.seen.name for film in films), tuple(infants), notes=tuple(notes))
+    by_film = [measure_sides(film.seen, film.space) for film in films]
+    sides = {side: tuple(one[side] for one in by_film) for side in SIDES}
+    return MovementMeasures(tuple(film.seen.name for film in films), tuple(infants), notes=tuple(notes), sides=sides)
 
 
 def compare(
@@ -136,7 +171,7 @@ def compare(
     if not isinstance(sample, Sample):
         sample = Sample.of([measure_movement(recording) for recording in sample], f"{len(sample)} recordings")
     notes = measured.notes if apart else (*measured.notes, few)
-    return MovementMeasures(measured.names, measured.infants, sample, apart, notes)
+    return replace(measured, sample=sample, apart=apart, notes=notes)
 
 
 def _told_apart(

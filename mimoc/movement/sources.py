@@ -13,6 +13,7 @@ from mimoc.motion.reading import read_points
 from mimoc.movement.filming import Filmed
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
 from mimoc.policies.policy import PolicyMaker
+from mimoc.schema.infant import InfantSpec
 
 POINTS = "points.npz"
 """The recorded points in a folder that `mimoc retarget` wrote."""
@@ -56,10 +57,15 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
     if options.policy and not is_infant:
         raise MovementError(f"{path}: --policy is for a bundle or a spec, which is simulated; leave it out")
     if options.policy:
-        return [*film_policy(path, options.policy, options.seeds, options.seconds, progress)]
+        return films_of(path, options, progress)
     if not path.exists():
         raise MovementError(f"{path}: does not exist; name a recording, or the folder of one")
     return _recorded(path, options, progress)
+
+
+def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progress = no_progress) -> list[Filmed]:
+    """Return films of an infant that is simulated under the policy of some options; see `film_policy`."""
+    return [*film_policy(infant, options.policy or "zero", options.seeds, options.seconds, progress)]
 
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:

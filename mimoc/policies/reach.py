@@ -14,6 +14,8 @@ from mimoc.senses.sense import FloatArray, Observation
 
 NEXT_TARGETS_S = 1.5
 """How long hands have to get to their targets."""
+REACHED_M = 0.02
+"""A hand that was this near to its target at any time before the next one has reached it; a choice."""
 
 
 class ReachPolicy:
@@ -36,7 +38,8 @@ class ReachPolicy:
         self._env, self._gains = env, gains
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
         self._steps = 0
-        self._errors_m: list[float] = []
+        self._errors_m: list[list[float]] = []  # Of each turn, by hand: just before the next targets, and the least.
+        self._least_m: list[list[float]] = []
         self._fell_after_s: float | None = None
         self._bind()
 
@@ -49,12 +52,15 @@ class ReachPolicy:
             self._control.aim([self._env.data.xpos[self._ball]] * len(self._control.hands))
         elif step == 0:
             if turn:
-                self._errors_m += self.errors()[0]
+                self._errors_m.append(self.errors()[0])
+            self._least_m.append([np.inf] * len(self._control.hands))
             places_m = self._control.draw(generator)
             if places_m is not None:  # Where there are none to be had, hands keep those that they have.
                 self._control.aim(places_m, turn)
         if self._control.sits_freely and self._fell_after_s is None and self._control.lies:
             self._fell_after_s = ms_to_s(self._steps * self._env.manifest.step_ms)
+        if self._ball is None:
+            self._least_m[-1] = [*map(min, self._least_m[-1], self.errors()[0])]
         self._steps += 1
         return self._control()
 
@@ -65,12 +71,18 @@ class ReachPolicy:
     def metrics(self) -> dict[str, float]:
         """Return what a run tells of reaching, as far as there is something to tell.
 
-        `hand_error_m` is the median distance of hands from their targets just before others are drawn; `fell_after_s`
-        is the simulated time after which an infant that sat freely fell over.
+        `hand_error_m` is the median distance of hands from their targets just before others are drawn, `hand_targets`
+        the number of targets that each hand has had for the whole time; of each hand, `left_hand_error_m` is the same,
+        and `left_hand_reached_share` the share of its targets to which it came within `REACHED_M`. `fell_after_s` is
+        the simulated time after which an infant that sat freely fell over.
         """
         metrics: dict[str, float] = {}
         if self._errors_m:
-            metrics["hand_error_m"] = float(np.median(self._errors_m))
+            errors_m, least_m = np.array(self._errors_m), np.array(self._least_m[: len(self._errors_m)])
+            metrics = {"hand_error_m": float(np.median(errors_m)), "hand_targets": len(errors_m)}
+            for number, hand in enumerate(self._control.hands):
+                metrics[f"{hand}_error_m"] = float(np.median(errors_m[:, number]))
+                metrics[f"{hand}_reached_share"] = float(np.mean(least_m[:, number] <= REACHED_M))
         if self._fell_after_s is not None:
             metrics["fell_after_s"] = self._fell_after_s
         return metrics

@@ -3,16 +3,17 @@
 from collections.abc import Mapping
 
 from mimoc.base.kinds import Kinds
-from mimoc.quantities import child, motion, movement, movement_details as details, outcome
+from mimoc.quantities import child, milestones, motion, movement, movement_details as details, outcome
 from mimoc.quantities.quantity import Quantity
 
 __all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
 
 _OWN = (
-    *(*child.CHILD, motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
+    *(*child.CHILD, *milestones.MILESTONE_AGES.values(), motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
     *(outcome.RETURN, outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.EPISODES, motion.CONTACTS_SELF),
     *(motion.HIP_PATH, motion.HEAD_HEIGHT, motion.HEAD_LOWEST, motion.JOINT_SPEED, motion.UNSTABLE),
-    *(motion.HAND_ERROR, motion.FELL_AFTER, *motion.BEHAVING, child.AGE, *outcome.CURVE),
+    *(motion.HAND_ERROR, motion.HAND_TARGETS, *motion.OF_EACH_HAND, motion.FELL_AFTER, *motion.BEHAVING),
+    *(child.AGE, *outcome.CURVE),
     *(*movement.CORE, *details.DETAILS, *details.JOINTS),
 )
 """In the order in which tables show them."""

@@ -4,7 +4,7 @@ from functools import partial
 
 from mimoc.quantities.quantity import Quantity
 
-_of_child = partial(Quantity, over="child", steps=("build", "check", "run", "train", "python"))
+_of_child = partial(Quantity, over="child", steps=("build", "check", "milestones", "run", "train", "python"))
 
 LENGTH = _of_child("length_cm", "Length", "cm", "length from crown to sole")
 WEIGHT = _of_child("mass_kg", "Weight", "kg", "mass of the whole body", field="weight_kg")
@@ -27,6 +27,7 @@ DIFFERENCE = Quantity("difference", "Difference", "%")
 TOY_SIZE = Quantity("size_cm", "Longest side", "cm")
 TOY_MASS = Quantity("weight_g", "Weight", "g")
 FROM_AGE = Quantity("from_months", "From", "months")
+MEAN_AGE = Quantity("mean_months", "Mean", "months")
 JOB_TIME = Quantity("job_s", "A job", "s")
 TIME_LEFT = Quantity("rest_h", "The rest", "h")
 JOB_SIZE = Quantity("job_kb", "A job", "kB")

@@ -13,6 +13,27 @@ JOINT_SPEED = _of_steps("joint_speed_rad_s", "Joint speed", "rad/s", "mean absol
 HAND_ERROR = Quantity(
     "hand_error_m", "Distance from hand to target after 1.5 s, median", "m", "of the policies that reach", steps=()
 )
+HAND_TARGETS = Quantity("hand_targets", "Targets of each hand", about="of the policies that reach", steps=())
+OF_EACH_HAND = tuple(
+    quantity
+    for side in ("left", "right")
+    for quantity in (
+        Quantity(
+            f"{side}_hand_error_m",
+            f"Distance from {side} hand to target after 1.5 s, median",
+            "m",
+            "of the policies that reach",
+            steps=(),
+        ),
+        Quantity(
+            f"{side}_hand_reached_share",
+            f"Share of its targets that the {side} hand reaches",
+            about="to which it comes within 2 cm before the next one; of the policies that reach",
+            steps=(),
+            limits=(0.0, 1.0),
+        ),
+    )
+)
 FELL_AFTER = Quantity(
     "fell_after_s",
     "Too weak or too unsteady to sit unsupported: fell over after",

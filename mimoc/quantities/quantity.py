@@ -18,9 +18,9 @@ class Quantity:
     """Unit as people write it, such as `rad/s`; empty for none."""
     about: str = ""
     """What it is, in a sentence."""
-    over: Literal["child", "pose", "step", "episode", "recording"] = "step"
-    """What has a value of its own: a child, each pose of a check, each control step, each completed episode, or a
-    recording of points."""
+    over: Literal["child", "pose", "milestone", "step", "episode", "recording"] = "step"
+    """What has a value of its own: a child, each pose of a check, the search for a milestone, each control step, each
+    completed episode, or a recording of points."""
     reduce: Literal["mean", "min", "max", "path", "all", "any", "count"] = "mean"
     """From these values to one of a run: `path` is the length of the way through points, `count` how many there are."""
     term: Code | None = None

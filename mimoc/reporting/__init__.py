@@ -1,7 +1,7 @@
 """Reports: one HTML page on an infant, a training run or a cohort, which needs nothing besides itself."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,9 @@ from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
+from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.reporting.page import Page, render
+from mimoc.schema.counterparts import counterpart
 from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ def report(
     check: bool = True,
     cohort: "Cohort | None" = None,
     progress: Progress | None = None,
+    beside: str | None = None,
 ) -> Path:
     """Write a page on an infant, a training run or a cohort; return its path. The same source gives the same bytes.
 
@@ -38,6 +41,8 @@ def report(
         check: Whether to check that the simulation of an infant is stable, which takes a second or so.
         cohort: The cohort in the folder, so that jobs which are not done yet are counted as well.
         progress: Called with how much is done, and how much there is to do.
+        beside: `healthy` also shows where the joints of the same child without what impairs it differ; for a spec, its
+            file, or the folder of a bundle.
 
     Raises:
         OutputError: If the page cannot be written there.
@@ -52,12 +57,19 @@ def report(
         >>> mimoc.report("out/nine_months", "infant_report.html", check=False).name
         'infant_report.html'
     """
-    place = check_page(path)
-    page = _page(source, check, cohort, progress or (lambda done, total: None))
+    place, show = check_page(path), progress or (lambda done, total: None)
+    others = {beside: build(counterpart(_spec(source), beside))} if beside else {}
+    page = _page(source, check, cohort, show, others)
     return write_file(place, render(page))
 
 
-def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:
+def _page(
+    source: "Bundle | InfantSpec | str | Path",
+    check: bool,
+    cohort: "Cohort | None",
+    progress: Progress,
+    counterparts: Mapping[str, Bundle],
+) -> Page:
     folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
     if folder and (folder / COHORT).is_file():
         from mimoc.reporting.cohort import cohort_page
@@ -72,7 +84,18 @@ def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Coho
         return training_page(folder)
     from mimoc.reporting.infant import infant_page
 
-    return infant_page(_infant(source, progress), progress, check=check)
+    return infant_page(_infant(source, progress), progress, check=check, counterparts=counterparts)
+
+
+def _spec(source: "Bundle | InfantSpec | str | Path") -> InfantSpec:
+    """Return the spec of an infant that is to stand beside another."""
+    if isinstance(source, InfantSpec):
+        return source
+    place = Path(os.path.expanduser(str(source)))
+    file = place / SPEC_FILE if place.is_dir() else place
+    if isinstance(source, Bundle) or not file.is_file():
+        raise MimocError(f"{source}: 'beside' changes the spec of an infant; give one, its file, or a bundle's folder")
+    return load_spec(file)
 
 
 def _infant(source: "Bundle | InfantSpec | str | Path", progress: Progress) -> Bundle:

@@ -35,6 +35,12 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return f"{figure(value, digits)}{THIN_SPACE}{unit}"
 
 
+def torques(limits_nm: tuple[float, float]) -> str:
+    """Return the peak torques of a joint in either direction."""
+    low, high = (figure(abs(limit), 2) for limit in limits_nm)
+    return f"{low if low == high else f'{low} / {high}'}{THIN_SPACE}N{THIN_SPACE}m"
+
+
 def signed(value: float, decimals: int = 1) -> str:
     """Return a number with its sign."""
     return f"{round(value, decimals) + 0.0:+.{decimals}f}".replace("-", MINUS)

@@ -71,7 +71,7 @@ MeasurementKey = Annotated[str, AfterValidator(_known_measurement)]
 PartName = Annotated[str, AfterValidator(_known_part), among(lambda: trunk_bodies() + all_limb_bodies())]
 LimbName = Annotated[str, AfterValidator(_removable), among(all_limb_bodies)]
 Factor = Annotated[Real, Field(ge=0.5, le=2)]
-"""Scale factor of a part, within the range that is plausible for a child."""
+"""Scale factor of a part, or of a child's pace, within the range that is plausible."""
 
 
 LENGTHS_CM, WEIGHTS_KG, HEADS_CM = (35.0, 110.0), (1.0, 25.0), (25.0, 60.0)
@@ -84,12 +84,15 @@ INDICATORS: Mapping[str, str] = {
 }
 """What can be measured of an individual, by the names of WHO's standards, and the key of its percentile."""
 
+FAT = ("fat_percentile", "fat_percent")
+"""Keys of an individual's fat, of which one may be given."""
+
 
 class IndividualSpec(Model):
-    """An individual child, given by WHO percentiles or by measurements, in place of the average child.
+    """An individual child, by its size, its fat and the rate at which it matures, in place of the average child.
 
-    At another age it is the same child, with the same z-scores. A measure and its percentile may both be given if they
-    agree on WHO's charts, to 0.05 cm or kg; the measure counts.
+    At another age it is the same child, with the same z-scores and the same rate. A measure and its percentile may both
+    be given if they agree on WHO's charts, to 0.05 cm or kg; the measure counts.
     """
 
     sex: Literal["male", "female"] | None = None
@@ -106,15 +109,25 @@ class IndividualSpec(Model):
     """Head circumference, as WHO percentile for sex and age."""
     head_circumference_cm: Annotated[Centimetres, Field(ge=HEADS_CM[0], le=HEADS_CM[1])] | None = None
     """Head circumference, measured."""
+    fat_percentile: Percentile | None = None
+    """Share of fat, as percentile among healthy infants of the age; by default it follows from length and weight."""
+    fat_percent: Annotated[Real, Field(ge=1, le=60, json_schema_extra={"unit": "%"})] | None = None
+    """Share of fat in the weight, measured."""
+    maturation_rate: Factor | None = None
+    """How fast it matures; 1 is average. Strength, muscle tone and ranges of joints are those of the average child at
+    this many times its age."""
 
     @model_validator(mode="after")
     def _is_one_child(self) -> Self:
         given = [key for pair in INDICATORS.items() for key in pair if getattr(self, key) is not None]
-        if not given:
+        if not given and all(getattr(self, key) is None for key in (*FAT, "maturation_rate")):
             message = (
-                "gives no length, weight or head circumference; add one, such as 'length_percentile: 50', or omit it"
+                "gives no length, weight or head circumference, no fat and no rate of maturation; add one, such as "
+                "'length_percentile: 50', or omit it"
             )
             raise KeyedError((), message)
+        if all(getattr(self, key) is not None for key in FAT):
+            raise KeyedError((FAT[0],), f"says the same as '{FAT[1]}'; leave one of the two out", against=(FAT[1],))
         percentiles = [key for key in given if key.endswith("_percentile")]
         if percentiles and self.sex is None:
             raise KeyedError(("sex",), f"is missing, and '{percentiles[0]}' needs it; add 'sex: female' or 'sex: male'")
@@ -140,8 +153,9 @@ class BodySpec(Model):
     chest_joint: Annotated[bool, Field(strict=True)] = False
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
-    """An individual child; by default, the average child of the AnthroKids tables. It sets the size of the whole body;
-    `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an error."""
+    """An individual child; by default, the average child of the AnthroKids tables. It sets size and maturity of the
+    whole body; `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an
+    error."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )

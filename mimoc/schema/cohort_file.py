@@ -54,6 +54,8 @@ class DrawnChildren(Model):
     """Their sex; of `both`, girls and boys take turns."""
     seed: Seed = 0
     """Seed of the draws; child i of a seed is the same however many are drawn."""
+    sizes_only: Annotated[bool, Field(strict=True)] = False
+    """Whether children differ only in size and sex, not in fat and rate of maturation."""
 
 
 class RangeSpec(Model):

@@ -9,9 +9,10 @@ from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import suggestion
+from mimoc.quantities.milestones import MILESTONE_AGES
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import Development
-from mimoc.schema.quantities import Whole
+from mimoc.schema.quantities import Distinct, Whole, among
 from mimoc.schema.wording import got
 
 MAX_SEEDS = 10_000
@@ -89,6 +90,25 @@ class BuildStep(Model):
 
 class CheckStep(Model):
     """Check that the infant stays stable, as `mimoc check` does."""
+
+
+def _trial(name: str) -> str:
+    if name not in MILESTONE_AGES:
+        raise ValueError(f"'{name}' is not a trial of milestones; {suggestion(name, MILESTONE_AGES)}")
+    return name
+
+
+class MilestonesStep(Model):
+    """Find the ages from which on the child reaches motor milestones, near those at which it is expected to."""
+
+    trials: Annotated[
+        tuple[Annotated[Words, AfterValidator(_trial), among(lambda: [*MILESTONE_AGES])], ...],
+        AfterValidator(not_empty),
+        *Distinct,
+    ] = ("sit", "hands_and_knees", "pull_to_stand", "stand")
+    """Names of the trials; by default, those with WHO's mean and standard deviation."""
+    delays: bool = False
+    """Whether the child's own delays of senses and commands apply."""
 
 
 class RunStep(Model):
@@ -178,6 +198,8 @@ class StepChoice(Model):
     """Build the infant, and keep its bundle."""
     check: CheckStep | None = None
     """Check that the infant stays stable."""
+    milestones: MilestonesStep | None = None
+    """Find the ages from which on the child reaches motor milestones."""
     run: RunStep | None = None
     """Run the infant under a policy."""
     train: TrainStep | None = None
@@ -195,7 +217,7 @@ class StepChoice(Model):
         return self
 
 
-WORDS = ("build", "check", "run", "train")
+WORDS = ("build", "check", "milestones", "run", "train")
 """Steps that a word alone can ask for."""
 
 
@@ -210,11 +232,11 @@ def _word(value: str) -> str:
 Step = Annotated[
     Annotated[Words, AfterValidator(_word), Field(json_schema_extra={"enum": [*WORDS]}), Tag("a word")]
     | Annotated[StepChoice, Tag("a section")],
-    *by_shape("a step; write build, check, run, train, or {run: {steps: 1000}}"),
+    *by_shape("a step; write build, check, milestones, run, train, or {run: {steps: 1000}}"),
 ]
 """An item of `do`."""
 
-StepSpec = BuildStep | CheckStep | RunStep | TrainStep | ExperimentStep | PythonStep
+StepSpec = BuildStep | CheckStep | MilestonesStep | RunStep | TrainStep | ExperimentStep | PythonStep
 
 
 def step_of(item: str | StepChoice) -> tuple[str, StepSpec]:

@@ -14,8 +14,8 @@ from mimoc.schema.regions import RANGED, REGIONS, SIDES, contradiction, known_mo
 TERM_WEEKS, WEEKS_IN_A_MONTH = 40.0, 30.4375 / 7
 """Weeks of gestation from which ages are corrected (Engle 2004, Pediatrics 114: 1362), and weeks in a month."""
 
-RegionName = Annotated[str, AfterValidator(known_region), Field(json_schema_extra={"enum": sorted(REGIONS)})]
-MovementName = Annotated[str, AfterValidator(known_movement), Field(json_schema_extra={"enum": sorted(RANGED)})]
+RegionName = Annotated[str, AfterValidator(known_region), Field(json_schema_extra={"enum": [*sorted(REGIONS)]})]
+MovementName = Annotated[str, AfterValidator(known_movement), Field(json_schema_extra={"enum": [*sorted(RANGED)]})]
 Share = Annotated[Real, Field(ge=0, le=1)]
 
 PRETERM_WEEKS = 37.0
@@ -36,8 +36,8 @@ def _delayed(name: str) -> str:
 
 
 DelayedRegion = Annotated[str, AfterValidator(_delayed), Field(json_schema_extra={"enum": list(DELAYED)})]
-Eye = Literal["eyes", "left_eye", "right_eye"]
 Direction = Literal["left", "right", "up", "down"]
+Eye = Literal["eyes", "left_eye", "right_eye"]
 
 
 class ToneSpec(Model):

@@ -51,9 +51,12 @@ def at_another_age(
 
 def grown_individual(individual: IndividualSpec, before_months: float, after_months: float) -> dict[str, float | None]:
     """Return what changes of an individual at another age: its measures, and None for percentiles that repeat them."""
-    from mimoc.fits import load_tables  # Bundles are opened without tables of growth.
+    from mimoc.fits import fat, load_tables  # Bundles are opened without tables of growth.
 
     grown: dict[str, float | None] = {}
+    if individual.fat_percent is not None:
+        z = fat.z_score(individual.fat_percent, before_months)
+        grown["fat_percent"] = rounded(max(fat.percent(z, after_months), fat.LEAST_PERCENT))
     for key, percentile in INDICATORS.items():
         value, standard, reference = getattr(individual, key), load_tables().who[key], individual.sex or "mean"
         if value is not None:
@@ -157,6 +160,7 @@ def healthy(spec: InfantSpec) -> InfantSpec:
 
     Example:
         >>> import mimoc
+        >>> from mimoc.schema.infant import healthy
         >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"gestation_weeks": 32})
         >>> healthy(spec).impairments is None, healthy(spec).age_months
         (True, 6.0)

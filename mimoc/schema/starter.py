@@ -25,6 +25,10 @@ class Choices:
     scene: str = "flat"
     pose: str = "supine"
     task: str | None = None
+    impairment: str | None = None
+    """A preset of the impairments."""
+    side: str | None = None
+    """Its side, if it has one."""
 
 
 def offered() -> dict[str, Sequence[str]]:
@@ -36,6 +40,8 @@ def offered() -> dict[str, Sequence[str]]:
         "senses": tuple(language.outline(("senses",)).keys),
         "scene": language.outline(("scene", "kind")).choices,
         "pose": language.outline(("scene", "pose")).choices,
+        "impairment": [name for name in language.outline(("impairments", "preset")).choices if name != "none"],
+        "side": language.outline(("impairments", "side")).choices,
         "task": [name for name in language.kinds_of(("task",)) if name != "free"],
     }
 
@@ -64,6 +70,10 @@ def _lines(choices: Choices, language: Language) -> Iterator[str]:
     yield from ("", "body:", said("hands", choices.hands, ("body", "hands")))
     individual = "individual: {sex: female, length_percentile: 50, weight_percentile: 50}"
     yield _beside(f"  # {individual}", "a child of WHO's percentiles")
+    preset = {"preset": choices.impairment, "side": choices.side}
+    given = ", ".join(f"{key}: {value}" for key, value in preset.items() if value is not None)
+    impairments = f"impairments: {{{given}}}" if given else "# impairments: {preset: hemiparesis, side: right}"
+    yield from ("", _beside(impairments, _or(offered()["impairment"])))
     yield from ("", "actuation:", said("model", choices.actuation, ("actuation", "model")))
     yield from ("", _beside("senses:" if choices.senses else "senses: {}", "one that is not listed is off"))
     for name in dict.fromkeys((*choices.senses, *language.outline(("senses",)).keys)):

@@ -78,7 +78,7 @@ def test_movement_is_tried_at_the_ages_asked_for_and_fails_outside_its_windows(i
     kick, rest = TRIALS["kick"], TRIALS["rest"]
     rows = [
         movement.Row("rest", rest.measures[0], 0.0, -55.0, movement.window_of("rest_hip_deg", 0.0)),
-        movement.Row("kick", kick.measures[0], 3.0, 20.0, movement.window_of("kick_deg", 3.0)),
+        movement.Row("kick", kick.measures[1], 3.0, 0.5, movement.window_of("kick_s", 3.0)),
     ]
     for count, code in ((1, 0), (2, 1)):
         report = movement.MovementReport("maturing", "torque", rows[:count])
@@ -229,6 +229,27 @@ BAD_INPUT = {
     "ages for what has none": (
         "validate --against who --ages 1",
         "only movements are tried at ages of choice; use it with --against movement",
+    ),
+    "milestones beside a child that there is not": (
+        "validate --against milestones one.yaml --beside helthy",
+        "'helthy' is not a child to stand beside; did you mean 'healthy'?",
+    ),
+    "milestones beside the same child": (
+        "validate --against milestones one.yaml --beside healthy",
+        "nothing impairs this child; give it impairments, or leave --beside out",
+    ),
+    "growth beside another child": (
+        "validate --against who --beside healthy",
+        "only who tries stands beside another child; use --against milestones or movement",
+    ),
+    "a run beside the child of no spec": ("run nowhere --beside healthy", "nowhere: --beside changes the spec"),
+    "a page beside the child of no spec": (
+        "report folder -o x.html --beside healthy",
+        "folder: 'beside' changes the spec",
+    ),
+    "movement of a filmed infant beside another": (
+        "movement folder --beside healthy",
+        "--beside is for an infant that is simulated; name a spec or a bundle, and its --policy",
     ),
     "ages in words": ("validate --against movement --ages old", "'old' is not a list of ages"),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),

@@ -58,7 +58,9 @@ def test_a_spec_like_an_example_differs_from_it_in_its_name_only(invoke, here):
     {
         "--hands paws": "x.yaml:7:10: body.hands: 'paws' is not a choice; choose from five_finger, mitten",
         "--age 25": "x.yaml:4:13: age_months: 25",
-        "--senses sight": "x.yaml:14:3: senses.sight: unknown key",
+        "--senses sight": "x.yaml:16:3: senses.sight: unknown key",
+        "--impairment hemiparesis": "x.yaml:10:1: impairments.side: is missing",
+        "--side left": "x.yaml:10:21: impairments.side: only the presets",
         "--like nobody": "'nobody' is not a name of an example; choose from all_senses",
         "--like catch --age 3": "'--like' takes an example as it is; give either that or choices",
     }.items(),
@@ -115,7 +117,7 @@ def test_an_existing_file_is_replaced_only_if_asked(invoke, here):
     assert mimoc.load_spec("x.yaml").age_months == 9
 
 
-@pytest.mark.parametrize("option", ["hands", "actuation", "scene", "pose", "task"])
+@pytest.mark.parametrize("option", ["hands", "actuation", "scene", "pose", "task", "impairment", "side"])
 def test_the_help_of_a_choice_lists_what_the_schema_has(option):
     command = get_command(app).commands["new"]
     (found,) = (each for each in command.params if each.name == option)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.body.measurements import targets
-from mimoc.cohorts.infants import CORRELATIONS, PERCENTILES, draw_children
+from mimoc.cohorts.infants import CORRELATIONS, FAT_BUILD, PERCENTILES, RATE_SD, build_z, draw_children
 from mimoc.fits import load_tables
 from mimoc.schema.cohort_file import DrawnChildren
 
@@ -46,8 +46,8 @@ def test_the_drawn_population_has_the_median_and_the_spread_of_who_in_centimetre
 
 
 def test_length_weight_and_head_are_correlated_as_documented(population):
-    z = [[NormalDist().inv_cdf(getattr(child, name) / 100) for name in PERCENTILES] for child in population]
-    assert np.corrcoef(np.transpose(z)) == pytest.approx(CORRELATIONS, abs=0.06)
+    z = [scores(population, name) for name in PERCENTILES]
+    assert np.corrcoef(z) == pytest.approx(CORRELATIONS, abs=0.06)
 
 
 @given(st.integers(1, 30), st.integers(0, 2**32 - 1))
@@ -60,3 +60,33 @@ def test_girls_and_boys_take_turns_and_seeds_differ():
     assert [child.sex for child in draw_children(DrawnChildren(draw=4))] == ["female", "male", "female", "male"]
     assert {child.sex for child in draw_children(DrawnChildren(draw=4, sex="male"))} == {"male"}
     assert draw_children(DrawnChildren(draw=1)) != draw_children(DrawnChildren(draw=1, seed=1))
+
+
+def test_what_else_differs_is_drawn_after_the_size(population):
+    """Child 0 of seed 1 has had these percentiles from the first release on."""
+    sizes = draw_children(DrawnChildren(draw=MANY, seed=3, sizes_only=True))
+    kept = {"fat_percentile", "maturation_rate"}
+    assert [child.model_dump(exclude=kept) for child in population] == [
+        child.model_dump(exclude=kept) for child in sizes
+    ]
+    assert all(child.fat_percentile is None and child.maturation_rate is None for child in sizes)
+    (first,) = draw_children(DrawnChildren(draw=1, seed=1, sizes_only=True))
+    assert (first.length_percentile, first.weight_percentile) == (59.9782018, 97.5737518)
+
+
+def test_fat_goes_with_weight_for_length_and_the_rate_with_nothing(population):
+    z = {name: scores(population, name) for name in (*PERCENTILES, "fat_percentile")}
+    build = build_z(z["length_percentile"], z["weight_percentile"])
+    rate = np.log([child.maturation_rate for child in population])
+    margin = 4 / np.sqrt(MANY)
+    assert np.corrcoef(z["fat_percentile"], build)[0, 1] == pytest.approx(FAT_BUILD, abs=margin)
+    assert abs(np.corrcoef(z["fat_percentile"], z["length_percentile"])[0, 1]) < margin
+    for other in (*z.values(), [child.sex == "male" for child in population]):
+        assert abs(np.corrcoef(rate, other)[0, 1]) < margin
+    assert np.std(rate) == pytest.approx(RATE_SD, rel=0.07)
+    assert np.mean(np.exp(-rate)) == pytest.approx(1, abs=4 * RATE_SD / np.sqrt(MANY))
+
+
+def scores(population, name):
+    """Return the z-scores of the percentiles of some name."""
+    return np.array([NormalDist().inv_cdf(getattr(child, name) / 100) for child in population])

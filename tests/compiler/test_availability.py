@@ -45,7 +45,7 @@ BUILT = {
     "impairments.gestation_weeks": 34,
     "body.hands": "five_finger",
     "body.chest_joint": True,
-    "body.individual": {"sex": "female", "length_percentile": 25},
+    "body.individual": {"sex": "female", "length_percentile": 25, "fat_percent": 30, "maturation_rate": 1.1},
     "body.measurements": {"foot_length_cm": 11.2},
     "body.parts": {"right_upper_arm": {"length": 0.95}},
     "body.remove": ["left_lower_arm"],

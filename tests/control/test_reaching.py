@@ -110,6 +110,16 @@ def test_what_comes_of_reaching_is_summed_up_only_where_something_reaches(open_e
         assert ("hand_error_m" in run.summary().metrics) == reaches
 
 
+def test_a_hand_without_strength_reaches_none_of_its_targets(open_env):
+    weak = {"impairments": {"weakness": {"right_arm": 0.02}}, "scene": {**SITTING, "held": ["hip", "chest"]}}
+    run = Run(open_env(**weak), "reach", seed=0)
+    for _ in range(310):
+        run.step()
+    told = run.summary().metrics
+    assert (told["hand_targets"], told["left_hand_reached_share"], told["right_hand_reached_share"]) == (2, 1.0, 0.0)
+    assert told["left_hand_error_m"] < 0.01 < 0.05 < told["right_hand_error_m"]
+
+
 def test_errors_begin_where_the_infant_starts_and_shrink(held_infant):
     env = held_infant()
     told = []

@@ -50,7 +50,7 @@ def test_too_few_or_too_short_recordings_are_measured_but_not_told_apart(films, 
 def test_it_is_plain_data(generator):
     data = json.loads(json.dumps(compare(FILMS, real_infants(), generator).to_data()))
     speed = data["measures"]["hand_speed_p95_trunk_s"]
-    assert speed.keys() == {"label", "unit", "mean", "infants", "sample_mean", "sample_sd", "score"}
+    assert speed.keys() == {"label", "unit", "mean", "infants", "left", "right", "sample_mean", "sample_sd", "score"}
     assert (speed["unit"], len(speed["infants"])) == ("trunk/s", 3)
     assert data["told_apart"].keys() == {"balanced_accuracy", "window_s", "exact", "sd_over_draws"}
     assert data["distance"].keys() == {"of_mean", "infants"}

@@ -98,3 +98,12 @@ def test_a_limb_that_is_missing_is_neither_drawn_nor_weighed():
     parts = {row[0] for row in seen.rows if row}
     assert {"Right upper arm", "Right hand", "Thigh, each"} <= parts
     assert not {"Left upper arm", "Upper arm, each"} & parts
+
+
+def test_a_page_shows_the_joints_of_a_weak_side_beside_the_healthy_ones(tmp_path):
+    weak = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"weakness": {"right_arm": 0.5}})
+    page = mimoc.report(weak, tmp_path / "kim.html", check=False, beside="healthy").read_text(encoding="utf-8")
+    section = page.split("Beside the healthy child")[-1].split("</table>")[0]
+    assert "Right elbow" in section
+    assert "Left elbow" not in section
+    assert "right 0." in page

@@ -21,13 +21,14 @@ BODY = language_of(InfantSpec)
 HEAD = {"mimoc": 1, "name": "x", "age_months": 9}
 SIZES = {"length": "crown_sole_length", "head": "head_circumference", "weight": "weight"}
 """What the keys of an individual are of, by their first word."""
+NO_SIZES = {"sex", "fat_percentile", "fat_percent", "maturation_rate"}
 
 Key = tuple[str, ...]
 
 
 def keys() -> list[Key]:
     """Return every key of the language that says how large a body is, or a part of it."""
-    individual = [("individual", key) for key in BODY.outline(("body", "individual")).keys if key != "sex"]
+    individual = [("individual", key) for key in BODY.outline(("body", "individual")).keys if key not in NO_SIZES]
     names = BODY.outline(("body", "measurements")).schema["propertyNames"]["enum"]
     return [*individual, *(("measurements", name) for name in names)]
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.primitives import solid_extents
+from mimoc.geometry.primitives import Extents
 from mimoc.senses.sense import FloatArray, IntArray
 
 SIDES = ("left", "right")
@@ -96,7 +97,13 @@ class DrivenInfant:
         low, high = np.degrees(self.model.joint(f"robot:{joint}").range)
         return float(low), float(high)
 
-    def placed(self, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0) -> mujoco.MjData:
+    def placed(
+        self,
+        pitch_deg: float,
+        angles_deg: Mapping[str, float],
+        above_m: float = 0.0,
+        into: mujoco.MjData | None = None,
+    ) -> mujoco.MjData:
         """Return a posture at rest, its lowest point on the floor or above it.
 
         Args:
@@ -104,15 +111,22 @@ class DrivenInfant:
             angles_deg: Angles by joint, without `robot:`, clipped to the ranges; `{side}` stands for both sides. Joints
                 that this infant lacks are left out.
             above_m: Height of the lowest point above the floor.
+            into: A state to overwrite, in which only places are computed: for postures that are tried one after the
+                other. None is a new one, with all that MuJoCo computes.
         """
-        data = mujoco.MjData(self.model)
+        data = mujoco.MjData(self.model) if into is None else into
+        data.qpos[:] = self.model.qpos0
         for joint, angle_rad in self._clipped(angles_deg):
             data.qpos[self.model.jnt_qposadr[joint]] = angle_rad
         half = deg_to_rad(pitch_deg) / 2
         data.qpos[:7] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
         mujoco.mj_kinematics(self.model, data)
         data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
-        mujoco.mj_forward(self.model, data)
+        if into is None:
+            mujoco.mj_forward(self.model, data)
+        else:
+            mujoco.mj_kinematics(self.model, data)
+            mujoco.mj_comPos(self.model, data)
         return data
 
     def turned(self, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
@@ -129,18 +143,30 @@ class DrivenInfant:
         """Yield index and angle of the hinges that there are."""
         for pattern, angle_deg in angles_deg.items():
             for side in SIDES:
-                name = "robot:" + pattern.format(side=side)
-                joint = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
-                if joint >= 0:
-                    yield joint, float(np.clip(deg_to_rad(angle_deg), *self.model.jnt_range[joint]))
+                if limits := self._limits.get(pattern.format(side=side)):
+                    joint, low, high = limits
+                    yield joint, min(max(deg_to_rad(angle_deg), low), high)
+
+    @cached_property
+    def _limits(self) -> Mapping[str, tuple[int, float, float]]:
+        """Index and range in [rad] of each joint, by its name without `robot:`."""
+        names = (self.model.joint(joint).name.removeprefix("robot:") for joint in range(self.model.njnt))
+        ranges = self.model.jnt_range.tolist()
+        return {name: (joint, *ranges[joint]) for joint, name in enumerate(names)}
 
     def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
         """Return the height of the lowest point of a body part, or of the whole infant."""
-        geoms = self.solids
-        if part:
-            geoms = geoms[self.model.geom_bodyid[geoms] == self.model.body(part).id]
+        if part not in self._extents:
+            of_part = self.model.geom_bodyid[self.solids] == self.model.body(part).id if part else slice(None)
+            self._extents[part] = self.solids[of_part], solid_extents(self.model, self.solids[of_part])
+        geoms, extents = self._extents[part]
         up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]
-        return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
+        return float(np.min(data.geom_xpos[geoms, 2] - extents.along(up)))
+
+    @cached_property
+    def _extents(self) -> dict[str | None, tuple[IntArray, Extents]]:
+        """Solids of body parts and how far they reach, of those that were asked for; None is the whole infant."""
+        return {}
 
 
 def bisect(

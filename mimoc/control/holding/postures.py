@@ -23,11 +23,12 @@ def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
 
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
     """
+    data = mujoco.MjData(infant.model)
 
     def heels_down(pitch_deg: float) -> mujoco.MjData:
         return bisect(
             *infant.range_deg("left_hip1"),
-            lambda hip_deg: infant.placed(pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg)),
+            lambda hip_deg: infant.placed(pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg), into=data),
             lambda data: infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot"),
         )
 
@@ -68,10 +69,11 @@ def stance(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     """
     knee = float(np.clip(knee_deg, *infant.range_deg("left_knee")))
     hip = min(knee_deg / 2, infant.range_deg("left_hip1")[1])
+    data = mujoco.MjData(infant.model)
 
     def placed(ankle: float) -> mujoco.MjData:
         angles_deg = {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
-        return infant.placed(ankle + knee - hip, angles_deg)
+        return infant.placed(ankle + knee - hip, angles_deg, into=data)
 
     return bisect(*infant.range_deg("left_foot1"), placed, lambda data: _lean_over_feet(infant, data) > lean)
 

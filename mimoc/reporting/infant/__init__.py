@@ -1,12 +1,13 @@
 """The page of an infant."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import mujoco
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.reporting import words
+from mimoc.reporting.infant.beside import beside
 from mimoc.reporting.infant.senses import senses
 from mimoc.reporting.infant.sources import Sources, origin
 from mimoc.reporting.infant.strength import UNCHECKED, stability, strength
@@ -17,8 +18,20 @@ from mimoc.version import __version__
 __all__ = ["infant_page", "infant_sections"]
 
 
-def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: bool) -> Page:
+def infant_page(
+    bundle: Bundle,
+    progress: Callable[[int, int], None],
+    *,
+    check: bool,
+    counterparts: Mapping[str, Bundle] | None = None,
+) -> Page:
     """Return the page of an infant, with a *check* that its simulation is stable or without.
+
+    Args:
+        bundle: The infant.
+        progress: Called with the number of steps done and their total.
+        check: Whether to check it.
+        counterparts: Infants to stand beside it, by what they are, such as `healthy`.
 
     Raises:
         ModelError: If MuJoCo rejects its model.
@@ -29,6 +42,7 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
     size, body, sensed = infant_sections(bundle, model, sources)
     measured = proportions(model, bundle.manifest.child.corrected_age_months, sources)
     progress(1, steps)
+    others = [beside(bundle, other, name) for name, other in (counterparts or {}).items()]
     checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else UNCHECKED
     lead, pictures = introduce(bundle)
     progress(steps, steps)
@@ -36,7 +50,7 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
         kind="An infant, compiled by mimoc",
         title=words.sentence(words.name(bundle.manifest.name)),
         lead=lead,
-        sections=(size, measured, body, sensed, checked, sources.section(), origin(bundle)),
+        sections=(size, measured, body, *others, sensed, checked, sources.section(), origin(bundle)),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )

@@ -95,15 +95,19 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
 
 
 def _joint_notes(bundle: Bundle, outline: Silhouette, place: Place) -> Iterator[Note]:
-    """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other."""
+    """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other.
+
+    Where the sides differ, the text has both.
+    """
     limits = torque_limits(bundle)
     for name, pattern in JOINTS.items():
-        for side in ("right", "left"):
-            joint = f"robot:{pattern.format(side=side)}"
-            if joint in limits:
-                at = place(outline.figure.data.joint(joint).xanchor)
-                yield Note(at, words.sentence(name), _torques(limits[joint]))
-                break
+        sides = [side for side in ("right", "left") if f"robot:{pattern.format(side=side)}" in limits]
+        texts = {side: words.torques(limits[f"robot:{pattern.format(side=side)}"]) for side in sides}
+        if sides:
+            at = place(outline.figure.data.joint(f"robot:{pattern.format(side=sides[0])}").xanchor)
+            alike = len(set(texts.values())) == 1
+            text = texts[sides[0]] if alike else "; ".join(f"{side} {text}" for side, text in texts.items())
+            yield Note(at, words.sentence(name), text)
 
 
 def _part_notes(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, place: Place) -> Iterator[Note]:
@@ -168,20 +172,13 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
     for joint, limits_nm in torque_limits(bundle).items():
         low, high = (rad_to_deg(float(limit)) for limit in model.joint(joint).range)
         unsided = joint.removeprefix("robot:").replace("left_", "").replace("right_", "")
-        text = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
+        text = (unsided, words.torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
         rows.setdefault(text, []).append(joint)
     for (name, torques, reach), joints in rows.items():
         sides = "" if len(joints) == 2 else next((s for s in ("left ", "right ") if f"{s[:-1]}_" in joints[0]), "")
         keys = [f"actuator.{actuator}.gear" for actuator in actuators.get(joints[0], ())]
         links = sources.links(*keys, f"joint.{joints[0]}.range")
         yield Cell(words.sentence(sides + words.name(name))), number(torques), number(reach), Cell("", links=links)
-
-
-def _torques(limits_nm: tuple[float, float]) -> str:
-    """Return the peak torques in either direction."""
-    low, high = (words.figure(abs(limit), 2) for limit in limits_nm)
-    text = low if low == high else f"{low} / {high}"
-    return f"{text}{words.THIN_SPACE}N{words.THIN_SPACE}m"
 
 
 ABOUT = (

@@ -1,8 +1,8 @@
 """Vision, with a camera in each eye."""
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer, model_validator
 
 from mimoc.base.kinds import AgeTable, SenseKind
 from mimoc.delays import AGES_MONTHS
@@ -12,6 +12,8 @@ from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, 
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 ContrastLaw = Literal["linear", "mimo3"]
 
 
@@ -86,9 +88,7 @@ class VisionEntry(Model):
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
     acuity_shares: tuple[Annotated[Amount, Field(gt=0, le=1)], ...] = ()
     """Share of that acuity that each camera's eye has, if it is not all of it."""
-    field_deg: dict[Literal["left", "right", "up", "down"], Annotated[Amount, Field(le=90)]] = Field(
-        default_factory=dict
-    )
+    field_deg: dict[Direction, Annotated[Amount, Field(le=90)]] = Field(default_factory=dict)
     """How far the eyes see to a side of their line of sight, beyond which pictures are black, if not as far as these
     reach."""
     contrast: ContrastLaw = "linear"
@@ -101,6 +101,12 @@ class VisionEntry(Model):
     """Bodies that are hidden from the eyes: the infant's own head."""
     body: Shown = "solids"
     """What the eyes see of infants: their skins, or the solids under these."""
+
+    @model_validator(mode="after")
+    def _each_eye_has_its_share(self) -> Self:
+        if len(self.acuity_shares) not in (0, len(self.cameras)):
+            raise ValueError(f"acuity_shares: {len(self.acuity_shares)} numbers for {len(self.cameras)} cameras")
+        return self
 
     @model_serializer(mode="wrap")
     def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:

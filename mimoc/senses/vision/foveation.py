@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, sparse, special
 
+from mimoc.senses.vision import Direction
+
 Pictures = npt.NDArray[np.float32]
 """Shape (..., height, width, colours), 0 to 255."""
 FloatArray = npt.NDArray[np.float64]
@@ -168,7 +170,7 @@ def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: fl
     return gain
 
 
-def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapping[str, float]) -> Pictures:
+def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapping[Direction, float]) -> Pictures:
     """Return 1 where an eye sees and 0 where it does not, shape (height, width).
 
     Args:
@@ -179,9 +181,9 @@ def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapp
     """
     tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
     across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
-    far = {side: math.tan(math.radians(min(angle_deg, MOST_DEG))) for side, angle_deg in field_deg.items()}
-    columns = (across >= -far.get("left", math.inf)) & (across <= far.get("right", math.inf))
-    rows = (down >= -far.get("up", math.inf)) & (down <= far.get("down", math.inf))
+    tangents = {side: math.tan(math.radians(min(angle_deg, MOST_DEG))) for side, angle_deg in field_deg.items()}
+    left, right, up, low = (tangents.get(side, math.inf) for side in ("left", "right", "up", "down"))
+    columns, rows = (across >= -left) & (across <= right), (down >= -up) & (down <= low)
     return (rows[:, None] & columns).astype(np.float32)
 
 

@@ -1,6 +1,7 @@
 """Experiments of the paper and of others, reproduced: each writes tables, figures and a report that compares them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import get_args
@@ -8,6 +9,7 @@ from typing import get_args
 from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
+from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
 from mimoc.studies.names import EXPERIMENTS
 
@@ -57,7 +59,8 @@ def run_experiment(
     law = check_experiment(name, development)
     require_matplotlib()
     experiment = import_module(EXPERIMENTS[name])
-    return experiment.run(open_notebook(name, folder, quick=quick, development=law, progress=progress))
+    notebook = open_notebook(name, folder, quick=quick, development=law, progress=progress)
+    return experiment.run(replace(notebook, bodies=bodies_digest(experiment.infants(law))))
 
 
 def check_experiment(name: str, development: str | None) -> Development | None:

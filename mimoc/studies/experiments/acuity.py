@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.quantities import Quantity
@@ -122,16 +123,21 @@ def _measured(measured: Sequence[Transfer]) -> Measured:
     return {**acuities, "contrast left at half the acuity": half.measured, FOVEATION: DEFAULT_FOVEATION}
 
 
-def _sheet(development: Development, size_px: int) -> bytes:
-    """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
+def infants(law: Development) -> Iterator[Bundle]:
+    """Yield the infant that looks."""
     spec = {
         "mimoc": 1,
         "name": "onlooker",
         "age_months": 10,
-        "development": development,
+        "development": law,
         "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
     }
-    infant = building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    yield building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+
+
+def _sheet(development: Development, size_px: int) -> bytes:
+    """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
+    infant = next(infants(development))
     whole, finer = (
         compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)

@@ -22,11 +22,18 @@ from mimoc.studies.experiments.ataxia import (
     MOTOR_MS,
     VARIANTS,
     ataxia_text,
+    infant as ataxic_infant,
     reach_with_variants,
     write_ataxia,
 )
 from mimoc.studies.experiments.figures import Measured
-from mimoc.studies.experiments.infant_reaches import DELAYS, infants_text, reach_at_ages, write_reaches
+from mimoc.studies.experiments.infant_reaches import (
+    DELAYS,
+    infant as infant_of_age,
+    infants_text,
+    reach_at_ages,
+    write_reaches,
+)
 from mimoc.studies.experiments.learner import (
     FIRST_BALL,
     LIBRARIES,
@@ -122,6 +129,14 @@ def run(notebook: Notebook) -> Path:
         training_seeds=", ".join(map(str, seeds)),
         first_ball=FIRST_BALL,
     )
+
+
+def infants(law: Development) -> Iterator[Bundle | InfantSpec]:
+    """Yield those that learn, and those whose reaches are late; delays are not of the body."""
+    yield from (reaching(law, DELAYS_MS[0], setup) for setup in SETUPS)
+    by_body = {(item.age_months, item.strength, item.other_law): item for item in VARIANTS}
+    yield from (ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
+    yield from (infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
 
 
 def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:

@@ -13,6 +13,7 @@ from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.growth import AgeRow, rows_sheet
 from mimoc.render.plots.plot import Line, Plot
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
@@ -95,6 +96,13 @@ def run(notebook: Notebook) -> Path:
     )
     forget_searches(notebook.folder)
     return page
+
+
+def infants(law: None) -> Iterator[InfantSpec]:
+    """Yield the average child by both laws at some of the ages."""
+    for development in LAWS:
+        for age_months in QUICK_MONTHS:
+            yield InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
 
 
 def _vary(

@@ -61,7 +61,7 @@ def run(notebook: Notebook) -> Path:
     """Train infants by each schedule (or resume interrupted runs), compare them, and return the path of the report."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
     balls, check_balls = (QUICK_BALLS, QUICK_CHECK_BALLS) if notebook.quick else (BALLS, CHECK_BALLS)
-    bundle = reaching()
+    bundle = reaching(AGES_MONTHS[1])
     learners = list(_learners(notebook, bundle, steps, seeds))
     groups = by_group(learners)
     with closing(InfantEnv(bundle)) as env:
@@ -81,12 +81,17 @@ def run(notebook: Notebook) -> Path:
     )
 
 
-def reaching() -> Bundle:
-    """Return the average child of the oldest age, of the law `maturing`, with the task `reach`."""
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant at its youngest and oldest age."""
+    yield from map(reaching, AGES_MONTHS)
+
+
+def reaching(age_months: float) -> Bundle:
+    """Return the average child of an age, of the law `maturing`, with the task `reach`."""
     spec = {
         "mimoc": 1,
         "name": "growing",
-        "age_months": AGES_MONTHS[1],
+        "age_months": age_months,
         "development": "maturing",
         "senses": {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}},
         "task": {"kind": "reach", "steps": EPISODE_STEPS},

@@ -8,6 +8,7 @@ from mimoc.fits.who import Reference
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.growth import growth_sheet
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -26,8 +27,7 @@ SEXES: Mapping[str, Reference] = {"boys": "male", "girls": "female"}
 def run(notebook: Notebook) -> Path:
     """Measure the growth of the average child, and return the path of the report."""
     months = QUICK_MONTHS if notebook.quick else MONTHS
-    spec = InfantSpec(mimoc=1, name="average_child", age_months=months[0], development=notebook.law)
-    report = grow_against_who(spec, months, notebook.progress)
+    report = grow_against_who(next(infants(notebook.law)), months, notebook.progress)
     heading = "age_months,indicator,value,z_boys,z_girls,z_mean,percentile"
     notebook.write_table("growth.csv", heading, map(_cells, report.rows))
     notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
@@ -43,6 +43,12 @@ def run(notebook: Notebook) -> Path:
             for indicator, rows in report.by_indicator.items()
         ),
     )
+
+
+def infants(law: Development) -> Iterator[InfantSpec]:
+    """Yield the average child at several ages."""
+    for age_months in QUICK_MONTHS:
+        yield InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=law)
 
 
 def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:

@@ -78,6 +78,11 @@ def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[
             yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
 
 
+def infants(law: Development) -> Iterator[Bundle]:
+    """Yield the infant that reaches."""
+    yield sitting(law)
+
+
 def sitting(development: Development) -> Bundle:
     """Return an infant that sits with its trunk held."""
     spec = {

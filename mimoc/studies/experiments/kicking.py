@@ -5,6 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mimoc.bundle.io import Bundle
 from mimoc.movement.filming import RATE_HZ, Filmed
 from mimoc.movement.joints import joint_angles
 from mimoc.movement.kicks import kicks_of
@@ -17,7 +18,7 @@ from mimoc.quantities.child import AGE
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
-from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, open_infant
+from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, open_infant
 from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
@@ -153,6 +154,11 @@ def run(notebook: Notebook) -> Path:
     )
     forget_trials(notebook)
     return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant at each whole month."""
+    yield from (bundle_of(Setup(age_months)) for age_months in MONTHS)
 
 
 def kicking(case: Case, seed: int) -> Result:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
 from mimoc.movement.joints import joint_angles
@@ -20,6 +21,7 @@ from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import (
     Setup,
+    bundle_of,
     mobile_speed_m_s,
     open_infant,
     ribbon_m,
@@ -131,6 +133,11 @@ def run(notebook: Notebook) -> Path:
     )
     forget_trials(notebook)
     return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant that lies under the mobile."""
+    yield bundle_of(Setup(AGE_MONTHS))
 
 
 def pair(case: Case, seed: int) -> Result:

@@ -56,6 +56,8 @@ class Notebook:
     progress: Progress
     development: Development | None = None
     """Law of development of its infants; None if the experiment has laws of its own."""
+    bodies: str = ""
+    """Digest of the bodies of its infants, `studies.bodies.bodies_digest`."""
 
     @property
     def law(self) -> Development:
@@ -126,7 +128,7 @@ class Notebook:
         command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{law}{' --quick' * self.quick}"
         versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries, "matplotlib"))
         machine = f"Python {platform.python_version()} on {platform.machine()}"
-        numbers["reproduction"] = f"    {command}\n\nWith {versions} and {machine}."
+        numbers["reproduction"] = f"    {command}\n\nWith {versions} and {machine}. Bodies: `{self.bodies}`."
         if self.development:
             numbers["law"] = LAWS[self.development]
             numbers["beside"] = self._beside(measured or {}, numbers)

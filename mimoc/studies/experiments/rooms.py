@@ -1,7 +1,7 @@
 """Rooms by seed: their contents, and where the toys lie (López et al. 2025, figure 6)."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean, median
@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.looks.pictures import encode_palette_png
@@ -22,6 +23,7 @@ from mimoc.render.portrait import overview
 from mimoc.scenes.footprint import reachable_floor
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook
 from mimoc.toys.builtin import BUILTIN_TOYS
@@ -162,7 +164,7 @@ TOY_HEADING = "seed,object,category,size_m,mass_kg,ahead_m,left_m,distance_m,wit
 def run(notebook: Notebook) -> Path:
     """Build and render the rooms of some seeds, and return the path of the report."""
     seeds = QUICK_SEEDS if notebook.quick else SEEDS
-    builder = building.builder(InfantSpec.model_validate({**SPEC, "development": notebook.law}))
+    builder = _builder(notebook.law)
     rooms: list[Inventory] = []
     pictures: list[Picture] = []
     times_s = []
@@ -187,6 +189,15 @@ def run(notebook: Notebook) -> Path:
         typical_ms=1000 * median(times_s),
         slowest_ms=1000 * max(times_s),
     )
+
+
+def infants(law: Development) -> Iterator[Bundle]:
+    """Yield the infant in the first of the rooms."""
+    yield _builder(law)(SEEDS[0], check=False)
+
+
+def _builder(law: Development) -> Builder:
+    return building.builder(InfantSpec.model_validate({**SPEC, "development": law}))
 
 
 def _measured(rooms: Sequence[Inventory], again: Inventory) -> Measured:

@@ -4,11 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from mimoc.bundle.io import Bundle
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, relative_changes
-from mimoc.studies.experiments.legs.infants import leg_kg
+from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg
 from mimoc.studies.experiments.legs.intervals import interval
 from mimoc.studies.experiments.legs.steps import SHARE, TRIES_PER_MIN, StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Trial, forget_trials, run_trials
@@ -70,6 +71,11 @@ def run(notebook: Notebook) -> Path:
     )
     forget_trials(notebook)
     return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant at each age, held upright."""
+    yield from (bundle_of(Setup(age_months, held=True)) for age_months in MONTHS)
 
 
 def cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:

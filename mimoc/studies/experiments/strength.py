@@ -4,14 +4,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import grow_body
+from mimoc.bundle.io import Bundle
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
 from mimoc.studies.experiments.effort import (
     BEHAVIOURS,
     SETTLING_STEPS,
@@ -19,7 +22,9 @@ from mimoc.studies.experiments.effort import (
     STEPS,
     Behaviour,
     Effort,
+    Model,
     efforts,
+    lying,
 )
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
@@ -135,6 +140,13 @@ def run(notebook: Notebook) -> Path:
         size_ages=", ".join(ages),
         muscles=_muscle_rows(muscle),
     )
+
+
+def infants(law: Development) -> Iterator[Bundle]:
+    """Yield the infants that lift head and leg at the paper's ages, with torque motors and with muscles."""
+    for model in get_args(Model):
+        for age_months in PAPER_MONTHS:
+            yield lying(law, age_months, model)(0, check=False)
 
 
 def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:

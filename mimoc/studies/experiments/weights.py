@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ
 from mimoc.movement.joints import joint_angles
@@ -17,7 +18,7 @@ from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, leg_kg, open_infant
+from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
 from mimoc.studies.experiments.legs.intervals import interval
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
@@ -106,6 +107,12 @@ def run(notebook: Notebook) -> Path:
     )
     forget_trials(notebook)
     return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infants of all ages that kick, and those that step."""
+    yield from (bundle_of(Setup(week * MONTHS_PER_WEEK)) for week in WEEKS)
+    yield from (bundle_of(Setup(week * MONTHS_PER_WEEK, held=True)) for week in STEP_WEEKS)
 
 
 def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:

@@ -2,6 +2,7 @@
 
 from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
 from mimoc.studies.milestones.report import WINDOWS, AgeRange, Milestone, MilestoneReport, validate_milestones
+from mimoc.studies.milestones.search import search_near
 from mimoc.studies.milestones.trial import Outcome, Trial, try_out
 from mimoc.studies.milestones.trials import FURTHER, MILESTONES, TRIALS
 
@@ -18,6 +19,7 @@ __all__ = [
     "Trial",
     "TrialInfant",
     "compile_at",
+    "search_near",
     "try_out",
     "validate_milestones",
 ]

@@ -1,8 +1,9 @@
-"""Milestones of an infant beside those of real infants, and when these reach them."""
+"""Milestones of an infant, of each side where there are two, beside those of real infants."""
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,14 +12,17 @@ from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.render.plots.growth import AgeRow
 from mimoc.schema.base import Model
+from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import SIDES
+from mimoc.studies.certainty import ASSUMPTION, Certainty
 from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
-Certainty = Literal["read", "from memory"]
-"""Whether the figures were read in the source or its abstract, or are known from memory and not yet checked."""
+Verdict = Literal["inside", "too early", "too late", "not reached", "no verdict"]
+GOOD: tuple[Verdict, ...] = ("inside", "no verdict")
 
 
 class AgeRange(Model):
@@ -26,19 +30,23 @@ class AgeRange(Model):
 
     youngest_months: float
     oldest_months: float
-    median_months: float
+    usual_months: float | None
+    """The mean, or the age that a source gives; None if it gives none."""
     span: str
-    """What youngest and oldest are, such as percentiles."""
+    """What these ages are, such as percentiles."""
     source: str
     certainty: Certainty
 
     @property
-    def ages(self) -> tuple[float, float, float]:
-        """Youngest, median and oldest age, as they are plotted."""
-        return self.youngest_months, self.median_months, self.oldest_months
+    def ages(self) -> tuple[float, ...]:
+        """Youngest, usual and oldest age, as they are plotted."""
+        usual = () if self.usual_months is None else (self.usual_months,)
+        return (self.youngest_months, *usual, self.oldest_months)
 
-    def verdict(self, age_months: float | None) -> "Verdict":
-        """Return how the age at which an infant reaches it compares; None is never."""
+    def verdict(self, age_months: float | None) -> Verdict:
+        """Return how the age at which an infant reaches it compares; None is never. Nobody is judged by assumptions."""
+        if self.certainty == ASSUMPTION:
+            return "no verdict"
         if age_months is None:
             return "not reached"
         if age_months < self.youngest_months:
@@ -49,16 +57,15 @@ class AgeRange(Model):
 def read_age_ranges(path: Path) -> dict[str, AgeRange]:
     """Return the rows of a table of ages by what stands in its first column."""
     with path.open(encoding="utf-8", newline="") as file:
-        table = csv.DictReader(file)
-        first = (table.fieldnames or [""])[0]
-        return {row.pop(first): AgeRange.model_validate(row) for row in table}
+        _, *rest = next(lines := csv.reader(file))
+        return {
+            name: AgeRange.model_validate({key: cell or None for key, cell in zip(rest, cells, strict=True)})
+            for name, *cells in lines
+        }
 
 
 WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))
-"""By name of the trial. WHO's medians are from memory, the other figures of WHO were read."""
-
-
-Verdict = Literal["inside", "too early", "too late", "not reached", "no verdict"]
+"""By name of the trial."""
 
 
 @dataclass(frozen=True)
@@ -66,29 +73,60 @@ class Milestone:
     """What was found for one trial."""
 
     trial: Trial
-    result: SearchResult
+    sides: Mapping[str, SearchResult]
+    """By side, `left` and `right`; of a trial without sides, by an empty name."""
     window: AgeRange | None
     """When real infants reach it, if that is known."""
     judged: bool
     """Whether it is compared with real infants, or only reported."""
 
     @property
+    def side(self) -> str:
+        """The worse side, if they differ: one that is outside the window, or else the later one."""
+        differ = len({result.youngest_months for result in self.sides.values()}) > 1
+        return max(self.sides, key=self._badness) if differ else ""
+
+    @property
+    def result(self) -> SearchResult:
+        """What was found for the worse side."""
+        return self.sides[self.side or next(iter(self.sides))]
+
+    @property
     def verdict(self) -> Verdict:
-        """How the infant compares with real ones."""
-        if not self.judged or self.window is None:
-            return "no verdict"
-        return self.window.verdict(self.result.youngest_months)
+        """How the infant compares with real ones, by its worse side."""
+        return self.verdict_of(self.result)
+
+    @property
+    def failed(self) -> bool:
+        """Whether a side is outside the window."""
+        return self.verdict not in GOOD
+
+    def verdict_of(self, result: SearchResult) -> Verdict:
+        """Return how what was found for a side compares with real infants."""
+        return self.window.verdict(result.youngest_months) if self.judged and self.window else "no verdict"
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data."""
         return {
             "name": self.trial.name,
             "title": self.trial.title,
-            "youngest_months": self.result.youngest_months,
-            "at_birth": self.result.at_birth,
-            "verdict": self.verdict,
+            "basis": self.trial.basis,
+            **self._data_of(self.result),
+            "worse_side": self.side or None,
+            "sides": {side: self._data_of(result) for side, result in self.sides.items() if side},
             "window": self.window.model_dump() if self.window else None,
-            "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in self.result.outcomes.items()],
+        }
+
+    def _badness(self, side: str) -> tuple[bool, float]:
+        age_months = self.sides[side].youngest_months
+        return self.verdict_of(self.sides[side]) not in GOOD, math.inf if age_months is None else age_months
+
+    def _data_of(self, result: SearchResult) -> dict[str, Any]:
+        return {
+            "youngest_months": result.youngest_months,
+            "at_birth": result.at_birth,
+            "verdict": self.verdict_of(result),
+            "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in result.outcomes.items()],
         }
 
 
@@ -102,19 +140,25 @@ class MilestoneReport:
     """Its actuation model."""
     conditions: Conditions
     milestones: Sequence[Milestone]
+    beside: Mapping[str, "MilestoneReport"] = field(default_factory=dict)
+    """Those of its counterparts, by what they are, such as `healthy`."""
 
     @property
     def passed(self) -> bool:
-        """Whether every milestone that is judged is inside its window."""
-        return all(milestone.verdict in ("inside", "no verdict") for milestone in self.milestones)
+        """Whether every milestone that is judged is inside its window, on both sides."""
+        return not any(milestone.failed for milestone in self.milestones)
 
     @property
     def rows(self) -> list[AgeRow]:
-        """The milestones as they are plotted."""
-        name = "mimoc, from this age on"
+        """The milestones as they are plotted; of those with sides the worse one."""
+        reports = {"mimoc, from this age on": self, **{f"the {name} child": it for name, it in self.beside.items()}}
         return [
-            AgeRow(item.trial.title, {name: item.result.youngest_months}, item.window.ages if item.window else ())
-            for item in self.milestones
+            AgeRow(
+                item.trial.title,
+                {label: one.milestones[place].result.youngest_months for label, one in reports.items()},
+                item.window.ages if item.window else (),
+            )
+            for place, item in enumerate(self.milestones)
         ]
 
     def to_data(self) -> dict[str, Any]:
@@ -126,6 +170,7 @@ class MilestoneReport:
                 "conditions": asdict(self.conditions),
                 "passed": self.passed,
                 "milestones": [milestone.to_data() for milestone in self.milestones],
+                "beside": {name: report.to_data() for name, report in self.beside.items()},
             }
         )
 
@@ -138,8 +183,9 @@ def validate_milestones(
     ages: Sequence[float] | None = None,
     processes: int = 1,
     progress: Progress | None = None,
+    beside: str | None = None,
 ) -> MilestoneReport:
-    """Return at what age an infant reaches each motor milestone, beside real infants.
+    """Return at what age an infant reaches each motor milestone, with each of its sides, beside real infants.
 
     Args:
         spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
@@ -148,10 +194,12 @@ def validate_milestones(
         ages: Ages to try, in months; None means every half month from birth to two years.
         processes: Number of processes. With more than one, a script must guard its main part by
             `if __name__ == "__main__"`.
-        progress: Called with the number of ages done with and their total.
+        progress: Called with the number of ages done with and their total, for each child anew.
+        beside: `healthy` lets the same child without what impairs it try as well.
 
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
+        MimocError: If nothing impairs the child that is to stand beside a healthy one.
 
     Example:
         >>> import mimoc
@@ -160,15 +208,44 @@ def validate_milestones(
         [False, True]
     """
     infant = checked_or_average(spec)
+    others = {beside: counterpart(infant, beside)} if beside else {}
     for age_months in ages or AGES:  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))
-    usual = conditions or Conditions()
-    results = search(infant, usual, names, ages or AGES, processes, progress)
-    further = {trial.name for trial in FURTHER}
-    return MilestoneReport(
-        infant.development,
-        infant.actuation.model,
-        usual,
-        [Milestone(TRIALS[name], results[name], WINDOWS.get(name), name not in further) for name in names],
-    )
+    usual, further = conditions or Conditions(), {trial.name for trial in FURTHER}
+
+    def report(child: InfantSpec) -> MilestoneReport:
+        asked = {name: _searches(TRIALS[name], child) for name in names}
+        searches = [one for by_side in asked.values() for one in by_side.values()]
+        results = search(child, usual, searches, ages or AGES, processes, progress)
+        milestones = [
+            Milestone(
+                TRIALS[name],
+                _both({side: results[one] for side, one in by_side.items()}),
+                WINDOWS.get(name),
+                name not in further,
+            )
+            for name, by_side in asked.items()
+        ]
+        return MilestoneReport(child.development, child.actuation.model, usual, milestones)
+
+    return replace(report(infant), beside={name: report(other) for name, other in others.items()})
+
+
+def _searches(trial: Trial, infant: InfantSpec) -> Mapping[str, str]:
+    """Return the names of a trial's searches by side; only the right one where the left mirrors it."""
+    if not trial.sided:
+        return {"": trial.name}
+    return {side: f"{trial.name}:{side}" for side in (SIDES[1:] if has_like_sides(infant) else SIDES)}
+
+
+def _both(results: Mapping[str, SearchResult]) -> Mapping[str, SearchResult]:
+    """Return what was found for both sides, if that is known for one."""
+    if set(results) != {"right"}:
+        return results
+    right = results["right"]
+    mirrored = {
+        age: replace(outcome, reason=exchanged(outcome.reason), strategy=exchanged(outcome.strategy))
+        for age, outcome in right.outcomes.items()
+    }
+    return {"left": replace(right, outcomes=mirrored), "right": right}

@@ -16,6 +16,7 @@ import numpy as np
 
 from mimoc.control.holding.controller import Controller, servo
 from mimoc.senses.sense import FloatArray
+from mimoc.studies.certainty import Basis
 from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
 INTERVAL_S = 0.005
@@ -108,6 +109,8 @@ class Attempt:
     apparatus: Apparatus | None = None
     strategy: str = ""
     """In words, which posture it is."""
+    side: str = ""
+    """Of a trial with sides, which one it is about: `left` or `right`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,12 +135,25 @@ class Trial:
     """The ways to try it, which an infant tries in turn until one succeeds."""
     needs: tuple[str, ...] = ()
     """The bodies without which it cannot be tried."""
+    basis: Basis = "predicted"
+    """Whether a number of the law `maturing` was chosen for the age at which infants succeed."""
+    sided: bool = False
+    """Whether each attempt is about one side, so that a child can succeed with one and fail with the other."""
 
 
-def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions) -> Outcome:
-    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest."""
+def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str = "") -> Outcome:
+    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
+
+    Args:
+        trial: The trial.
+        infant: Who tries.
+        conditions: Under which conditions.
+        side: Of a trial with sides, `left` or `right`; none is either.
+    """
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
+        if side not in ("", attempt.side):
+            continue
         outcome = simulate(attempt, conditions)
         if outcome.success:
             return outcome

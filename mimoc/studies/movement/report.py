@@ -3,7 +3,7 @@
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -15,18 +15,16 @@ from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.quantities import Quantity
 from mimoc.render.plots.windows import Panel
 from mimoc.schema.base import Model
+from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import SIDES
+from mimoc.studies.certainty import ASSUMPTION, Basis, Certainty
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
-from mimoc.studies.movement.trial import MovementTrial, Subject, Values, missing
+from mimoc.studies.movement.trial import Subject, Values, missing
 from mimoc.studies.movement.trials import TRIALS, USUAL
 from mimoc.studies.processes import process_pool
 
-Certainty = Literal["read", "read in another source", "recorded", "from memory", "derived", "guess"]
-"""How surely a window is known: read in the source or its abstract, or in another text that reports it; measured on
-recordings of real infants; known from memory and not yet checked; derived from such figures; or a guess, by which
-nobody is judged."""
-Used = Literal["fitted", "predicted"]
 Verdict = Literal["inside", "outside", "not reached", "no verdict", "not tried"]
 
 
@@ -38,7 +36,7 @@ class Window(Model):
     low: float | None
     """None if there is no lower end, as for `high`."""
     high: float | None
-    used: Used
+    used: Basis
     """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted."""
     certainty: Certainty
     source: str
@@ -85,13 +83,24 @@ class Row:
     window: Window | None
     reason: str = ""
     """Why it was not tried."""
+    side: str = ""
+    """`left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side."""
+
+    @property
+    def name(self) -> str:
+        """Name of the measure, with the side of an infant whose sides are not alike: `kick_deg, left`."""
+        return self.named(self.measure.name)
+
+    def named(self, measure: str) -> str:
+        """Return a name of the measure with this side."""
+        return f"{measure}, {self.side}" if self.side in SIDES else measure
 
     @property
     def verdict(self) -> Verdict:
         """How the infant compares with real ones."""
         if self.reason:
             return "not tried"
-        if self.window is None or self.window.certainty == "guess":
+        if self.window is None or self.window.certainty == ASSUMPTION:
             return "no verdict"
         if self.value is None:
             return "not reached"
@@ -106,7 +115,7 @@ class Row:
 
     @property
     def failed(self) -> bool:
-        """Whether it is outside a window that is no guess."""
+        """Whether it is outside a window that is no assumption."""
         return self.verdict in ("outside", "not reached")
 
     def to_data(self) -> dict[str, Any]:
@@ -116,6 +125,7 @@ class Row:
             "measure": self.measure.name,
             "unit": self.measure.unit,
             "age_months": self.age_months,
+            "side": self.side or None,
             "value": self.value,
             "verdict": self.verdict,
             "held_out": TRIALS[self.trial].held_out,
@@ -134,10 +144,12 @@ class MovementReport:
     actuation: str
     """Its actuation model."""
     rows: Sequence[Row]
+    beside: Mapping[str, "MovementReport"] = field(default_factory=dict)
+    """Those of its counterparts, by what they are, such as `healthy`."""
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is outside a window that is no guess."""
+        """Whether nothing is outside a window that is no assumption."""
         return not any(row.failed for row in self.rows)
 
     @property
@@ -148,9 +160,9 @@ class MovementReport:
 
     @property
     def by_measure(self) -> Mapping[str, Sequence[Row]]:
-        """The rows of each measure, by its name, the youngest first."""
-        names = dict.fromkeys(row.measure.name for row in self.rows)
-        return {name: [row for row in self.rows if row.measure.name == name] for name in names}
+        """The rows of each measure, by `Row.name`, the youngest first."""
+        names = dict.fromkeys(row.name for row in self.rows)
+        return {name: [row for row in self.rows if row.name == name] for name in names}
 
     @property
     def titles(self) -> Mapping[str, str]:
@@ -159,15 +171,15 @@ class MovementReport:
 
     @property
     def panels(self) -> list[Panel]:
-        """The measures as they are plotted, without windows that are guesses."""
+        """The measures as they are plotted, without windows that are assumptions."""
         return [
             Panel(
-                rows[0].measure,
+                replace(rows[0].measure, label=rows[0].named(rows[0].measure.label)),
                 [(row.age_months, row.value) for row in rows if row.value is not None],
                 [
                     (window.youngest_months, window.oldest_months, window.low, window.high)
                     for name, window in WINDOWS
-                    if name == rows[0].measure.name and window.certainty != "guess"
+                    if name == rows[0].measure.name and window.certainty != ASSUMPTION
                 ],
             )
             for rows in self.by_measure.values()
@@ -183,6 +195,7 @@ class MovementReport:
                 "trials": self.titles,
                 "held_out": {"inside": sum(not row.failed for row in self.held_out), "tried": len(self.held_out)},
                 "rows": [row.to_data() for row in self.rows],
+                "beside": {name: report.to_data() for name, report in self.beside.items()},
             }
         )
 
@@ -194,6 +207,7 @@ def validate_movement(
     ages: Sequence[float] | None = None,
     processes: int = 1,
     progress: Progress | None = None,
+    beside: str | None = None,
 ) -> MovementReport:
     """Return how an infant kicks, swings, lifts, folds, looks and grips, beside real infants.
 
@@ -203,11 +217,13 @@ def validate_movement(
         ages: Ages to try, in months; None means those of each trial, at which there are figures of real infants.
         processes: Number of processes. With more than one, a script must guard its main part by
             `if __name__ == "__main__"`.
-        progress: Called with the number of trials done, an age each, and their total.
+        progress: Called with the number of trials done, an age each, and their total, for each child anew.
+        beside: `healthy` lets the same child without what impairs it do the same.
 
     Raises:
         UnknownNameError: If there is no trial of some name.
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
+        MimocError: If nothing impairs the child that is to stand beside a healthy one.
 
     Example:
         >>> import mimoc
@@ -219,17 +235,29 @@ def validate_movement(
         if name not in TRIALS:
             raise UnknownNameError("trial", name, list(TRIALS))
     infant = checked_or_average(spec)
+    others = {beside: counterpart(infant, beside)} if beside else {}
     jobs = [(name, float(age)) for name in names for age in ages or TRIALS[name].ages_months]
     for age_months in dict.fromkeys(age for _, age in jobs):
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))
-    results = _run(infant.model_dump_json(), jobs, processes, progress or (lambda done, total: None))
-    rows = [row for name, age in jobs for row in _rows(TRIALS[name], age, results[name, age])]
+    shown = progress or (lambda done, total: None)
+    one, *rest = (_report(child, jobs, processes, shown) for child in (infant, *others.values()))
+    return replace(one, beside=dict(zip(others, rest, strict=True)))
+
+
+def _report(
+    infant: InfantSpec, jobs: Sequence[tuple[str, float]], processes: int, progress: Progress
+) -> MovementReport:
+    sides = BOTH if has_like_sides(infant) else SIDES
+    sided = [(*job, side) for job in jobs for side in (sides if TRIALS[job[0]].side else ("",))]
+    results = _run(infant.model_dump_json(), sided, processes, progress)
+    rows = [row for job in sided for row in _rows(job, results[job])]
     return MovementReport(infant.development, infant.actuation.model, rows)
 
 
-Job = tuple[str, float]
-"""Name of a trial, and age in months."""
+BOTH = ("both",)
+Job = tuple[str, float, str]
+"""Name of a trial, age in months, and the side whose limb is measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,11 +285,16 @@ def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> 
     return results
 
 
-def try_movement(spec: str, name: str, age_months: float) -> Result:
-    """Return what comes of a trial with the infant of a spec in JSON, grown to some age."""
-    trial, subject = TRIALS[name], _subject(spec, age_months)
+def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Result:
+    """Return what comes of a trial with the infant of a spec in JSON, grown to some age.
+
+    The side that a trial does not measure is measured on the infant's mirror image.
+    """
+    trial = TRIALS[name]
+    mirrored = side in SIDES and side != trial.side
+    subject = _subject(exchanged(spec) if mirrored else spec, age_months)
     reason = missing(trial, subject.infant)
-    return Result({}, reason) if reason else Result(trial.measure(subject))
+    return Result({}, exchanged(reason) if mirrored else reason) if reason else Result(trial.measure(subject))
 
 
 @lru_cache(maxsize=16)
@@ -270,7 +303,8 @@ def _subject(spec: str, age_months: float) -> Subject:
     return Subject(compile_once(spec, age_months, Conditions()), grown)
 
 
-def _rows(trial: MovementTrial, age_months: float, result: Result) -> Iterator[Row]:
-    for measure in trial.measures:
+def _rows(job: Job, result: Result) -> Iterator[Row]:
+    name, age_months, side = job
+    for measure in TRIALS[name].measures:
         window = window_of(measure.name, age_months)
-        yield Row(trial.name, measure, age_months, result.values.get(measure.name), window, result.reason)
+        yield Row(name, measure, age_months, result.values.get(measure.name), window, result.reason, side)

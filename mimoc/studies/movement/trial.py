@@ -45,6 +45,8 @@ class MovementTrial:
     """Whether nothing of the law `maturing` was chosen with it in view, so that what it gives are predictions."""
     on_request: bool = False
     """Whether it takes minutes, so that it is done only if it is asked for by its name."""
+    side: str = ""
+    """The side whose limb is measured, `left` or `right`; none if it is about both."""
 
 
 def missing(trial: MovementTrial, infant: TrialInfant) -> str:

@@ -12,6 +12,7 @@ from mimoc.policies.postures import write_postures
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
+from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
 from mimoc.studies.skills.attempt import Attempt
 from mimoc.studies.skills.attempts import Way, attempts_of, searches
@@ -73,19 +74,27 @@ class SkillReport(Model):
     """When they have the skill."""
     ages: tuple[AgeResult, ...]
     """What came of it at each age."""
+    bodies: str = ""
+    """Digest of the bodies at these ages, `bodies_of`."""
 
     @classmethod
-    def of(cls, skill: str, results: Sequence[AgeResult]) -> Self:
+    def of(cls, skill: str, results: Sequence[AgeResult], bodies: str = "") -> Self:
         """Return what the results at all ages say, from the youngest on."""
         real, since = REAL_AGES[skill], _from_months(results)
         is_open = since is None and results[-1].age_months < real.oldest_months
         verdict = "no verdict" if is_open else real.verdict(since)
-        return cls(skill=skill, from_months=since, verdict=verdict, real_infants=real, ages=tuple(results))
+        ages = tuple(results)
+        return cls(skill=skill, from_months=since, verdict=verdict, real_infants=real, ages=ages, bodies=bodies)
 
     def to_data(self) -> dict[str, Any]:
         """Return everything but movements as plain data, numbers rounded as in files."""
         movements = {"ages": {"__all__": {"searches": {"__all__": {"movement"}}}}}
         return rounded(self.model_dump(mode="json", exclude=movements))
+
+
+def bodies_of(child: InfantSpec, ages: Sequence[float]) -> str:
+    """Return the digest of the bodies of a child at some ages, in [months]; its task is not of the body."""
+    return bodies_digest(child.with_(task=None).with_(age_months=age, scene=None) for age in sorted(ages))
 
 
 def _from_months(results: Sequence[AgeResult]) -> float | None:
@@ -150,7 +159,7 @@ def learn_skill(
     results = [AgeResult.of([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
         _write(result.best, out / f"{skill}_{result.age_months:g}_months")
-    return SkillReport.of(skill, results)
+    return SkillReport.of(skill, results, bodies_of(child, ages))
 
 
 def _write(attempt: Attempt, path: Path) -> None:

@@ -20,14 +20,14 @@ def skill_sheet(report: SkillReport) -> Sheet:
         y=SUCCESS,
         lines=(
             Line(ages, [result.success for result in report.ages], "all searches"),
-            Line((real.median_months,) * 2, (0.0, 1.0), "", "median"),
+            *(Line((age,) * 2, (0.0, 1.0), "", "median") for age in real.ages[1:-1]),
         ),
         bands=(
             Band(
                 window,
                 (0.0, 0.0),
                 (1.0, 1.0),
-                "real infants (line: median)",
+                "real infants (line: usual)",
                 "window",
             ),
             Band(ages, low, high, "95 %"),

@@ -130,6 +130,7 @@ def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_pictu
         )
         for acuity_cpd, foveation, radius in kinds
     ]
+    entries[1] = entries[1].model_copy(update={"acuity_shares": (0.3, 1.0), "field_deg": {"right": 5.0}})
     fovy_deg, drawn = (60.0, 40.0, 60.0, 90.0), (HEIGHT * supersample, WIDTH * supersample)
     pictures = np.random.default_rng(0).integers(0, 256, (len(kinds), len(EYES), *drawn, 3), dtype=np.uint8)
     packed = (pictures.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=-1, dtype=np.uint32)

@@ -81,13 +81,16 @@ def test_infants_of_seven_ages_at_once_feel_what_they_do_on_the_cpu(pair):
     assert ours.observation_space.contains(seen)
 
 
-def delayed(age_months: float) -> mimoc.Bundle:
-    scene = {"kind": "flat", "pose": "sitting"}
-    return build(age_months=age_months, senses=SENSES, scene=scene, delays={"preset": "physiological"})
+def delayed(age_months: float, **impairments: object) -> mimoc.Bundle:
+    delays, scene = {"preset": "physiological"}, {"kind": "flat", "pose": "sitting"}
+    return build(age_months=age_months, senses=SENSES, scene=scene, delays=delays, impairments=impairments)
 
 
 def test_delays_of_each_age_are_those_of_the_cpu(pair):
-    ours, theirs = pair([delayed(1), delayed(20)], touch="points")
+    """With an arm that is later than the other in the older infant, and stretch reflexes in both."""
+    spastic = {"knees": {"kind": "spastic"}}
+    late = {"right_arm": 2, "right_hand": 3, "legs": 1.5}
+    ours, theirs = pair([delayed(1, tone=spastic), delayed(20, tone=spastic, delay=late)], touch="points")
     ours.reset(seed=0), theirs.reset(seed=0)
     generator = np.random.default_rng(1)
     for _ in range(12):

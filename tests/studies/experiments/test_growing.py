@@ -41,7 +41,7 @@ FAST, SLOW, MIXED = (
 
 
 def test_the_infant_is_of_the_oldest_age_and_matures():
-    resolved = reaching().files["resolved.yaml"].decode().splitlines()
+    resolved = reaching(12.0).files["resolved.yaml"].decode().splitlines()
     assert "age_months: 12.0" in resolved
     assert "development: published" not in resolved
 

@@ -47,7 +47,7 @@ class Setup:
 
 def open_infant(setup: Setup) -> InfantEnv:
     """Return the environment of an infant, not yet reset; there is nothing else in its world."""
-    bundle = _bundle(setup)
+    bundle = bundle_of(setup)
     scene = _scene(bundle)
     for side, mass_kg in zip(SIDES, (setup.left_kg, setup.right_kg), strict=True):
         if mass_kg:
@@ -87,7 +87,8 @@ def leg_kg(age_months: float) -> float:
         return float(env.model.body_mass[legs_of(env.model)].sum() / len(SIDES))
 
 
-def _bundle(setup: Setup) -> Bundle:
+def bundle_of(setup: Setup) -> Bundle:
+    """Return the infant without weights, mobile and apparatus."""
     spec: dict[str, object] = {
         "mimoc": 1,
         "name": "legs",

@@ -13,3 +13,9 @@ MILESTONES: tuple[Trial, ...] = (PRONE_HEAD, HALF_SQUAT, ARM_OUT, HEAD_LAG, SITT
 FURTHER: tuple[Trial, ...] = (LEG_LIFT, ROLL_OVER, SUPINE_HEAD, ROCKING, PULL_TO_STAND)
 """Those that are only reported, until they are understood."""
 TRIALS: Mapping[str, Trial] = {trial.name: trial for trial in (*MILESTONES, *FURTHER)}
+
+
+def trial_called(name: str) -> tuple[Trial, str]:
+    """Return the trial and the side of a name such as `sit` or `arm_out:left`; no side is either."""
+    trial, _, side = name.partition(":")
+    return TRIALS[trial], side

@@ -77,19 +77,25 @@ def _attempt(infant: TrialInfant, side: str) -> Attempt:
     def check(data: mujoco.MjData) -> str:
         return "" if rise_deg(data, shoulder, hand) >= LOWEST_DEG else "arm too low"
 
-    return Attempt(infant, start, ARM_S, check, ARM_S - ARM_HELD_S, goal_deg, strategy=f"{side} arm")
+    return Attempt(infant, start, ARM_S, check, ARM_S - ARM_HELD_S, goal_deg, strategy=f"{side} arm", side=side)
 
 
 def _lifting(infant: TrialInfant) -> Iterator[Attempt]:
-    """Yield one attempt, with hips and knees as straight at the start as they go."""
-    legs = [(infant.model.body(f"{side}_upper_leg").id, infant.model.body(f"{side}_lower_leg").id) for side in SIDES]
+    """Yield an attempt for each leg, with both lifted, and hips and knees as straight at the start as they go."""
     start = infant.placed(-90.0, {"{side}_hip1": 0.0, "{side}_knee": 0.0})
+    for side in reversed(SIDES):
+        hip, knee = (infant.model.body(f"{side}_{part}").id for part in ("upper_leg", "lower_leg"))
 
-    def check(data: mujoco.MjData) -> str:
-        return "legs too low" if min(rise_deg(data, hip, knee) for hip, knee in legs) < RAISED_DEG else ""
+        def check(data: mujoco.MjData, hip: int = hip, knee: int = knee) -> str:
+            return "" if rise_deg(data, hip, knee) >= RAISED_DEG else "leg too low"
 
-    yield Attempt(infant, start, LIFTING_S, check, LIFTING_S - RAISED_S, {"{side}_hip1": HIPS_DEG})
+        goal_deg = {"{side}_hip1": HIPS_DEG}
+        yield Attempt(
+            infant, start, LIFTING_S, check, LIFTING_S - RAISED_S, goal_deg, strategy=f"{side} leg", side=side
+        )
 
 
-ARM_OUT = Trial("arm_out", "holds an arm straight out for 3 s, the trunk held", _arm_out)
-LEG_LIFT = Trial("leg_lift", "lying on its back, lifts both stretched legs by 60° for 1 s", _lifting, LOWER_LEGS)
+ARM_OUT = Trial("arm_out", "holds an arm straight out for 3 s, the trunk held", _arm_out, sided=True)
+LEG_LIFT = Trial(
+    "leg_lift", "lying on its back, lifts both stretched legs by 60° for 1 s", _lifting, LOWER_LEGS, sided=True
+)

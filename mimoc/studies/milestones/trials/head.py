@@ -61,7 +61,7 @@ def _supine(infant: TrialInfant) -> Iterator[Attempt]:
     yield Attempt(infant, start, SUPINE_S, check, SUPINE_S - SUPINE_HELD_S, {"head_tilt": 60.0})
 
 
-PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone)
+PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone, basis="fitted")
 HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
 SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)
 
@@ -115,7 +115,8 @@ def _attempt(infant: TrialInfant, near: str, far: str) -> Attempt:
         ROLLING_S - ROLLED_S,
         target=lambda data, time_s: phases[int(time_s >= GATHERING_S)],
         strategy=f"to the {near}",
+        side=near,
     )
 
 
-ROLL_OVER = Trial("roll_over", "rolls over from its back to its belly within 5 s", _rolling, ENDS)
+ROLL_OVER = Trial("roll_over", "rolls over from its back to its belly within 5 s", _rolling, ENDS, sided=True)

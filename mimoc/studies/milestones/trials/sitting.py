@@ -31,4 +31,4 @@ def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
             )
 
 
-SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"))
+SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"), "fitted")

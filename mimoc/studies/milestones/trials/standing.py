@@ -53,7 +53,7 @@ LEAST_SQUAT = 0.85
 VERTICAL = 2
 """The degree of freedom in which the hip goes up and down."""
 
-STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET)
+STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET, "fitted")
 HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat, FEET)
 
 

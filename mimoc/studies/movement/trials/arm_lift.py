@@ -149,6 +149,7 @@ ARM_LIFT = MovementTrial(
     (0.0, 1.0, 2.0, 3.0, 4.0),
     (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
     ("left_upper_arm", "left_lower_arm", "left_hand"),
+    side="left",
 )
 ARM_PULL = MovementTrial(
     "arm_pull",
@@ -161,4 +162,5 @@ ARM_PULL = MovementTrial(
     ),
     ("left_upper_arm", "left_lower_arm", "left_hand"),
     held_out=True,
+    side="left",
 )

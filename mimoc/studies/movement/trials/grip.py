@@ -104,4 +104,5 @@ GRIP = MovementTrial(
     tuple(Quantity(f"grip_{name}_n", f"Grip, {words}", "N") for name, words in DIRECTIONS.items()),
     (HAND,),
     ("left_fingers", "left_mfknuckle"),
+    side="left",
 )

@@ -98,4 +98,5 @@ KICK = MovementTrial(
         Quantity("kick_strongest_m_s2", "Kick: strongest peak of the foot", "m/s²"),
     ),
     ("left_lower_leg", "left_foot"),
+    side="left",
 )

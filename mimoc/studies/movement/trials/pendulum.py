@@ -121,6 +121,7 @@ PENDULUM = MovementTrial(
         Quantity("shank_period_s", "Slack shank: period", "s"),
     ),
     ("left_lower_leg", "right_upper_leg"),
+    side="left",
 )
 DAMPING = MovementTrial(
     "damping",
@@ -129,4 +130,5 @@ DAMPING = MovementTrial(
     (0.0, 1.0, 3.0, 6.0, 12.0, 18.0),
     tuple(Quantity(f"damping_{name}", f"Damping ratio of the {name}") for name in JOINTS),
     ("left_lower_leg", "left_lower_arm"),
+    side="left",
 )

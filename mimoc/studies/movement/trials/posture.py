@@ -111,6 +111,7 @@ REST = MovementTrial(
         Quantity("rest_leg", "At rest: leg by trunk"),
     ),
     (*LEGS, "left_lower_arm"),
+    side="left",
 )
 AWAKE = MovementTrial(
     "awake",

@@ -84,4 +84,5 @@ REACH = MovementTrial(
     ),
     ("head", "right_upper_arm", "right_lower_arm", "right_hand"),
     held_out=True,
+    side="right",
 )

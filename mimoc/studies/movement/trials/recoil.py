@@ -34,4 +34,5 @@ RECOIL = MovementTrial(
     (0.0, 1.0, 3.0, 6.0, 9.0),
     (Quantity("recoil_deg", "Recoil of the elbow", "deg"),),
     ("left_lower_arm",),
+    side="left",
 )

@@ -64,4 +64,5 @@ SACCADE = MovementTrial(
         Quantity("saccade_peak_deg_s", "Saccade of 20 degrees: peak speed", "deg/s"),
     ),
     ("left_eye",),
+    side="left",
 )

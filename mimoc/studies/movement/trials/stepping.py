@@ -90,4 +90,5 @@ STEPPING = MovementTrial(
     ),
     ("left_lower_leg", "right_lower_leg"),
     held_out=True,
+    side="left",
 )
