@@ -1,7 +1,6 @@
 """From the name of a policy, or a sum of names, to the policy of an infant."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -110,4 +109,4 @@ def _binding(part: PolicyPart) -> Callable[[Any], Any]:
     """Return the function that binds a policy to an environment, or a behaviour to its subject."""
     assert part.kind
     bind = function_of(part.kind.run, "bind")
-    return bind if part.argument is None else partial(bind, text=part.argument)
+    return bind if part.argument is None else lambda bound_to: bind(bound_to, part.argument)

@@ -80,11 +80,11 @@ def _part(text: str) -> PolicyPart:
     if not called and "(" in name:
         raise PolicyError(f"'{text}': a parenthesis is open; write NAME(ARGUMENT), in quotes where a shell reads it")
     kind = POLICIES.find(name)
-    where = "in parentheses" if called else "after a colon"
+    where = ("in parentheses", "in the parentheses") if called else ("after a colon", "after the colon")
     if colon and not kind.argument:
-        raise PolicyError(f"'{text}': the policy '{name}' takes nothing {where}; write {name}")
+        raise PolicyError(f"'{text}': the policy '{name}' takes nothing {where[0]}; write {name}")
     if colon and not argument:
-        raise PolicyError(f"'{text}': nothing stands {where}; write {usage(kind)}")
+        raise PolicyError(f"'{text}': nothing stands {where[1]}; write {usage(kind)}")
     if not colon and needs_argument(kind):
         raise PolicyError(f"'{text}': the policy '{name}' needs more than its name; write {usage(kind)}")
     return PolicyPart(kind, argument if colon else None, text)

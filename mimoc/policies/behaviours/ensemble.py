@@ -114,5 +114,5 @@ class Ensemble:
 def _timing(subject: Subject) -> Timing:
     """Return when commands act: after the longest of their delays, those to the legs."""
     motor, timestep_s = dict(subject.manifest.delays)["motor"], subject.infant.model.opt.timestep
-    delay_ms = max(motor.ms, motor.legs_ms or 0.0, *motor.parts_ms.values(), 0.0)
+    delay_ms = max(motor.ms, motor.legs_ms or 0.0, *(part.ms for part in motor.parts))
     return Timing(round(subject.step_s / timestep_s), round(ms_to_s(delay_ms) / timestep_s))

@@ -61,7 +61,7 @@ def test_a_plus_in_parentheses_separates_nothing():
     [
         ("sit(", "a parenthesis is open"),
         ("zero()", "takes nothing in parentheses; write zero"),
-        ("look_at()", "nothing stands in parentheses; write look_at:TARGET"),
+        ("look_at()", "nothing stands in the parentheses; write look_at:TARGET"),
         ("look_at", "write look_at:TARGET"),
     ],
 )

@@ -1,6 +1,7 @@
 """Behaviours of an infant: together, at the ages at which they succeed, and where they cannot be done."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,16 +18,20 @@ TEXTS = {"look_at": "look_at(0.5, 0.2, 0.3)", "reach_for": "reach_for(0.15, -0.1
 BEHAVIOURS = [TEXTS.get(name, name) for name in POLICIES if POLICIES[name].is_behaviour]
 
 
-def infant(age_months=9.0, scene=None, **keys):
-    spec = {"mimoc": 1, "name": "kim", "age_months": age_months, "senses": {"vestibular": {}}, **keys}
-    return mimoc.make(mimoc.InfantSpec(**spec, scene={"pose": "sitting", **(scene or {})})).unwrapped
+def infant(age_months=9.0, scene=None, **keys) -> Any:
+    spec: Any = {"mimoc": 1, "name": "kim", "age_months": age_months, "senses": {"vestibular": {}}, **keys}
+    return mimoc.make(mimoc.InfantSpec(**{**spec, "scene": {"pose": "sitting", **(scene or {})}})).unwrapped
 
 
-def ran(env, policy, seconds):
+def ran(env, policy, seconds) -> Any:
     run = Run(env, policy, seed=0)
     for _ in range(round(1000 * seconds / env.manifest.step_ms)):
         run.step()
     return run
+
+
+def ensemble_of(run) -> Any:
+    return run._act._ensemble
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +75,7 @@ def test_of_a_sum_each_joint_goes_where_the_behaviour_that_moves_it_says(nine):
     parts = ["sit", TEXTS["look_at"], TEXTS["reach_for"]]
     proposals = []
     for order in itertools.permutations(parts):
-        ensemble = Run(nine, "+".join(order), seed=0)._act._ensemble
+        ensemble = ensemble_of(Run(nine, "+".join(order), seed=0))
         whole, *others = sorted(ensemble.behaviours, key=lambda item: not item.is_whole)
         proposed, expected = ensemble.proposed(nine.data, 0.0), whole.targets(nine.data, 0.0).copy()
         for other in others:
@@ -134,15 +139,15 @@ def test_a_hand_comes_to_a_place_and_the_eyes_to_another(nine):
 
 @pytest.mark.parametrize(("place", "side"), [("(0.2, -0.3, 0.2)", "right"), ("(0.2, 0.3, 0.2)", "left")])
 def test_the_nearest_hand_reaches(nine, place, side):
-    assert Run(nine, f"sit+reach_for({place})", seed=0)._act._ensemble.behaviours[1]._arm.side == side
+    assert ensemble_of(Run(nine, f"sit+reach_for({place})", seed=0)).behaviours[1]._arm.side == side
 
 
 def test_toy_is_the_nearest_toy_and_a_name_the_nearest_of_that_name():
     env = infant(scene={"toys": {"count": [3, 3]}})
     run = Run(env, "sit+look_at(toy)", seed=0)
-    look, eyes_m = run._act._ensemble.behaviours[1], env.data.cam_xpos.mean(axis=0)
+    look, eyes_m = ensemble_of(run).behaviours[1], env.data.cam_xpos.mean(axis=0)
     distances = {toy.body: np.linalg.norm(env.data.body(toy.body).xipos - eyes_m) for toy in env.manifest.toys}
-    nearest = min(distances, key=distances.get)
+    nearest = min(distances, key=lambda body: distances[body])
     assert env.model.body(look._target.bodies[0]).name == nearest
     assert policy_of(env, f"look_at({env.manifest.toys[0].object})")
 
