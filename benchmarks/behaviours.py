@@ -90,7 +90,7 @@ def main():
     if given.films:
         for name in given.only or FILMS:
             age_months, pose, policy, steps = FILMS[name]
-            env = opened(age_months, pose, **({"toys": TOYS, "seed": 2} if "toy" in policy else {}))
+            env = opened(age_months, pose, **({"toys": TOYS, "seed": 3} if "toy" in policy else {}))
             summary = mimoc.record(env, policy, given.films / f"{name}.gif", steps=steps, height_px=160, rate_hz=10)
             print(name, dict(summary.metrics), flush=True)
         return
