@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from mimoc.policy_files import load_policy as load_policy
     from mimoc.recording import record as record
     from mimoc.recording.export import export_recording as export_recording
+    from mimoc.recording.measures import measure_recordings as measure_recordings
     from mimoc.recording.reading import read_recording as read_recording
     from mimoc.recording.recorder import Recorder as Recorder
     from mimoc.recordings import replay_recording as replay_recording

@@ -37,7 +37,7 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} grammar language kinds quantities composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits parts body mjcf looks build"
-RUNNING = f"{LANGUAGE} bundle drawing terms run runtime measuring control"
+RUNNING = f"{LANGUAGE} bundle drawing terms run runtime reading measuring control"
 KIND_FOLDERS = {
     "senses": "run",
     "tasks": "run",
@@ -48,6 +48,7 @@ KIND_FOLDERS = {
     "toys": "build",
     "policies": "policies",
     "exporters": "recording",
+    "columns": "reading",
     "motion": "motion",
 }
 """Folders of kinds, and the layer of a file there whose prefix does not say it."""
@@ -101,6 +102,7 @@ LAYERS = {
         f"{LANGUAGE} bundle drawing terms run runtime",
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
+    "reading": layer("", "errors units kinds spec bundle terms run runtime", "mujoco"),
     "measuring": layer(
         "quantities.measuring quantities.run_motion",
         "errors kinds quantities bundle terms runtime",

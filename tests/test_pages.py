@@ -30,6 +30,7 @@ PAGES = (
     "docs/tutorial.md",
     "docs/for_researchers.md",
     "docs/for_rl.md",
+    "docs/movement_data.md",
     "docs/individuals.md",
     "docs/muscles.md",
     "docs/senses.md",

@@ -24,6 +24,7 @@ from mimoc.cli.arguments import (
     load_trained,
 )
 from mimoc.cli.terminal import printable
+from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.spec import usage
 
@@ -51,6 +52,14 @@ VideoFile = Annotated[
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+MovementGroups = Annotated[
+    str | None,
+    typer.Option(
+        metavar="GROUPS",
+        help="Movement columns that are recorded: all, the default, none, or some, with commas: "
+        + ", ".join(f"{group.name} ({group.about})" for group in GROUPS.values()),
+    ),
 ]
 Steps = Annotated[
     int | None, typer.Option(min=1, help="Number of control steps to run; default: 1000, or a whole motion.")
@@ -83,6 +92,7 @@ def run(
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
+    movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
@@ -102,7 +112,7 @@ def run(
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen, load_trained)  # Refuses bad names before writing anything.
-        recorded.enter_context(_recording(env, record))
+        recorded.enter_context(_recording(env, record, movement))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
@@ -112,16 +122,17 @@ def run(
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
     console.print_run(summary, runs)
     console.print_joints(act)
-    for path in written:
-        print(printable(path))
+    sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
-def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
+def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
     if folder is None:
+        if movement:
+            raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
         return nullcontext()
     from mimoc.recording.recorder import Recording
 
-    return Recording([env], folder)
+    return Recording([env], folder, movement=groups_named(movement or ALL))
 
 
 def _run_beside(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -10,6 +10,7 @@ from rich.text import Text
 
 from mimoc.base.errors import counted
 from mimoc.cli.console import new_table, open_console
+from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
@@ -130,6 +131,10 @@ def print_milestones(report: MilestoneReport) -> None:
         trial = milestone.trial
         out.print(f"{trial.name}: {trial.title}{_source(milestone.window)}")
     out.print("from: the youngest age at which, and at all older ages tried, the infant succeeds")
+    if early := report.milestones[0].months_early if report.milestones else 0.0:
+        out.print(
+            f"born {early:.1f} months early: ages are since birth, and judged by the corrected age, {early:.1f} less"
+        )
     out.print("age: fitted if a number of the law was chosen for it, so that it is reproduced; otherwise predicted")
     if failing := [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
@@ -333,3 +338,20 @@ def _duration(hours: float) -> str:
     if hours < 1 / 60:
         return f"{3600 * hours:.0f} s"
     return f"{60 * hours:.0f} min" if hours < 2 else f"{hours:.1f} h"
+
+
+def print_quantities(quantities: Iterable[Quantity]) -> None:
+    """Print what can be measured: name, unit and definition."""
+    table = new_table("name", "unit", "what it is", left=3)
+    for item in quantities:
+        table.add_row(item.name, item.unit, f"{item.label}: {item.about}")
+    open_console().print(table)
+
+
+def print_measured(columns: Mapping[str, Sequence[float | None]], title: str) -> None:
+    """Print the quantities of episodes, as means if there are several."""
+    values = {name: [value for value in column if value is not None] for name, column in columns.items()}
+    table = new_table("measure", "value" if max(map(len, values.values()), default=0) == 1 else "mean", title=title)
+    for name, column in values.items():
+        table.add_row(QUANTITIES[name].title, f"{sum(column) / len(column):.3g}")
+    open_console().print(table)

@@ -121,7 +121,14 @@ def run(work: JobContext) -> Measures:
         for _ in range(options["steps"]):
             rollout.step()
         summary = rollout.summary()
-    return {**measure_child(work), **summary.measures, **summary.metrics}
+    movement = _movement(work.folder / "recording") if options.get("record") else {}
+    return {**measure_child(work), **summary.measures, **movement, **summary.metrics}
+
+
+def _movement(recording: Path) -> Measures:
+    from mimoc.recording.measures import mean_measures
+
+    return mean_measures(recording, "run")
 
 
 def train(work: JobContext) -> Measures:

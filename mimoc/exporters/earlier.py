@@ -8,8 +8,10 @@ from typing import Any
 
 from mimoc.bundle.io import write_bundle
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.columns.column import Column
 from mimoc.recording import folder, tables
 from mimoc.recording.description import RECORDING
+from mimoc.recording.dictionary import read_dictionary, write_dictionary
 from mimoc.recording.folder import EPISODES, part_stem, with_extension
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.tables import STEP, check_rows, pa
@@ -36,6 +38,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             target = with_extension(stem, match[3])
             with folder.opened(home / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
+    write_dictionary(out, (Column(**entry) for entry in read_dictionary(recording.path).values()))
     folder.write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
     return []
 

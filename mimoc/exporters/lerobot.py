@@ -18,10 +18,15 @@ from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.video import SMALL, Mp4
 
 VERSION = "v3.0"
+MOVEMENT_NOTE = (
+    "movement columns of texts (what is touched or looked at) are left out, and empty cells, such as where a gaze meets"
+    " nothing, are zeros: the format has numbers only"
+)
 FILE = "chunk-000/file-000"
 CHUNK_FILES, DATA_MB, VIDEO_MB = 1000, 100, 200
 """Limits of the format's own writer, which say how it goes on from here."""
 MOMENTS = ("min", "max", "mean", "std")
+MOVEMENT = "observation.movement"
 STATE, IMAGES = "observation.state", "observation.images."
 STEP_COLUMNS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64"}
 STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "bool", "next.success": "bool"}
@@ -56,6 +61,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
     sparse = [reading.name for reading in readings if reading.kind == "sparse"]
     return [
         *(f"'{name}' is written in full, with all its zeros: the format has no sparse columns" for name in sparse),
+        *([MOVEMENT_NOTE] if recording[0].described.movement else []),
         *(["pictures are videos with losses: the recording has them without"] if eyes else []),
         "what was observed last, terms of the reward, states and seeds are left out: the format has no place for them",
     ]
@@ -70,6 +76,9 @@ def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
     for reading in episode.described.readings:
         if reading.kind != "picture":
             columns[_feature(reading)] = episode.observation(reading.name)[:-1].reshape(steps, -1)
+    if numbers := episode.described.movement:
+        movement = [np.nan_to_num(episode.movement[name][:-1]) for name in numbers]
+        columns[MOVEMENT] = np.stack(movement, axis=1)
     return columns | {
         "timestamp": (np.arange(steps) / float(episode.described.rate_hz)).astype(np.float32),
         "frame_index": np.arange(steps),
@@ -190,6 +199,8 @@ def _features(episode: Episode) -> dict[str, Any]:
         else:
             names = list(reading.layout) or None
             features[_feature(reading)] = {"dtype": reading.dtype, "shape": [reading.size], "names": names}
+    if movement := list(episode.described.movement):
+        features[MOVEMENT] = {"dtype": "float32", "shape": [len(movement)], "names": movement}
     return features | {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in STEP_COLUMNS.items()}
 
 

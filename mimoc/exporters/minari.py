@@ -36,7 +36,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             progress(number, len(recording))
             yield EpisodeBuffer(id=number, **_buffer(episode))
 
-    versions = recording[-1].versions
+    versions, texts = recording[-1].versions, recording[0].described.movement_names
     with _datasets_in(out), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
         minari.create_dataset_from_buffers(
@@ -52,6 +52,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
     return [
         f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",
         *([f"{counted(cut, 'episode')} cut short: marked as truncated"] if cut else []),
+        *(["movement columns of texts are left out: what is touched or looked at"] if texts else []),
         "names and units, states and the environment itself are left out: Minari has no place for them",
     ]
 
@@ -61,6 +62,7 @@ def _buffer(episode: Episode) -> dict[str, Any]:
     truncated = episode.truncated.copy()
     truncated[-1] |= not episode.terminated[-1]
     numbers = {name: episode.column(name) for name in episode.table.column_names if name.startswith(("info.", "term."))}
+    numbers |= {f"movement.{name}": episode.movement[name] for name in episode.described.movement}
     return {
         "seed": episode.seed,
         "options": dict(episode.options) or None,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from mimoc.base.kinds import Kinds
-from mimoc.quantities import child, milestones, motion, movement, movement_details as details, outcome
+from mimoc.quantities import child, milestones, motion, movement, movement_details as details, outcome, reaching
 from mimoc.quantities.quantity import Quantity
 
 __all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
@@ -15,6 +15,7 @@ _OWN = (
     *(motion.HAND_ERROR, motion.HAND_TARGETS, *motion.OF_EACH_HAND, motion.FELL_AFTER, *motion.BEHAVING),
     *(child.AGE, *outcome.CURVE),
     *(*movement.CORE, *details.DETAILS, *details.JOINTS),
+    *reaching.OF_MOVEMENT,
 )
 """In the order in which tables show them."""
 QUANTITIES = Kinds[Quantity]("quantity", {quantity.name: quantity for quantity in _OWN})

@@ -46,7 +46,7 @@ def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:
     Each of the *things* has a value as an attribute; a KindError says which has none.
     """
     measured = [quantity for quantity in measured_in(step) if quantity.over == over]
-    return {quantity.name: _reduced(quantity, [_field(quantity, item) for item in things]) for quantity in measured}
+    return {quantity.name: reduced(quantity, [_field(quantity, item) for item in things]) for quantity in measured}
 
 
 class StepMeasures:
@@ -79,7 +79,7 @@ class StepMeasures:
 
     def measures(self) -> dict[str, Value]:
         """Return what was kept, reduced to one value each, by name."""
-        return {quantity.name: _reduced(quantity, self._values[quantity.name]) for quantity in self._quantities}
+        return {quantity.name: reduced(quantity, self._values[quantity.name]) for quantity in self._quantities}
 
     def _bind(self) -> dict[str, Callable[[], Any]]:
         env, worlds = self._env, worlds_of_one(self._env.data)
@@ -106,5 +106,6 @@ def _field(quantity: Quantity, item: object) -> Any:
         raise KindError(f"the quantity '{quantity.name}' is over {quantity.over}: {has}; name a field of it") from None
 
 
-def _reduced(quantity: Quantity, values: Sequence[Any]) -> Value:
+def reduced(quantity: Quantity, values: Sequence[Any]) -> Value:
+    """Return what a quantity makes of the values that there are, without None."""
     return REDUCERS[quantity.reduce]([value for value in values if value is not None])

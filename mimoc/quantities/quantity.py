@@ -18,9 +18,9 @@ class Quantity:
     """Unit as people write it, such as `rad/s`; empty for none."""
     about: str = ""
     """What it is, in a sentence."""
-    over: Literal["child", "pose", "milestone", "step", "episode", "recording"] = "step"
+    over: Literal["child", "pose", "milestone", "step", "episode", "movement", "recording"] = "step"
     """What has a value of its own: a child, each pose of a check, the search for a milestone, each control step, each
-    completed episode, or a recording of points."""
+    completed episode, the movement columns of each recorded episode, or a recording of points."""
     reduce: Literal["mean", "min", "max", "path", "all", "any", "count"] = "mean"
     """From these values to one of a run: `path` is the length of the way through points, `count` how many there are."""
     term: Code | None = None
@@ -28,9 +28,13 @@ class Quantity:
     module that defines this function by the quantity's name."""
     read: Code | None = None
     """`bind(env) -> Callable[[], float]`: the same for what no term can say; of one infant, on the CPU."""
+    compute: Code | None = None
+    """`compute(columns) -> float | None`: from the movement columns of an episode and `time_s`, each by its name with a
+    value for each row, to the value of the episode; see `docs/movement_data.md`."""
     field: str = ""
-    """Without either: the attribute or key, by default its name, that holds its value in the child's entry of a
-    manifest, in the check of a pose, in the `info` of a control step, or in an `Outcome` of an episode."""
+    """Without any: the attribute or key, by default its name, that holds its value in the child's entry of a
+    manifest, in the check of a pose, in the `info` of a control step, or in an `Outcome` of an episode; or the movement
+    column that is reduced."""
     curve: str = ""
     """Its column in a learning curve."""
     steps: tuple[str, ...] = ("run", "record")

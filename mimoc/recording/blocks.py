@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import RecordingError
+from mimoc.columns.reader import Samples
 from mimoc.senses.sense import Observation
 
 Array = npt.NDArray[Any]
@@ -84,6 +85,8 @@ class Block:
         self.numbers: dict[str, Array] = {"time_s": np.empty(rows), "reward": np.empty(rows)}
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
         self.dense, self.sparse = dict[str, Array](), dict[str, Sparse]()
+        self.movement: list[Samples] = []
+        """What movement columns need of all rows; empty if there are no such columns."""
         for reading in self.readings:
             if reading.kind == "sparse":
                 self.sparse[reading.name] = Sparse(reading, rows)

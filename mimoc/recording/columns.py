@@ -17,6 +17,8 @@ from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
 
 NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
+WORD = re.compile(r"\w{1,100}")
+"""The name of a movement column."""
 MOST = 5_000_000
 """Names of all numbers of an observation; the densest skins have a tenth."""
 LONG = 100
@@ -67,6 +69,8 @@ MOST_NUMBERS = 2**26
 MOST_NAME = 200
 """Characters of the name of an observation, which is part of the names of files."""
 ACTION = "action"
+MOVEMENT, MOVEMENT_NAMES = "movement", "movement_names"
+"""Movement columns of numbers, and of texts."""
 _Whole = Literal["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"]
 Dtype = Literal["float16", "float32", "float64", _Whole, "bool"]
 """NumPy's name of the type of an array of an observation."""
@@ -107,6 +111,10 @@ class Described:
     """Actuators, in the order of an action."""
     step_ms: float
     """Duration of a control step."""
+    movement: tuple[str, ...] = ()
+    """Movement columns of numbers."""
+    movement_names: tuple[str, ...] = ()
+    """Movement columns of texts."""
 
     @property
     def rate_hz(self) -> Fraction:
@@ -126,6 +134,8 @@ class Described:
             for reading in self.readings
         }
         columns = {ACTION: {"layout": compact_names(self.actions)}, **observations}
+        for name, layout in ((MOVEMENT, self.movement), (MOVEMENT_NAMES, self.movement_names)):
+            columns |= {name: {"layout": compact_names(layout)}} if layout else {}
         return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
 
     @classmethod
@@ -136,8 +146,19 @@ class Described:
         actions = columns.pop(ACTION, None)
         if actions is None or isinstance(actions, _Observation):
             raise UnusableFileError(f"columns.{ACTION}: it must be described by its layout")
+        movement = [_movement(name, columns.pop(name, None)) for name in (MOVEMENT, MOVEMENT_NAMES)]
         readings = tuple(_reading(name, column) for name, column in columns.items())
-        return cls(readings, _layout(ACTION, actions.layout), table.step_ms)
+        return cls(readings, _layout(ACTION, actions.layout), table.step_ms, *movement)
+
+
+def _movement(name: str, column: _Column | None) -> tuple[str, ...]:
+    """Return the names of movement columns, which must be words; none of recordings that do not have them."""
+    layout = _layout(name, column.layout) if column else ()
+    if len(set(layout)) < len(layout) or not all(WORD.fullmatch(item) for item in layout):
+        raise UnusableFileError(
+            f"columns.{name}.layout: it has what is not the name of a movement column, or one twice"
+        )
+    return layout
 
 
 def _reading(column_name: str, column: _Column) -> Reading:

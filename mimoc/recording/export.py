@@ -25,8 +25,8 @@ def export_recording(
 
     Args:
         recording: The recording, or its folder.
-        to: `minari`, `lerobot`, `csv`, the name of an `ExporterKind` that was registered, or `recording`: one of an
-            earlier version as this one records.
+        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, the name of an `ExporterKind` that was registered, or
+            `recording`: one of an earlier version as this one records.
         out: A new or empty folder.
         progress: Called with how much is written, and how much there is.
 
@@ -83,13 +83,13 @@ def _check_uniform(recording: ReadRecording) -> None:
     for episode in recording:
         if _form(episode) != _form(first):
             raise RecordingError(
-                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, actuators"
-                f" or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
-                " only; export it to csv"
+                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, movement"
+                f" columns, actuators or control steps than infant {first.infant}, episode {first.number}, and this"
+                " format holds one kind only; export it to csv"
             )
 
 
 def _form(episode: Episode) -> Any:
     described = episode.described
     readings = {(reading.name, reading.shape, reading.dtype, reading.kind) for reading in described.readings}
-    return readings, len(described.actions), described.step_ms
+    return readings, len(described.actions), described.step_ms, described.movement

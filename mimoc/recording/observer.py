@@ -11,6 +11,9 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.columns import GROUPS
+from mimoc.columns.column import Column
+from mimoc.columns.reader import MovementReader
 from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
@@ -113,6 +116,7 @@ class RecordingObserver(Observer):
         part_rows: int,
         states_every: int,
         about: Mapping[str, Any],
+        movement: Sequence[str] = tuple(GROUPS),
     ):
         """Begin with the next reset or step of an infant.
 
@@ -124,14 +128,22 @@ class RecordingObserver(Observer):
             part_rows: Rows of a part.
             states_every: Control steps from one complete state to the next.
             about: What each sidecar says, such as the number of the `infant`.
+            movement: Groups of movement columns.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
+        self._movement = MovementReader(infant, movement)
         self.next_number = first
         """Number of the next episode."""
         self._episode: _Episode | None = None
         self._before: dict[str, Any] | None = None
-        self._physics, self._described, self._measures = b"", _described(infant), StepMeasures(infant, "record")
+        self._physics, self._measures = b"", StepMeasures(infant, "record")
+        self._described = _described(infant, self._movement)
+
+    @property
+    def movement_columns(self) -> tuple[Column, ...]:
+        """The movement columns that are kept."""
+        return self._movement.columns
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
@@ -168,7 +180,7 @@ class RecordingObserver(Observer):
         if episode.block.is_full:
             self._write_part(episode)
             episode.block = self._new_block(episode.steps)
-        episode.block.put(self._infant.data.time, action, judged, observation)
+        self._put(episode.block, action, judged, observation)
         episode.block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
         if episode.steps % self._states_every == 0:
@@ -203,8 +215,14 @@ class RecordingObserver(Observer):
         head = {**self._about, "reset": reset, "start": self._infant.get_state()}
         self._episode = _Episode(self.next_number, head, self._new_block(0))
         self.next_number += 1
-        self._episode.block.put(self._infant.data.time, None, (*NOTHING_YET, info), observation)
+        self._put(self._episode.block, None, (*NOTHING_YET, info), observation)
         self._physics = self._physics_now()
+
+    def _put(self, block: Block, action: Any, judged: Any, observation: Observation) -> None:
+        """Keep a row."""
+        block.put(self._infant.data.time, action, judged, observation)
+        if self._movement.columns:
+            self._movement.add(block.movement, block.room)
 
     def _new_block(self, first_step: int) -> Block:
         return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
@@ -229,7 +247,7 @@ class RecordingObserver(Observer):
 def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
     """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
 
-    States become text here, in the writer's thread.
+    States become text here, and movement columns are computed, in the writer's thread.
     """
     for reading in described.readings:
         if reading.kind == "picture":
@@ -240,7 +258,7 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
-def _described(infant: InfantEnv) -> Described:
+def _described(infant: InfantEnv, movement: MovementReader) -> Described:
     """Return what the numbers of an infant's recording are."""
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
@@ -248,7 +266,8 @@ def _described(infant: InfantEnv) -> Described:
     observation = {**infant.schedule.observe(), **infant.task.observe()}
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
-    return Described(readings, actuators, infant.manifest.step_ms)
+    columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]
+    return Described(readings, actuators, infant.manifest.step_ms, *columns)
 
 
 def spaces_of(infant: InfantEnv) -> Mapping[str, Any]:

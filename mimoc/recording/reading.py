@@ -13,11 +13,14 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.columns import OBSERVATION, Described
+from mimoc.recording.columns import ACTION, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
 from mimoc.recording.tables import MEASURE, OPTIONAL
+
+LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES
+"""Columns of the files that stand for several."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +137,15 @@ class Episode:
         return self._named(MEASURE)
 
     @cached_property
+    def movement(self) -> Mapping[str, Array]:
+        """Movement columns by name, each of shape (k + 1,): `pandas.DataFrame(episode.movement)`.
+
+        `columns.csv` in the folder says what they are. Those of texts are arrays of objects; recordings that mimoc made
+        before have none.
+        """
+        return tables.movement_of(self.table, self.described)
+
+    @cached_property
     def observations(self) -> Mapping[str, Array]:
         """What was observed before the first control step and after each, by name, each of shape (k + 1, ...)."""
         return {reading.name: self.observation(reading.name) for reading in self.described.readings}
@@ -174,17 +186,19 @@ class Episode:
         """Return columns of numbers by name, each of shape (k + 1,): `pandas.DataFrame(episode.columns())`.
 
         Args:
-            names: `action` and observations to be taken, each number of which is a column with its unit in its name;
-                without any, `action` and those that are not touch or pictures. Step, time, reward and infos are always
-                included.
+            names: `movement`, `action` and observations to be taken, each number of which is a column with its unit in
+                its name; without any, all but touch and pictures. Step, time, reward and infos are always included.
 
         Raises:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
-        columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
+        columns = {name: self.column(name) for name in self.table.column_names if name not in LISTS and "." not in name}
         columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
-        usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
+        usual = [MOVEMENT, "action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
+            if name == MOVEMENT:
+                columns |= self.movement
+                continue
             if name != "action" and self.reading(name).kind == "picture":
                 numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
                 raise UnknownNameError("recorded observation of numbers", name, numbers)

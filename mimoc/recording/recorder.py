@@ -13,6 +13,8 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
+from mimoc.columns import GROUPS, checked_groups
+from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
 from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
@@ -27,6 +29,8 @@ PART_ROWS = 1000
 LEAST_ROWS = 16
 STATES_EVERY = 1000
 """Control steps from one complete state to the next."""
+MOVEMENT_BYTES = 2**13
+"""Of what movement columns need of a row: 4 to 10 kB."""
 ROOM_BYTES = 2**28
 """Memory for what is not yet written of all infants together."""
 
@@ -41,8 +45,10 @@ class Recording(AbstractContextManager):
         *,
         states_every: int = STATES_EVERY,
         part_rows: int = PART_ROWS,
+        movement: Sequence[str] = tuple(GROUPS),
     ):
         """Begin to record; see `Recorder`."""
+        self._movement = checked_groups(movement)
         for infant in infants:
             if infant.observer is not NO_OBSERVER:
                 raise RecordingError("this infant is being recorded already; close that recording first")
@@ -56,6 +62,9 @@ class Recording(AbstractContextManager):
                 files.discard(leftover)
             self._writer = Writer()
             self._observers = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
+            write_dictionary(
+                self.path, [column for observer in self._observers for column in observer.movement_columns]
+            )
         except BaseException:
             self._folder.close()
             raise
@@ -107,10 +116,14 @@ class Recording(AbstractContextManager):
         software, observers, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
             about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
-            row_bytes = 1 + sum(math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values())
+            row_bytes = MOVEMENT_BYTES + sum(
+                math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
+            )
             rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
             stem_of = partial(folder.stem, number)
-            infant.observer = RecordingObserver(infant, self._writer, stem_of, first, rows, states_every, about)
+            infant.observer = RecordingObserver(
+                infant, self._writer, stem_of, first, rows, states_every, about, self._movement
+            )
             observers.append(infant.observer)
         return observers
 
@@ -144,7 +157,12 @@ class VectorRecorder(_Closing, VectorWrapper):
 
 
 def Recorder(  # noqa: N802 - It stands for the classes above.
-    env: Any, folder: str | Path, *, states_every: int = STATES_EVERY, part_rows: int = PART_ROWS
+    env: Any,
+    folder: str | Path,
+    *,
+    states_every: int = STATES_EVERY,
+    part_rows: int = PART_ROWS,
+    movement: Sequence[str] = tuple(GROUPS),
 ) -> Any:
     """Record every episode of an environment from now on, and return it in a wrapper that ends this when it is closed.
 
@@ -158,8 +176,11 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
         states_every: Control steps from one complete state to the next.
         part_rows: Control steps after which what was recorded is written, which a kill can lose; fewer for large
             pictures.
+        movement: Groups of movement columns: `keypoints`, `parts`, `gaze`, `contacts`, `joints`, `actuators`; by
+            default all, `()` for none.
 
     Raises:
+        UnknownNameError: If there is no such group.
         RecordingError: If this is no such environment, or the folder holds anything else.
         OutputError: If the folder cannot be written.
         MissingExtraError: If PyArrow, or for infants that see PyAV, is not installed.
@@ -176,7 +197,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
     for name, value in (("states_every", states_every), ("part_rows", part_rows)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:
             raise RecordingError(f"{name} must be a positive whole number, not {value!r}")
-    recording = Recording(infants_of(env), folder, states_every=states_every, part_rows=part_rows)
+    recording = Recording(infants_of(env), folder, states_every=states_every, part_rows=part_rows, movement=movement)
     for note in recording.notes:
         warnings.warn(note, stacklevel=2)
     return VectorRecorder(env, recording) if isinstance(env, VectorEnv) else EnvRecorder(env, recording)

@@ -11,9 +11,10 @@ import numpy as np
 from mimoc.base.errors import MissingExtraError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.columns.reader import values_of
 from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
-from mimoc.recording.columns import ACTION, KEY, OBSERVATION, Described
+from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.folder import opened
 
 try:
@@ -33,6 +34,11 @@ MEASURE = "measure."
 """What the names of columns of quantities begin with."""
 OPTIONAL = ("info.", "term.", MEASURE)
 """What the names of columns begin with that a table may have besides: numbers or flags."""
+NAMES = pa.dictionary(pa.int32(), pa.string())
+"""Type of the texts of movement columns, of which few rows differ: those of a row, separated by `BETWEEN`."""
+BETWEEN = "\t"
+MOST_NAMES = 100_000
+"""Characters of the names of one row: fifty parts of a body that touch twenty things each have 20,000."""
 _SHOWN = 60
 """Most characters of a name or type in an error."""
 
@@ -71,6 +77,10 @@ def columns_of(described: Described) -> Mapping[str, Any]:
             columns[OBSERVATION + reading.name] = _lists_of(pa.struct(pair))
         elif reading.kind == "dense" and reading.size:
             columns[OBSERVATION + reading.name] = _lists_of(number, reading.size)
+    if described.movement:
+        columns[MOVEMENT] = _lists_of(pa.float32(), len(described.movement))
+    if described.movement_names:
+        columns[MOVEMENT_NAMES] = NAMES
     return columns
 
 
@@ -90,6 +100,10 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
     for name in table.column_names:
         if any(map(_has_nulls, table.column(name).chunks)):
             raise UnusableFileError(f"the column {_shown(name)} has nulls")
+    if described.movement_names:
+        for chunk in table.column(MOVEMENT_NAMES).chunks:
+            if not all(_is_row_of_names(row, described) for row in chunk.dictionary.to_pylist()):
+                raise UnusableFileError(f"the column '{MOVEMENT_NAMES}' has rows of other names than mimoc writes")
     if not np.array_equal(table.column(STEP).to_numpy(), np.arange(first_step, first_step + len(table))):
         raise UnusableFileError(f"the column '{STEP}' does not count the control steps from {first_step}")
     acted = table.select([ACTION] if ACTION in table.column_names else []).slice(1 if first_step == 0 else 0)
@@ -102,6 +116,11 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
             if not is_inside or not ((np.diff(index) > 0) | (np.diff(rows) > 0)).all():
                 name = OBSERVATION + reading.name
                 raise UnusableFileError(f"the column '{name}' has an index that there is not, or one twice")
+
+
+def _is_row_of_names(row: str, described: Described) -> bool:
+    texts = row.split(BETWEEN)
+    return len(row) <= MOST_NAMES and len(texts) == len(described.movement_names) and all(map(str.isprintable, texts))
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -151,8 +170,21 @@ def write_block(path: Path, block: Block, described: Described) -> None:
             columns[name] = _listed(block.sparse[reading.name], rows, kinds[name])
         elif name in kinds:
             columns[name] = _fixed(block.dense[reading.name][:rows], kinds[name])
+    columns |= _movement(block, kinds)
     fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
     write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
+
+
+def _movement(block: Block, kinds: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the movement columns of a block's rows, in single precision as senses are, and their names."""
+    columns: dict[str, Any] = {}
+    if block.movement:
+        numbers, texts = values_of(block.movement)
+        if MOVEMENT in kinds:
+            columns[MOVEMENT] = _fixed(numbers.astype(np.float32), kinds[MOVEMENT])
+        if MOVEMENT_NAMES in kinds:
+            columns[MOVEMENT_NAMES] = pa.array(map(BETWEEN.join, texts), kinds[MOVEMENT_NAMES])
+    return columns
 
 
 def _metadata(column: str) -> dict[str, str] | None:
@@ -165,7 +197,8 @@ def write_table(path: Path, table: Any) -> None:
     """Write a table as one file of Parquet, whole or not at all, or raise an OutputError."""
     leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
     split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
-    how: dict[str, Any] = {"use_dictionary": False, "write_statistics": False, "column_encoding": split}
+    names = [field.name for field in table.schema if field.type == NAMES]
+    how: dict[str, Any] = {"use_dictionary": names, "write_statistics": False, "column_encoding": split}
     content = io.BytesIO()
     pq.write_table(table, content, compression="zstd", compression_level=LEVEL, **how)
     write_file(path, content.getvalue())
@@ -227,6 +260,18 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
     return dense.reshape(len(column), *reading.shape)
 
 
+def movement_of(table: Any, described: Described) -> dict[str, Array]:
+    """Return all movement columns by name, each of shape (rows,); those of texts have objects."""
+    numbers = array_of(table, MOVEMENT) if described.movement else np.empty((0, 0))
+    columns = dict(zip(described.movement, numbers.T, strict=False))
+    if described.movement_names:
+        rows = [row.split(BETWEEN) for row in table.column(MOVEMENT_NAMES).to_pylist()]
+        columns |= {
+            name: np.array([row[index] for row in rows], object) for index, name in enumerate(described.movement_names)
+        }
+    return columns
+
+
 def _listed(kept: Sparse, rows: int, kind: Any) -> Any:
     """Return rows of index and value of the numbers that are not zero."""
     end, pair = kept.ends[rows], kind.value_type
@@ -275,7 +320,8 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         if described_by(file.schema_arrow) != described:
             raise UnusableFileError("it describes other columns than the recording")
         groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
-        numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
+        packed = [group.column(index) for group in groups for index in range(group.num_columns)]
+        numbers = sum(max(column.num_values, column.total_uncompressed_size // 8) for column in packed)
         _check_packed(numbers, MOST_RATIO * size)
         table = file.read()
         check_rows(table, described, first_step)

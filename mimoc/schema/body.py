@@ -111,7 +111,7 @@ class IndividualSpec(Model):
     """Head circumference, measured."""
     fat_percentile: Percentile | None = None
     """Share of fat, as percentile among healthy infants of the age; by default it follows from length and weight."""
-    fat_percent: Annotated[Real, Field(ge=1, le=60, json_schema_extra={"unit": "%"})] | None = None
+    fat_percent: Annotated[Real, Field(ge=1, le=60, json_schema_extra={"unit": "percent"})] | None = None
     """Share of fat in the weight, measured."""
     maturation_rate: Factor | None = None
     """How fast it matures; 1 is average. Strength, muscle tone and ranges of joints are those of the average child at

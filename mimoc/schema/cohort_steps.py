@@ -121,7 +121,7 @@ class RunStep(Model):
     seeds: Seeds = (0,)
     """Seeds of policy and episodes; each is a job."""
     record: bool = False
-    """Record all that it does and senses, as `mimoc run --record` does."""
+    """Record all that it does and senses, as `mimoc run --record` does, and measure its movement columns."""
 
 
 class TrainStep(Model):

@@ -25,6 +25,7 @@ def counterpart(spec: InfantSpec, beside: str) -> InfantSpec:
 
     Example:
         >>> import mimoc
+        >>> from mimoc.schema.counterparts import counterpart
         >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, impairments={"weakness": {"right_arm": 0.05}})
         >>> counterpart(spec, "healthy").impairments is None
         True
@@ -41,6 +42,7 @@ def exchanged(text: str) -> str:
     """Return a text with left and right exchanged in its names and words.
 
     Example:
+        >>> from mimoc.schema.counterparts import exchanged
         >>> exchanged("right arm, left_hand")
         'left arm, right_hand'
     """
@@ -52,6 +54,7 @@ def has_like_sides(spec: InfantSpec) -> bool:
 
     Example:
         >>> import mimoc
+        >>> from mimoc.schema.counterparts import has_like_sides
         >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6)
         >>> has_like_sides(spec), has_like_sides(spec.with_(actuation={"strength": {"right_arm": 0.05}}))
         (True, False)

@@ -27,7 +27,18 @@ def test_the_commands_are_in_this_order():
         ["explain", "report", "render", "see", "view", "rooms"],
         ["build", "validate", "run", "train", "skill", "movement", "bench", "experiment", "check"],
     )
-    assert list(COMMANDS) == ["new", *running, *drawing, "retarget", "replay", "export", "import", "schema", "doctor"]
+    assert list(COMMANDS) == [
+        "new",
+        *running,
+        *drawing,
+        "retarget",
+        "replay",
+        "measure",
+        "export",
+        "import",
+        "schema",
+        "doctor",
+    ]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -42,3 +42,21 @@ def test_several_infants_are_not_filmed_at_once(invoke, built, here):
     code, out, err = invoke("replay", "two", "--video", "film.gif")
     assert (code, out, err) == (2, "", "two: 2 infants are recorded here; choose one for --video with --infant\n")
     assert invoke("replay", "two", "--eyes").code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "name the folder of a recording, or list what can be measured with --list"),
+        (["nowhere"], "nowhere: there is no such folder; record one with 'mimoc run INFANT --record DIR'"),
+        (["."], ".: there is no recording here"),
+    ],
+)
+def test_what_cannot_be_measured_is_one_line(arguments, message, invoke, here):
+    assert invoke("measure", *arguments) == (2, "", f"{message}\n")
+
+
+def test_movement_is_chosen_for_a_recording_only(invoke, built, here):
+    code, out, err = invoke("run", built, "--movement", "gaze")
+    assert (code, out) == (2, "")
+    assert err == "--movement says which movement columns are recorded; name a folder with --record\n"

@@ -66,6 +66,8 @@ def test_minari_loads_what_was_recorded(recording, exported, monkeypatch):
             assert theirs.observations[name].tobytes() == array.tobytes()
         assert np.array_equal(theirs.actions, ours.actions.astype(np.float32))
         assert np.array_equal(theirs.rewards, ours.rewards)
+        speeds = theirs.infos["movement.right_hand_speed_m_s"]
+        assert np.array_equal(np.float32(speeds), ours.movement["right_hand_speed_m_s"])
         assert theirs.truncations[-1] != theirs.terminations[-1]
     assert any(note.startswith("1 episode cut short") for note in notes)
 
@@ -87,6 +89,9 @@ def test_lerobot_finds_its_layout(recording, exported):
     assert rows["index"].to_pylist() == list(range(2 * STEPS - 2))
     states = np.stack(rows["observation.state"].to_numpy())
     assert np.array_equal(states[:STEPS], recording[0].observations["proprioception"][:-1])
+    moved, names = np.stack(rows["observation.movement"].to_numpy()), info["features"]["observation.movement"]["names"]
+    speeds = moved[:STEPS, names.index("right_hand_speed_m_s")]
+    assert np.array_equal(speeds, recording[0].movement["right_hand_speed_m_s"][:-1])
     assert any("pictures are videos with losses" in note for note in notes)
 
 
@@ -113,7 +118,7 @@ def test_tables_of_text_have_every_number(recording, exported):
     out, notes = exported("csv")
     with (out / "0000-000000.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    columns = recording[0].columns()
+    columns = recording[0].columns("action", "proprioception")
     assert len(rows) == STEPS + 1
     assert all(
         np.float32(rows[3][name]) == np.float32(array[3]) for name, array in columns.items() if array.dtype != bool

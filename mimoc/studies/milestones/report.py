@@ -17,7 +17,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, Certainty
 from mimoc.studies.milestones.infant import Conditions
-from mimoc.studies.milestones.search import AGES, Progress, SearchResult, search
+from mimoc.studies.milestones.search import Progress, SearchResult, ages_of, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
@@ -79,6 +79,8 @@ class Milestone:
     """When real infants reach it, if that is known."""
     judged: bool
     """Whether it is compared with real infants, or only reported."""
+    months_early: float = 0.0
+    """How long before term the child was born, by which its ages are corrected."""
 
     @property
     def side(self) -> str:
@@ -103,7 +105,10 @@ class Milestone:
 
     def verdict_of(self, result: SearchResult) -> Verdict:
         """Return how what was found for a side compares with real infants."""
-        return self.window.verdict(result.youngest_months) if self.judged and self.window else "no verdict"
+        if not self.judged or self.window is None:
+            return "no verdict"
+        age_months = result.youngest_months
+        return self.window.verdict(None if age_months is None else age_months - self.months_early)
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data."""
@@ -191,7 +196,8 @@ def validate_milestones(
         spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
         conditions: Under which conditions it tries; None means the usual ones.
         names: The trials, of `TRIALS`.
-        ages: Ages to try, in months; None means every half month from birth to two years.
+        ages: Ages to try, in months; None means every half month from birth, or term, to two years. A child that was
+            born early is judged by its corrected age.
         processes: Number of processes. With more than one, a script must guard its main part by
             `if __name__ == "__main__"`.
         progress: Called with the number of ages done with and their total, for each child anew.
@@ -209,7 +215,7 @@ def validate_milestones(
     """
     infant = checked_or_average(spec)
     others = {beside: counterpart(infant, beside)} if beside else {}
-    for age_months in ages or AGES:  # Before minutes of trials.
+    for age_months in ages or ages_of(infant):  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age_unchecked(infant, age_months))
     usual, further = conditions or Conditions(), {trial.name for trial in FURTHER}
@@ -217,13 +223,14 @@ def validate_milestones(
     def report(child: InfantSpec) -> MilestoneReport:
         asked = {name: _searches(TRIALS[name], child) for name in names}
         searches = [one for by_side in asked.values() for one in by_side.values()]
-        results = search(child, usual, searches, ages or AGES, processes, progress)
+        results = search(child, usual, searches, ages or ages_of(child), processes, progress)
         milestones = [
             Milestone(
                 TRIALS[name],
                 _both({side: results[one] for side, one in by_side.items()}),
                 WINDOWS.get(name),
                 name not in further,
+                child.months_early,
             )
             for name, by_side in asked.items()
         ]

@@ -20,6 +20,13 @@ from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""
+
+
+def ages_of(spec: InfantSpec) -> Sequence[float]:
+    """Return the ages of the search that a child can have: of one that was born early, those from term on."""
+    return [age for age in AGES if age >= spec.months_early]
+
+
 COARSE_STRIDE = 2
 """The search descends by every second age of the grid, and then looks at those in between."""
 
@@ -123,9 +130,10 @@ def search_near(spec: InfantSpec, conditions: Conditions, name: str) -> SearchRe
     twenty and more of `search`.
     """
     individual = spec.body.individual
-    expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0)
-    near = min(AGES, key=lambda age: abs(age - expected))
-    return walk(AGES, near, partial(_try_at, spec.model_dump_json(), conditions, name))
+    expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0) + spec.months_early
+    ages = ages_of(spec)
+    near = min(ages, key=lambda age: abs(age - expected))
+    return walk(ages, near, partial(_try_at, spec.model_dump_json(), conditions, name))
 
 
 def search(

@@ -227,8 +227,8 @@ def validate_movement(
 
     Example:
         >>> import mimoc
-        >>> report = mimoc.validate_movement(names=["rest"], ages=[0])
-        >>> [row.verdict for row in report.rows if row.measure.name == "rest_hip_deg"]
+        >>> report = mimoc.validate_movement(names=["damping"], ages=[0])
+        >>> [row.verdict for row in report.rows if row.measure.name == "damping_hip"]
         ['inside']
     """
     for name in names:

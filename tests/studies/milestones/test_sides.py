@@ -2,6 +2,7 @@
 
 import pytest
 
+import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.cli.tables import print_milestones
 from mimoc.fits import load_tables
@@ -151,3 +152,13 @@ def test_nobody_is_judged_by_an_assumption_and_no_window_rests_on_memory():
     assert {assumed.verdict(age) for age in (None, 0.0, 6.0, 20.0)} == {"no verdict"}
     assert {window.certainty for window in WINDOWS.values()} == {"read", "read in another source"}
     assert all(any(mark in window.source for mark in ("19", "20")) for window in WINDOWS.values())
+
+
+def test_a_child_born_early_is_tried_from_term_on_and_judged_by_its_corrected_age():
+    """Its head lags until four months after term, 6.3 months after it was born."""
+    preterm = mimoc.InfantSpec(mimoc=1, name="early", age_months=9, impairments={"gestation_weeks": 30})
+    (milestone,) = mimoc.validate_milestones(preterm, names=["no_head_lag"]).milestones
+    tried = sorted(milestone.result.outcomes)
+    assert tried[0] == 2.5
+    assert milestone.result.youngest_months == pytest.approx(4 + milestone.months_early, abs=0.5)
+    assert milestone.verdict == "inside"

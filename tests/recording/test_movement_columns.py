@@ -1,0 +1,146 @@
+"""Movement as data: what recordings, their tables and measures say of movement."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.base.errors import RecordingError, UnknownNameError
+from mimoc.quantities.reaching import movement_units
+
+STEPS = 40
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory) -> tuple[Path, np.ndarray]:
+    """Return a recording in several parts, of an infant that grows, and its keypoints at each row."""
+    folder = tmp_path_factory.mktemp("movement") / "kept"
+    spec = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": {}, "scene": {"pose": "sitting"}}
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec)), folder, part_rows=16) as env:
+        env.action_space.seed(0)
+        env.reset(seed=0)
+        keypoints = [env.unwrapped.keypoints()]
+        for step in range(STEPS):
+            if step == STEPS - 5:
+                env.unwrapped.grow(to=10)
+            env.step(env.action_space.sample())
+            keypoints.append(env.unwrapped.keypoints())
+    return folder, np.array(keypoints)
+
+
+@pytest.fixture(scope="module")
+def tables(recorded, tmp_path_factory) -> Path:
+    """Return its tables of text."""
+    out = tmp_path_factory.mktemp("exported") / "csv"
+    mimoc.export_recording(recorded[0], "csv", out)
+    return out
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_table_has_the_keypoints_to_the_last_digit_of_single_precision(recorded, tables):
+    rows, keypoints = rows_of(tables / "movement.csv"), recorded[1].astype(np.float32)
+    assert [row["step"] for row in rows] == [str(step) for step in range(STEPS + 1)]
+    for name, index in (("nose", 0), ("right_wrist", 4), ("left_big_toe", 19), ("right_heel", 24)):
+        for axis, letter in enumerate("xyz"):
+            column = [np.float32(row[f"{name}_{letter}_m"]) for row in rows]
+            assert column == keypoints[:, index, axis].tolist()
+
+
+def test_the_movement_units_of_a_hand_can_be_computed_from_the_table_alone(recorded, tables):
+    """With nothing but Python's csv: peaks of the speed of .05 m/s that rise and fall by .025 m/s."""
+    with (tables / "movement.csv").open(newline="") as file:
+        speeds = [float(row["right_hand_speed_m_s"]) for row in csv.DictReader(file)]
+    units, low, high, rising = 0, speeds[0], speeds[0], False
+    for speed in speeds:
+        low, high = min(low, speed), max(high, speed)
+        if not rising and speed - low >= 0.025:
+            rising, high = True, speed
+        elif rising and high - speed >= 0.025:
+            units += high >= 0.05
+            rising, low = False, speed
+    measured = mimoc.measure_recordings(recorded[0], ["right_hand_movement_units"])
+    assert units > 0
+    assert measured["right_hand_movement_units"] == [units]
+
+
+def test_the_dictionary_says_what_every_column_of_every_table_is(tables):
+    entries = rows_of(tables / "columns.csv")
+    known = {(entry["table"], entry["name"]) for entry in entries}
+    for path in sorted(tables.glob("*.csv")):
+        kind = "INFANT-EPISODE" if path.stem == "0000-000000" else path.stem
+        if path.name != "columns.csv":
+            assert {(kind, name) for name in rows_of(path)[0]} <= known
+    assert all(entry["about"] for entry in entries)
+    assert all(entry["source"] and entry["frame"] for entry in entries if entry["name"].endswith("_m_s"))
+
+
+def test_tables_of_parquet_have_the_same_columns(recorded, tables, tmp_path):
+    import pyarrow.parquet as pq
+
+    mimoc.export_recording(recorded[0], "parquet", tmp_path / "out")
+    table, rows = pq.read_table(tmp_path / "out" / "movement.parquet"), rows_of(tables / "movement.csv")
+    assert table.column_names == list(rows[0])
+    assert table.column("left_hand_touches").to_pylist() == [row["left_hand_touches"] for row in rows]
+
+
+def test_recordings_with_movement_columns_come_out_again(recorded):
+    assert [replayed.difference for replayed in mimoc.replay_recording(recorded[0])] == [None]
+
+
+@pytest.mark.parametrize(("groups", "names"), [((), set()), (("gaze",), {"gaze_x_m", "gaze_at"})])
+def test_only_the_chosen_columns_are_recorded(groups, names, tmp_path):
+    spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=1, senses={})
+    with mimoc.Recorder(mimoc.make(spec), tmp_path / "kept", movement=groups) as env:
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+    movement = mimoc.read_recording(tmp_path / "kept")[0].movement
+    assert names <= set(movement)
+    assert all(name.startswith("gaze") for name in movement)
+    mimoc.export_recording(tmp_path / "kept", "csv", tmp_path / "csv")
+    assert (tmp_path / "csv" / "movement.csv").exists() == bool(groups)
+    with pytest.raises(
+        RecordingError, match=r"no episode has what 'left_foot_path_m' needs; record it with 'mimoc run"
+    ):
+        mimoc.measure_recordings(tmp_path / "kept", ["left_foot_path_m"])
+
+
+def test_a_group_that_there_is_not_is_refused_before_anything_is_written(tmp_path):
+    env = mimoc.make(mimoc.InfantSpec(mimoc=1, name="kim", age_months=1, senses={}))
+    with pytest.raises(UnknownNameError, match="'keypoint' is not a group of movement columns; did you mean"):
+        mimoc.Recorder(env, tmp_path / "kept", movement=["keypoint"])
+    assert not (tmp_path / "kept").exists()
+    env.close()
+
+
+@pytest.mark.parametrize("text", ["name,unit\nnose_x_m,m\n", "name,unit,about,frame,source\nnose_x_m\n", "\xff\x00"])
+def test_a_damaged_dictionary_is_refused_in_one_line(recorded, text, tmp_path, monkeypatch):
+    from shutil import copytree
+
+    copytree(recorded[0], tmp_path / "kept")
+    (tmp_path / "kept" / "columns.csv").write_bytes(text.encode("latin-1"))
+    with pytest.raises(RecordingError, match=r"columns\.csv: "):
+        mimoc.export_recording(tmp_path / "kept", "csv", tmp_path / "csv")
+
+
+def test_a_unit_rises_and_falls():
+    assert movement_units([0, 0.1, 0, 0.1, 0.09, 0.1, 0]) == 2
+    assert movement_units([0, 0.04, 0]) == movement_units([0, 0.1]) == movement_units([0.1] * 9) == 0
+
+
+def test_recordings_are_measured_by_the_command(recorded, invoke, tmp_path):
+    code, out, err = invoke("measure", recorded[0].parent, "right_hand_path_m", "-o", tmp_path / "out.csv")
+    assert (code, out, err) == (0, f"{tmp_path / 'out.csv'}\n", "")
+    (row,) = rows_of(tmp_path / "out.csv")
+    movement = mimoc.read_recording(recorded[0])[0].movement
+    points_m = np.stack([movement[f"right_hand_{axis}_m"] for axis in "xyz"], axis=1).astype(float)
+    path_m = np.linalg.norm(np.diff(points_m, axis=0), axis=1).sum()
+    assert (row["recording"], row["infant"], row["episode"], row["seconds"]) == ("kept", "0", "0", "0.4")
+    assert float(row["right_hand_path_m"]) == pytest.approx(path_m)
+    assert "left_hand_straightness" in invoke("measure", "--list").out
+    assert "Left foot: path" in invoke("measure", recorded[0]).out
