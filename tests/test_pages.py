@@ -39,6 +39,7 @@ PAGES = (
     "docs/delays.md",
     "docs/own_toys.md",
     "docs/tasks.md",
+    "docs/behaviours.md",
     "docs/pictures.md",
     "docs/inverse_dynamics.md",
     "docs/training.md",

@@ -198,6 +198,9 @@ class PolicyKind:
     many: Code | None = None
     """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/batch.py`),
     also on a device. None: on the CPU, one infant after another; on a device, not at all."""
+    is_behaviour: bool = False
+    """Whether it is a behaviour: `run` is `bind(subject) -> Behaviour` (`mimoc/policies/behaviours/behaviour.py`), and
+    one controller does all behaviours of a sum."""
 
 
 @dataclass(frozen=True, slots=True)

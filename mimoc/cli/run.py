@@ -42,7 +42,10 @@ POLICY_NAMES = ", ".join(
     (*(f"{usage(POLICIES[name])} ({POLICIES[name].about})" for name in POLICIES), *announced("mimoc.policies"))
 )
 """What `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
-POLICIES_HELP = f"{POLICY_NAMES}; a trained policy.zip; or several at once, which add up: NAME+NAME."
+POLICIES_HELP = (
+    f"{POLICY_NAMES}; a trained policy.zip; or several at once, which add up: NAME+NAME, such as "
+    "sit+look_at:toy+reach_for:toy,right. With parentheses, 'look_at(toy)', a shell needs quotes."
+)
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")

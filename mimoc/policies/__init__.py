@@ -1,7 +1,21 @@
 """Policies that need no training."""
 
+from functools import partial
+
 from mimoc.base.kinds import Kinds, PolicyKind
 
+_behaviour = partial(PolicyKind, is_behaviour=True)
+_IN = "mimoc.policies.behaviours"
+_BEHAVIOURS = (
+    _behaviour("hold", "keeps the pose of the start", f"{_IN}.hold"),
+    _behaviour("sit", "sits without support", f"{_IN}.sit", "[OPTIONS]"),
+    _behaviour("prone", "lies on its forearms, head up", f"{_IN}.prone"),
+    _behaviour("hands_and_knees", "keeps on hands and knees", f"{_IN}.hands_and_knees", "[OPTIONS]"),
+    _behaviour("stand", "stands alone", f"{_IN}.stand", "[OPTIONS]"),
+    _behaviour("kick", "kicks on its back", f"{_IN}.kick", "[LEG]"),
+    _behaviour("look_at", "looks at a toy, a part of its body or a place", f"{_IN}.look", "TARGET"),
+    _behaviour("reach_for", "reaches for one with a hand", f"{_IN}.reach", "TARGET[,HAND]"),
+)
 POLICIES: Kinds[PolicyKind] = Kinds(
     "policy",
     {
@@ -33,5 +47,6 @@ POLICIES: Kinds[PolicyKind] = Kinds(
             argument="NAME",
         ),
         "motion": PolicyKind("motion", "follows a recorded motion; not for servos", "mimoc.policies.motion", "DIR"),
+        **{kind.name: kind for kind in _BEHAVIOURS},
     },
 )

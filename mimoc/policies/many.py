@@ -10,7 +10,7 @@ from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
 from mimoc.policies.named import Loader, policy_of, summed
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
-from mimoc.policies.spec import PolicyPart, parse_policy
+from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 
 
 def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None) -> BatchPolicy:
@@ -49,7 +49,12 @@ def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None)
     batch = batch_of(envs)
     if not isinstance(policy, str):
         return SumOfMany(batch, [_one_by_one(batch, policy, "a function of your own")])
-    return SumOfMany(batch, [_bound(batch, part, load) for part in parse_policy(policy)])
+    together, others = told_apart(parse_policy(policy))
+    policies = [_bound(batch, part, load) for part in others]
+    if together:
+        text = "+".join(part.text for part in together)
+        policies.insert(0, _one_by_one(batch, lambda env: policy_of(env, text), f"'{text}'"))
+    return SumOfMany(batch, policies)
 
 
 class SumOfMany:

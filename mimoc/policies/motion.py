@@ -13,6 +13,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.control.tracking import Body, Demand, Tracker, Wanted
 from mimoc.motion.joint_motion import JointMotion, read_motion
 from mimoc.policies.motion_report import Followed
+from mimoc.policies.starting import begin_here
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.simulation_state import physics_of, set_physics
 from mimoc.senses.sense import FloatArray, Observation
@@ -95,17 +96,12 @@ class MotionPolicy:
         return Wanted(qpos, qvel, qacc)
 
     def _begin(self) -> None:
-        """Put the infant where the motion begins, lifted out of the ground, and let it sense that.
-
-        A recording of the run keeps this as a state that was restored.
-        """
+        """Put the infant where the motion begins, lifted out of the ground, and let it sense that."""
         env, first = self._env, self._at(0.0)
         env.data.qpos[:], env.data.qvel[:] = first.qpos, first.qvel
         mujoco.mj_forward(env.model, env.data)
         env.data.qpos[self._places[0]] += self._lift()
-        set_physics(env.model, env.data, physics_of(env.model, env.data))
-        env.schedule.reset(env.data)
-        env.set_state(env.get_state())
+        begin_here(env)
 
     def _lift(self) -> FloatArray:
         """Return what to add to the configuration so that nothing is deeper in what does not move than it touches."""

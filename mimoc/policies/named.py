@@ -1,14 +1,24 @@
 """From the name of a policy, or a sum of names, to the policy of an infant."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
-from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, metrics_of, start_again
-from mimoc.policies.spec import PolicyPart, parse_policy
+from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
+from mimoc.policies.policy import (
+    Policy,
+    PolicyMaker,
+    begin,
+    episode_limit_of,
+    merged_metrics,
+    metrics_of,
+    numbered,
+    start_again,
+)
+from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 
@@ -21,8 +31,9 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
 
     Args:
         env: The infant.
-        policy: A name (`random`), a name with its argument (`motion:DIR`), the path of a trained policy, or a sum of
-            these (`general_movements+reflexes`), see `Sum`; or a function from an environment to a policy.
+        policy: A name (`random`), a name with its argument (`motion:DIR`, `look_at(toy)`), the path of a trained
+            policy, or a sum of these (`general_movements+reflexes`), see `Sum`, whose behaviours (`sit+look_at(toy)`)
+            are one policy, see `BehaviourPolicy`; or a function from an environment to a policy.
         load: Loads trained policies, such as `mimoc.load_policy`; without it, a path is refused.
 
     Raises:
@@ -31,9 +42,12 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     """
     if not isinstance(policy, str):
         return policy(env)
-    parts = parse_policy(policy)
-    policies = [_bound(env, part, load) for part in parts]
-    return policies[0] if len(policies) == 1 else Sum(env, policies, [part.label for part in parts])
+    together, others = told_apart(parse_policy(policy))
+    policies, labels = [_bound(env, part, load) for part in others], [part.label for part in others]
+    if together:
+        named = [NamedBehaviour(part.label, _binding(part)) for part in together]
+        policies, labels = [BehaviourPolicy(env, named), *policies], ["behaviours", *labels]
+    return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
 
 
 class Sum:
@@ -63,6 +77,11 @@ class Sum:
         for policy in self._policies:
             start_again(policy)
 
+    def begin(self) -> Observation | None:
+        """Let that which puts the infant where its episode begins do so."""
+        observed = [observation for policy in self._policies if (observation := begin(policy)) is not None]
+        return observed[-1] if observed else None
+
     def metrics(self) -> Mapping[str, float]:
         """Return what all of them tell of a run; a name that several have stands behind the label of each."""
         return merged_metrics([metrics_of(policy) for policy in self._policies], self._labels)
@@ -77,31 +96,17 @@ def summed(xp, actions, low, high):
     return xp.clip(total, low, high)
 
 
-def numbered(labels: Sequence[str]) -> tuple[str, ...]:
-    """Return labels that differ: the second `random` is `random_2`."""
-    seen = Counter[str]()
-    result = []
-    for label in labels:
-        seen[label] += 1
-        result.append(label if seen[label] == 1 else f"{label}_{seen[label]}")
-    return tuple(result)
-
-
-def merged_metrics(metrics: Sequence[Mapping[str, float]], labels: Sequence[str]) -> dict[str, float]:
-    """Return metrics of several policies; a name that several have stands behind the label of each: `reach_error_m`."""
-    count = Counter(name for item in metrics for name in item)
-    return {
-        name if count[name] == 1 else f"{label}_{name}": value
-        for label, item in zip(labels, metrics, strict=True)
-        for name, value in item.items()
-    }
-
-
 def _bound(env: InfantEnv, part: PolicyPart, load: Loader | None) -> Policy:
     """Return one policy for an environment."""
     if part.kind is None:
         if load is None:
             raise PolicyError(f"'{part.argument}': pass what mimoc.load_policy returns of it")
         return load(part.argument or "")(env)
+    return _binding(part)(env)
+
+
+def _binding(part: PolicyPart) -> Callable[[Any], Any]:
+    """Return the function that binds a policy to an environment, or a behaviour to its subject."""
+    assert part.kind
     bind = function_of(part.kind.run, "bind")
-    return bind(env) if part.argument is None else bind(env, part.argument)
+    return bind if part.argument is None else lambda bound_to: bind(bound_to, part.argument)

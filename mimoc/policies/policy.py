@@ -1,6 +1,7 @@
 """What a policy is."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -13,8 +14,9 @@ Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 """Returns the action for an observation, shape (n,); all random numbers come from the generator.
 
 It can have a method `metrics()`, which returns numbers for the summary of a run, by name with the unit: `hand_error_m`;
-`steps_per_episode`, the control steps after which its episodes end, as in its training; and `reset()`, which is called
-whenever an episode begins, for a policy that remembers what it sensed.
+`steps_per_episode`, the control steps after which its episodes end, as in its training; `reset()`, which is called
+whenever an episode begins, for a policy that remembers what it sensed; and `begin()`, for one that puts the infant
+where its episodes begin, which returns what it observes there. Where nobody calls that, its first action does it.
 """
 BatchPolicy = Callable[[Sequence[np.random.Generator], Any], Any]
 """Returns the actions of k infants, shape (k, n), for a generator of each and their observations; row i is what
@@ -39,6 +41,12 @@ def start_again(policy: Policy) -> None:
         reset()
 
 
+def begin(policy: Policy) -> Observation | None:
+    """Let a policy put the infant where its episode begins; None if it leaves it where it is."""
+    put = getattr(policy, "begin", None)
+    return put() if put else None
+
+
 def begin_rows(policy: BatchPolicy, rows: Any) -> None:
     """Let a policy of many begin the episodes of some rows; see `start_again`."""
     reset = getattr(policy, "reset", None)
@@ -49,3 +57,23 @@ def begin_rows(policy: BatchPolicy, rows: Any) -> None:
 def episode_limit_of(policy: Policy) -> float:
     """Return the control steps after which a policy's episodes end: infinity for one that does not say so."""
     return getattr(policy, "steps_per_episode", None) or math.inf
+
+
+def numbered(labels: Sequence[str]) -> tuple[str, ...]:
+    """Return labels that differ: the second `random` is `random_2`."""
+    seen = Counter[str]()
+    result = []
+    for label in labels:
+        seen[label] += 1
+        result.append(label if seen[label] == 1 else f"{label}_{seen[label]}")
+    return tuple(result)
+
+
+def merged_metrics(metrics: Sequence[Mapping[str, float]], labels: Sequence[str]) -> dict[str, float]:
+    """Return metrics of several policies; a name that several have stands behind the label of each: `reach_error_m`."""
+    count = Counter(name for item in metrics for name in item)
+    return {
+        name if count[name] == 1 else f"{label}_{name}": value
+        for label, item in zip(labels, metrics, strict=True)
+        for name, value in item.items()
+    }

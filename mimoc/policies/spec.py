@@ -1,6 +1,7 @@
 """What the text that chooses a policy can say: a name, a name with an argument, a trained policy, or a sum of these."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mimoc.base.errors import PolicyError
@@ -10,6 +11,10 @@ from mimoc.policies import POLICIES
 TRAINED = ".zip"
 """How the path of a trained policy ends."""
 NAMED = re.compile("[a-z][a-z0-9_]*(:.*)?", re.DOTALL)
+CALLED = re.compile(r"([a-z][a-z0-9_]*)\((.*)\)", re.DOTALL)
+"""A name with its argument in parentheses, which means the same as after a colon."""
+APART = re.compile(r"\+(?![^(]*\))")
+"""A plus outside of parentheses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +24,7 @@ class PolicyPart:
     kind: PolicyKind | None
     """Its record; None for a trained policy."""
     argument: str | None
-    """What stands after the colon, None if there is no colon; the path of a trained policy."""
+    """What stands after the colon or in the parentheses, None if there are none; the path of a trained policy."""
     text: str
     """The part as it was written."""
 
@@ -30,9 +35,10 @@ class PolicyPart:
 
 
 def parse_policy(text: str) -> tuple[PolicyPart, ...]:
-    """Return the policies in a text such as `random`, `NAME:ARGUMENT`, `policy.zip` or `NAME+NAME:ARGUMENT+NAME`.
+    """Return the policies in a text such as `random`, `NAME:ARGUMENT`, `policy.zip` or `NAME+NAME(ARGUMENT)+NAME`.
 
-    A `+` always separates, but in a path such as `runs/a+b/policy.zip`, of which `runs/a` can be no policy.
+    A `+` always separates, but in parentheses, and in a path such as `runs/a+b/policy.zip`, of which `runs/a` can be no
+    policy.
 
     Raises:
         UnknownNameError: If there is no such policy.
@@ -43,13 +49,20 @@ def parse_policy(text: str) -> tuple[PolicyPart, ...]:
     return tuple(_part(piece) for piece in _pieces(text))
 
 
+def told_apart(parts: Sequence[PolicyPart]) -> tuple[tuple[PolicyPart, ...], tuple[PolicyPart, ...]]:
+    """Return the behaviours among the parts of a sum, which one controller does together, and the other policies."""
+    is_behaviour = [part.kind is not None and part.kind.is_behaviour for part in parts]
+    together = tuple(part for part, flag in zip(parts, is_behaviour, strict=True) if flag)
+    return together, tuple(part for part, flag in zip(parts, is_behaviour, strict=True) if not flag)
+
+
 def trained_policies(text: str) -> tuple[str, ...]:
     """Return the paths of the trained policies in such a text, whether or not its names are policies."""
     return tuple(piece for piece in _pieces(text) if _is_path(piece))
 
 
 def _pieces(text: str) -> list[str]:
-    pieces = text.split("+")
+    pieces = APART.split(text)
     if text.endswith(TRAINED) and not all(NAMED.fullmatch(piece) or _is_path(piece) for piece in pieces):
         return [text]
     return pieces
@@ -62,12 +75,16 @@ def _is_path(piece: str) -> bool:
 def _part(text: str) -> PolicyPart:
     if _is_path(text):
         return PolicyPart(None, text, text)
-    name, colon, argument = text.partition(":")
+    called = CALLED.fullmatch(text)
+    name, colon, argument = (called[1], "()", called[2]) if called else text.partition(":")
+    if not called and "(" in name:
+        raise PolicyError(f"'{text}': a parenthesis is open; write NAME(ARGUMENT), in quotes where a shell reads it")
     kind = POLICIES.find(name)
+    where = ("in parentheses", "in the parentheses") if called else ("after a colon", "after the colon")
     if colon and not kind.argument:
-        raise PolicyError(f"'{text}': the policy '{name}' takes nothing after a colon; write {name}")
+        raise PolicyError(f"'{text}': the policy '{name}' takes nothing {where[0]}; write {name}")
     if colon and not argument:
-        raise PolicyError(f"'{text}': nothing stands after the colon; write {usage(kind)}")
+        raise PolicyError(f"'{text}': nothing stands {where[1]}; write {usage(kind)}")
     if not colon and needs_argument(kind):
         raise PolicyError(f"'{text}': the policy '{name}' needs more than its name; write {usage(kind)}")
     return PolicyPart(kind, argument if colon else None, text)

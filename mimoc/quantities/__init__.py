@@ -12,7 +12,8 @@ _OWN = (
     *(*child.CHILD, *milestones.MILESTONE_AGES.values(), motion.STABLE, motion.ENERGY, motion.BEYOND_LIMITS),
     *(outcome.RETURN, outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.EPISODES, motion.CONTACTS_SELF),
     *(motion.HIP_PATH, motion.HEAD_HEIGHT, motion.HEAD_LOWEST, motion.JOINT_SPEED, motion.UNSTABLE),
-    *(motion.HAND_ERROR, motion.HAND_TARGETS, *motion.OF_EACH_HAND, motion.FELL_AFTER, child.AGE, *outcome.CURVE),
+    *(motion.HAND_ERROR, motion.HAND_TARGETS, *motion.OF_EACH_HAND, motion.FELL_AFTER, *motion.BEHAVING),
+    *(child.AGE, *outcome.CURVE),
     *(*movement.CORE, *details.DETAILS, *details.JOINTS),
     *reaching.OF_MOVEMENT,
 )

@@ -41,6 +41,15 @@ FELL_AFTER = Quantity(
     "of the policies that keep sitting",
     steps=(),
 )
+_of_behaviours = partial(Quantity, steps=())
+BEHAVING = (
+    _of_behaviours("held_s", "Posture held for", "s", "of the behaviours that keep a posture"),
+    _of_behaviours("held_share", "Held to the end", about="share of episodes, of the behaviours that keep a posture"),
+    _of_behaviours("gaze_error_deg", "Error of the gaze, median", "°", "of the behaviour look_at"),
+    _of_behaviours("reached_s", "Touched its target after", "s", "of the behaviour reach_for"),
+    _of_behaviours("hand_closest_m", "Least distance of palm and target", "m", "of the behaviour reach_for"),
+    _of_behaviours("kick_hip_deg", "Excursion of the hip", "°", "of the behaviour kick"),
+)
 
 
 CONTACTS_SELF = Quantity(

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import policy_of
-from mimoc.policies.policy import PolicyMaker, episode_limit_of, metrics_of, start_again
+from mimoc.policies.policy import PolicyMaker, begin, episode_limit_of, metrics_of, start_again
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
 
@@ -87,6 +87,7 @@ class Run:
         """
         self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
         self.env, self._act = env, policy_of(env, policy)
+        self.observation = begin(self._act) or self.observation
         self._generator, self._limit = np.random.default_rng(seed), episode_limit_of(self._act)
         self._measures = StepMeasures(env, "run")
         self._outcomes: list[Outcome] = []
@@ -106,6 +107,7 @@ class Run:
             self._end_episode(info["is_success"])
             self.observation, _ = self.env.reset()
             start_again(self._act)
+            self.observation = begin(self._act) or self.observation
 
     def _end_episode(self, success: bool) -> None:
         time_s = ms_to_s(self._taken * self.env.manifest.step_ms)

@@ -10,6 +10,7 @@ filters.
 """
 
 import copy
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -119,16 +120,21 @@ class Servo:
     damping_nms: FloatArray
 
 
-def servo(infant: DrivenInfant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
+def servo(
+    infant: DrivenInfant, data: mujoco.MjData, factor: float = 1.0, loose: Collection[int] = frozenset()
+) -> Servo:
     """Return the gains of an infant in a posture.
 
     Args:
         infant: The infant.
         data: The posture, positions computed.
         factor: Factor on the natural frequency.
+        loose: Those of its driven hinges that bear nothing and only move what hangs on them, such as a reaching arm.
     """
     frequency = factor * FREQUENCY_RAD_S
-    inertia_kgm2 = np.array([_inertia(infant, data, joint) for joint in infant.joints])
+    inertia_kgm2 = np.array(
+        [_inertia(infant, data, joint, slot not in loose) for slot, joint in enumerate(infant.joints)]
+    )
     return Servo(frequency**2 * inertia_kgm2, 2.0 * frequency * inertia_kgm2)
 
 
@@ -227,16 +233,15 @@ def _loads(infant: DrivenInfant) -> _Loads:
     return _Loads(at, np.array(owners, np.intp), np.array(ratios), bodies, dofs, weights_n)
 
 
-def _inertia(infant: DrivenInfant, data: mujoco.MjData, joint: int) -> float:
+def _inertia(infant: DrivenInfant, data: mujoco.MjData, joint: int, bears: bool) -> float:
     """Return the inertia about a hinge of what it has to move, in [kg m²]."""
     model = infant.model
     body = int(model.jnt_bodyid[joint])
-    belongs = model.body_rootid == infant.root
     outer = in_subtrees(model, [body])
     hanging = _about(model, data, joint, np.flatnonzero(outer))
-    if model.body(body).name.endswith("_eye"):
+    if not bears or model.body(body).name.endswith("_eye"):
         return hanging
-    bearing = _about(model, data, joint, np.flatnonzero(belongs & ~outer))
+    bearing = _about(model, data, joint, np.flatnonzero(infant.is_own & ~outer))
     return max(hanging, bearing / 2 if model.body(body).name.startswith(PAIRED) else 0.0)
 
 

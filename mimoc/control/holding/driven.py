@@ -6,6 +6,7 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
 from mimoc.bundle.model import in_subtrees
@@ -27,10 +28,20 @@ class DrivenInfant:
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
 
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "DrivenInfant":
+        """Return the infant of a model, whose actuators are all in it."""
+        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp))
+
     @cached_property
     def root(self) -> int:
         """Index of the infant's root body."""
         return int(self.model.body_rootid[self.model.jnt_bodyid[self.joints[0]]])
+
+    @cached_property
+    def is_own(self) -> npt.NDArray[np.bool_]:
+        """Which bodies of the model are the infant's, shape (nbody,)."""
+        return np.asarray(self.model.body_rootid == self.root)
 
     @cached_property
     def angles(self) -> IntArray:
@@ -53,16 +64,10 @@ class DrivenInfant:
         return float(self.model.body_subtreemass[self.root]) * GRAVITY_M_S2
 
     @cached_property
-    def floor(self) -> int:
-        """Index of the floor's geom."""
-        return self.model.geom("floor").id
-
-    @cached_property
     def solids(self) -> IntArray:
         """Indices of the geoms that touch things."""
         touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
-        belongs = self.model.body_rootid[self.model.geom_bodyid] == self.root
-        return np.flatnonzero(belongs & touching).astype(np.intp)
+        return np.flatnonzero(self.is_own[self.model.geom_bodyid] & touching).astype(np.intp)
 
     @cached_property
     def pushed(self) -> int:
@@ -74,17 +79,16 @@ class DrivenInfant:
         return all(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name) >= 0 for name in bodies)
 
     def parts_without(self, roots: Collection[str]) -> frozenset[int]:
-        """Return the bodies that are not among *roots* nor below them: those that must not touch the floor."""
+        """Return its bodies that are not among *roots* nor below them: those that must not touch the floor."""
         ids = [self.model.body(name).id for name in roots if self.has(name)]
-        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
+        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids) & self.is_own).tolist())
 
     def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
-        """Return in words which of some bodies touches the floor; nothing if none does."""
-        geoms = data.contact.geom
-        others = geoms[(geoms == self.floor).any(axis=1)]
-        for geom in others[others != self.floor]:
-            body = int(self.model.geom_bodyid[geom])
-            if body in bodies:
+        """Return in words which of some bodies touches the floor, or what stands on it; nothing if none does."""
+        pairs = self.model.geom_bodyid[data.contact.geom]
+        is_still = self.model.body_weldid[pairs] == 0
+        for body in pairs[is_still.any(axis=1)][~is_still[is_still.any(axis=1)]]:
+            if int(body) in bodies:
                 return f"{self.model.body(body).name} touches the floor"
         return ""
 

@@ -5,13 +5,15 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.driven import SIDES, DrivenInfant, bisect, tilt_deg
+from mimoc.control.holding.driven import SIDES, DrivenInfant, bisect, elevation_deg, tilt_deg
 
 MOST_TILT_DEG = 45.0
 SEAT = ("hip", "left_upper_leg", "right_upper_leg")
 FEET = ("left_foot", "right_foot")
 SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
 """Parts that may touch the floor, with all that hangs on them; thighs, because they end in the knees."""
+PRONE_UP_DEG = 45.0
+"""How far the face has to be turned up from straight down: "head up 45 degrees" of Denver II."""
 LEAST_PITCH_DEG, MOST_PITCH_DEG = -30.0, 40.0
 """Of the pelvis, between which a seat is looked for."""
 
@@ -122,6 +124,13 @@ def on_forearms(infant: DrivenInfant) -> mujoco.MjData:
         lambda pitch_deg: infant.placed(pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG}),
         lambda data: infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg"),
     )
+
+
+def drooped(infant: DrivenInfant, data: mujoco.MjData) -> str:
+    """Return whether the head of an infant that lies prone touches the floor, or its face is not turned up enough."""
+    head = infant.model.body("head").id
+    low = "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
+    return infant.touching(data, frozenset({head})) or low
 
 
 FOREARMS_DEG = {

@@ -7,13 +7,11 @@ import numpy as np
 
 from mimoc.base.units import deg_to_rad
 from mimoc.control.holding.driven import SIDES, elevation_deg
-from mimoc.control.holding.postures import on_forearms
+from mimoc.control.holding.postures import drooped, on_forearms
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import Attempt, Trial
 
 PRONE_S = 3.0
-PRONE_UP_DEG = 45.0
-"""How far the face has to be turned up from straight down: "head up 45 degrees" of Denver II."""
 RAISED_S = 3.0
 MOST_LAG_DEG = 20.0
 """How far the head may stay behind the trunk while it is raised."""
@@ -24,11 +22,9 @@ SUPINE_RAISED_DEG = 45.0
 
 def _prone(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to keep a head up that somebody else lifted: with arms at the sides, then on the forearms."""
-    head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
-        low = "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
-        return infant.touching(data, frozenset({head})) or low
+        return drooped(infant, data)
 
     flat = infant.placed(90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
     yield Attempt(infant, flat, PRONE_S, check, strategy="arms at the sides")

@@ -1,0 +1,134 @@
+"""The policy of some behaviours: where its episodes begin, the actions in them, and what came of them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.base.errors import PolicyError
+from mimoc.control.holding.driven import DrivenInfant
+from mimoc.policies.behaviours.behaviour import Behaviour, Subject
+from mimoc.policies.behaviours.ensemble import Ensemble
+from mimoc.policies.policy import merged_metrics, numbered
+from mimoc.policies.starting import begin_here
+from mimoc.runtime.env import InfantEnv
+from mimoc.senses.sense import Observation
+
+ACTUATIONS = ("torque", "muscle", "position")
+"""Actuation models of whose commands the torques are known."""
+CHECKED_EVERY_S = 0.05
+"""How often it is looked whether a posture is lost, as in the trials."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedBehaviour:
+    """A behaviour that is still to be bound to an infant."""
+
+    label: str
+    """What it is called in errors and metrics."""
+    bind: Callable[[Subject], Behaviour]
+
+
+class BehaviourPolicy:
+    """Does some behaviours at once, within the infant's own strength.
+
+    An episode begins in the posture of a behaviour that has one, in the infant's place and facing as it does.
+    """
+
+    def __init__(self, env: InfantEnv, named: Sequence[NamedBehaviour]):
+        """Bind behaviours to an infant.
+
+        Raises:
+            PolicyError: If they do not go together, or the infant cannot do one of them.
+        """
+        self._env, self._named = env, tuple(named)
+        self._labels = numbered([one.label for one in named])
+        self._finished, self._begun_at = list[Mapping[str, float]](), np.empty(0)
+        self._lost_after_s: float | None = None
+        self._seen_s = 0.0
+        self._bind()
+
+    def begin(self) -> Observation:
+        """Begin an episode, in the posture of a behaviour that has one, and return what the infant senses then.
+
+        Raises:
+            PolicyError: If held parts or locked joints keep it out of this posture, or two behaviours move one joint.
+        """
+        env = self._env
+        if self._seen_s:
+            self._finished.append(self._of_episode())
+        if env.model is not self._model:
+            self._bind()
+        kept = env.manifest.constraints
+        if self._ensemble.start is not None and not (kept.locks or kept.welds):
+            _place(env, self._infant, self._ensemble.start)
+        observation = begin_here(env)
+        self._ensemble.begin(env.data)
+        if reason := self._ensemble.lost(env.data):
+            label, advice = self._labels[self._ensemble.whole or 0], "choose another scene.pose, or hold other parts"
+            raise PolicyError(f"'{label}' cannot begin where held parts or locked joints are ({reason}); {advice}")
+        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos.copy(), None, 0.0
+        return observation
+
+    def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
+        """Return the action, shape (n,); it depends neither on the generator nor on the observation."""
+        env = self._env
+        if env.steps == 0 and not np.array_equal(env.data.qpos, self._begun_at):
+            self.begin()
+        elif env.model is not self._model:  # The infant has grown.
+            self._bind()
+            self._ensemble.begin(env.data)
+        action = np.clip(0.0, env.actuation.low, env.actuation.high)
+        if np.isfinite(env.data.qpos).all():  # If not, the simulation became unstable, and the episode is over.
+            time_s = env.steps * self._step_s
+            self._watch(time_s)
+            action[self._ensemble.rows] = self._ensemble.commands(env.data, time_s)
+        return action.astype(np.float32)
+
+    def metrics(self) -> Mapping[str, float]:
+        """Return what is told of each episode, as the mean of all that told it; docs/behaviours.md says what it is."""
+        episodes = [*self._finished, *([self._of_episode()] if self._seen_s else [])]
+        names = dict.fromkeys(name for episode in episodes for name in episode)
+        return {name: float(np.mean([item[name] for item in episodes if name in item])) for name in names}
+
+    def _bind(self) -> None:
+        env = self._env
+        model, actuation = env.model, env.manifest.actuation.model
+        if actuation not in ACTUATIONS:
+            raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
+        self._model, self._infant = model, DrivenInfant.of(model)
+        subject = Subject(self._infant, env.manifest)
+        self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
+        self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
+
+    def _watch(self, time_s: float) -> None:
+        data, every = self._env.data, max(round(CHECKED_EVERY_S / self._step_s), 1)
+        for behaviour in self._ensemble.behaviours:
+            behaviour.watch(data, time_s)
+        if self._lost_after_s is None and self._env.steps % every == 0 and self._ensemble.lost(data):
+            self._lost_after_s = time_s
+        self._seen_s = time_s + self._step_s
+
+    def _of_episode(self) -> dict[str, float]:
+        """Return what is told of the present episode: for how long a posture was held, then by each behaviour."""
+        ensemble, lost_s, held = self._ensemble, self._lost_after_s, dict[str, float]()
+        if ensemble.whole is not None:
+            held = {"held_s": self._seen_s if lost_s is None else lost_s, "held_share": float(lost_s is None)}
+        return held | merged_metrics([item.metrics() for item in ensemble.behaviours], self._labels)
+
+
+def _place(env: InfantEnv, infant: DrivenInfant, start: mujoco.MjData) -> None:
+    """Put an infant into a posture at the origin, at rest, in its place and facing as it does."""
+    model, data = env.model, env.data
+    is_own = infant.is_own[model.jnt_bodyid]
+    (root,) = np.flatnonzero(is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE))
+    hinges = model.jnt_qposadr[is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)]
+    data.qpos[hinges], data.qvel[:] = start.qpos[hinges], 0.0
+    leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however its trunk is pitched.
+    half = np.arctan2(-leftward[0], leftward[1]) / 2
+    first = int(model.jnt_qposadr[root])
+    data.qpos[first + 2] = start.qpos[first + 2]
+    turned = np.empty(4)
+    mujoco.mju_mulQuat(turned, np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), start.qpos[first + 3 : first + 7])
+    data.qpos[first + 3 : first + 7] = turned

@@ -1,0 +1,58 @@
+"""What a behaviour aims at: a toy, another object, a part of the infant's own body, or a place."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.base.errors import PolicyError, UnknownNameError
+from mimoc.policies.behaviours.arguments import place_of
+from mimoc.policies.behaviours.behaviour import Subject
+from mimoc.senses.sense import FloatArray
+
+TOY = "toy"
+"""The nearest toy, whichever it is."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something to look at or to reach for."""
+
+    bodies: tuple[int, ...]
+    """The bodies that it may be, of which it is the nearest when an episode begins; none for a place."""
+    fixed_m: FloatArray
+    """The place, shape (3,), if it is one."""
+
+    def nearest(self, data: mujoco.MjData, from_m: FloatArray) -> "Target":
+        """Return the one body of these that is nearest to a place, shape (3,)."""
+        if len(self.bodies) < 2:
+            return self
+        distances_m = [float(np.linalg.norm(data.xipos[body] - from_m)) for body in self.bodies]
+        return Target((self.bodies[int(np.argmin(distances_m))],), self.fixed_m)
+
+    def place_m(self, data: mujoco.MjData) -> FloatArray:
+        """Return where it is, shape (3,): the centre of mass of a body."""
+        return data.xipos[self.bodies[0]] if self.bodies else self.fixed_m
+
+
+def find_target(subject: Subject, behaviour: str, word: str) -> Target:
+    """Return what a word means: `toy`, the name of a toy, of any body in the scene, or a place `(x, y, z)` in metres.
+
+    Raises:
+        PolicyError: If it is no place, or there is no toy.
+        UnknownNameError: If nothing has this name.
+    """
+    if (place := place_of(word)) is not None:
+        return Target((), np.array(place))
+    model, toys = subject.infant.model, subject.manifest.toys
+    if word == TOY and not toys:
+        advice = "add scene.toys to its spec, or name another target, such as a part of the body or '(0.3, 0, 0.2)'"
+        raise PolicyError(f"'{behaviour}': there is no toy in this scene; {advice}")
+    names: dict[str, list[int]] = {TOY: [model.body(toy.body).id for toy in toys]} if toys else {}
+    for toy in toys:
+        names.setdefault(toy.object, []).append(model.body(toy.body).id)
+    for body in range(1, model.nbody):
+        names.setdefault(model.body(body).name, [body])
+    if word not in names:
+        raise UnknownNameError(f"target of '{behaviour}' in this scene", word, names)
+    return Target(tuple(names[word]), np.zeros(3))
