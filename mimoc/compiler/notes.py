@@ -85,6 +85,10 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
     return (*_impaired(spec), *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
 
 
+DIFFERS = "differs from a healthy child"
+"""How the note on impairments begins."""
+
+
 def _impaired(spec: InfantSpec) -> Iterator[str]:
     """Yield what differs from a healthy child, in a line."""
     if spec.impairments is None or not (asked := given(spec.impairments.complete)):
@@ -92,7 +96,7 @@ def _impaired(spec: InfantSpec) -> Iterator[str]:
     preset, side = spec.impairments.preset, spec.impairments.side
     name = "" if preset == "none" else f" ({preset}{f', {side}' if side else ''})"
     parts = [f"{key} {_shown(value)}" for key, value in asked.items() if key != "preset"]
-    yield f"differs from a healthy child{name}: {'; '.join(parts)}"
+    yield f"{DIFFERS}{name}: {'; '.join(parts)}"
 
 
 def _shown(value: Any) -> str:

@@ -12,6 +12,7 @@ from mimoc.base.errors import RenderingError
 from mimoc.base.units import m_to_cm
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ChildEntry
+from mimoc.compiler.notes import DIFFERS
 from mimoc.compiler.provenance import who_percentiles
 from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
@@ -61,6 +62,7 @@ def _sentences(bundle: Bundle) -> Iterator[str]:
     if child.months_early:
         corrected = f"its corrected age, {child.corrected_age_months:.1f} months, counts"
         yield f"It was born {child.months_early:.1f} months early: {corrected}."
+    yield from (f"It {note}." for note in manifest.notes if note.startswith(DIFFERS))
     begins = POSES.get(manifest.pose, f'takes the pose "{words.name(manifest.pose)}"')
     toys = f" among {words.count(len(manifest.toys), 'toy')}" if manifest.toys else ""
     yield f"At the start of an episode it {begins}{toys}. {_task(bundle)}"

@@ -53,7 +53,7 @@ class Published:
     """None if only recordings of real infants tell."""
     high: float | None = None
     source: str = "-"
-    """With R for read in the paper or its abstract, M for from memory."""
+    """With R for read in the paper or its abstract; what is not is an assumption, by which nothing is judged."""
     until_months: float = 6
     """The oldest age that it is about."""
 
@@ -64,8 +64,8 @@ class Published:
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """What is published, or else the real infants' mean ± 2 SD."""
-        if self.low is not None and self.high is not None:
+        """What was read in a publication, or else the real infants' mean ± 2 SD."""
+        if self.low is not None and self.high is not None and not self.source.endswith(ASSUMED):
             return self.low, self.high
         return recorded(self.measure)
 
@@ -77,13 +77,10 @@ class Published:
         return f"{self.low:g} to {self.high:g}" + (f" until {self.until_months:g} mo" if self.until_months < 6 else "")
 
     def verdict(self, age_months: float, value: Interval) -> str:
-        """Return whether a mean is inside, near (from half to double of what is only remembered), or out."""
+        """Return whether a mean is inside or out."""
         if self.range is None or age_months > self.until_months:
             return ""
-        low, high = self.range
-        if value.overlaps(low, high):
-            return " in"
-        return " near" if "(M)" in self.source and value.overlaps(low / 2, high * 2) else " **out**"
+        return " in" if value.overlaps(*self.range) else " **out**"
 
 
 def recorded(measure: str) -> tuple[float, float] | None:
@@ -96,17 +93,18 @@ def recorded(measure: str) -> tuple[float, float] | None:
 
 
 RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
-RANGES = "Thelen; Fry-Hilderbrand 2022 (M)"
-NEWBORNS = "Thelen 1985; Fetters 2004, newborns (M)"
+ASSUMED = "(an assumption)"
+RANGES = f"after Thelen; Fry-Hilderbrand 2022 {ASSUMED}"
+NEWBORNS = f"after Thelen 1985; Fetters 2004, newborns {ASSUMED}"
 TRUJILLO = "Trujillo-Priego & Smith 2017, 1-12 months (R)"
 PUBLISHED: Sequence[Published] = (
-    Published(RATE, "Kicks", 5, 15, "Thelen; Rovee-Collier (M)"),
+    Published(RATE, "Kicks", 5, 15, f"after Thelen; Rovee-Collier {ASSUMED}"),
     Published("kick_amplitude_trunk", "Size"),
     Published("hip_excursion_deg", "Hip", 30, 60, RANGES),
     Published("knee_excursion_deg", "Knee", 40, 70, RANGES),
     Published("ankle_excursion_deg", "Ankle", 20, 40, RANGES),
-    Published("kick_extension_s", "Extending", 0.3, 0.4, "Thelen et al. 1981 (M)"),
-    Published("kick_flexion_s", "Flexing", 0.3, 0.4, "Thelen et al. 1981 (M)"),
+    Published("kick_extension_s", "Extending", 0.3, 0.4, f"after Thelen et al. 1981 {ASSUMED}"),
+    Published("kick_flexion_s", "Flexing", 0.3, 0.4, f"after Thelen et al. 1981 {ASSUMED}"),
     Published("kick_acceleration_trunk_s2", "Peak in a kick"),
     Published("leg_movement_s", "Movement", 0.23, 0.33, TRUJILLO),
     Published("leg_movement_m_s2", "Peak in a movement", 3.1, 8.83, TRUJILLO),

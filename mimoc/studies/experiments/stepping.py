@@ -30,7 +30,7 @@ LIFT = Quantity("lift_cm", "Lift of the foot", "cm")
 HIP = Quantity("hip_deg", "Range of the hip", "deg")
 MEASURES = (RATE, LIFT, HIP)
 PUBLISHED_RATE = (5.0, 20.0)
-"""Steps of newborns a minute (from memory)."""
+"""Steps of newborns a minute (an assumption)."""
 GONE_MONTHS = 2.0
 LOAD = Quantity("weight_kg", "Weight at each ankle", "kg")
 
@@ -131,7 +131,7 @@ def _answer(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str
     low, high = PUBLISHED_RATE
     inside = "inside" if newborn.overlaps(low, high) else "**outside**"
     gone = "gone" if later.mean < 0.2 * newborn.mean else "**not gone**"
-    published = f"{inside} the published {low:g} to {high:g} (from memory), to which the drive was fitted"
+    published = f"{inside} the {low:g} to {high:g} that are assumed of real ones, and to which the drive was fitted"
     return (
         f"Newborns take {newborn.text(1)} steps a minute, {published}. At {GONE_MONTHS:g} months, with the same drive, "
         f"it is {later.text(1)}: steps are {gone}."
