@@ -99,8 +99,7 @@ def new(
     if like:
         text = with_schema(_example(like, name), shipped_schema())
     else:
-        given = given or (_answers(name) if sys.stdin.isatty() and sys.stdout.isatty() else {})
-        text = new_spec(_choices(name, given), shipped_schema())
+        text = new_spec(_choices(name, given or _asked(name)), shipped_schema())
     read_spec(source.parse(text, str(spec)))
     if spec == STDOUT:
         print(text, end="")
@@ -120,6 +119,11 @@ def _choices(name: str, given: dict[str, Any]) -> "Choices":
 
     words = given.get("senses", ",".join(Choices.senses)).replace(",", " ").split()
     return Choices(**{**given, "name": name, "senses": () if words == ["none"] else tuple(words)})
+
+
+def _asked(name: str) -> dict[str, Any]:
+    """Return what the user answers, if there is one."""
+    return _answers(name) if sys.stdin.isatty() and sys.stdout.isatty() else {}
 
 
 def _answers(name: str) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -82,15 +81,13 @@ class Timing:
         parts = [(f"{signal}.{part.body}", part.ms, [part.body]) for part in delay.parts]
         if delay.legs_ms is not None:
             parts = [(f"{signal}.legs", delay.legs_ms, self.legs), *parts]
-        if within is None or not parts:
-            return [(signal, to_steps(delay.ms, self.timestep_ms), None)]
         groups: list[tuple[str, int, Mask | None]] = []
-        left: Any = True
-        for name, ms, bodies in reversed(parts):  # Later parts are in earlier ones.
-            inside = within(bodies) & left
+        left: Mask | None = None
+        for name, ms, bodies in reversed(parts) if within else ():  # Later parts are in earlier ones.
+            inside = within(bodies) if left is None else within(bodies) & left
             if inside.any():
                 groups.append((name, to_steps(ms, self.timestep_ms), inside))
-                left = left & ~inside
+                left = ~inside if left is None else left & ~inside
         return [(signal, to_steps(delay.ms, self.timestep_ms), left), *reversed(groups)]
 
     def jitter(self, delay_steps: int) -> int:

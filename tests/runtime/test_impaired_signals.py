@@ -61,6 +61,14 @@ def test_each_number_has_the_delay_of_the_innermost_part(trunk, arm, hand, leg):
     assert steps.tolist() == [trunk, arm, hand, leg, hand]
 
 
+def test_parts_without_numbers_leave_all_of_them_with_the_usual_delay():
+    """As of an infant whose commanded actuators are none of the legs'."""
+    model = mujoco.MjModel.from_xml_string(TREE)
+    only_arms = np.array([model.body(name).id for name in ("arm", "hand")])
+    timing = Timing(10, 1, {"touch": DelayEntry(ms=3, legs_ms=5)}, ("leg",))
+    assert timing.groups("touch", within(model, only_arms)) == [("touch", 3, None)]
+
+
 def test_a_command_to_a_late_arm_arrives_later():
     def first_move(**keys) -> dict[str, int]:
         spec = mimoc.InfantSpec.model_validate({**BASE, "scene": {"kind": "empty"}, "delays": {"motor_ms": 20}, **keys})

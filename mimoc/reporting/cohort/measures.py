@@ -13,7 +13,7 @@ from mimoc.render.plots.drawing import around, ticks
 from mimoc.render.plots.plot import Dots, Line, Plot, Ticks
 from mimoc.reporting import words
 
-OF_CHILDREN = ("_percentile", "_cm", "_kg")
+OF_CHILDREN = ("_percentile", "_percent", "_cm", "_kg", "maturation_rate")
 """How the names of factors end that children are given by."""
 LEAST = 2
 """Different values that a factor must have to be one."""

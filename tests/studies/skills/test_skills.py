@@ -54,7 +54,7 @@ def attempt(age: float, success: float, seed: int = 0) -> Attempt:
         ({2: 0, 4: 0, 6: 1}, 5.0, "inside"),
         ({2: 1, 4: 1}, 2.0, "too early"),
         ({2: 0, 4: 0}, None, "no verdict"),
-        ({2: 0, 6: 0}, None, "not reached"),
+        ({2: 0, 7: 0}, None, "not reached"),
         ({4: 0, 12: 1}, 8.0, "too late"),
     ],
 )
