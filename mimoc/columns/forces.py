@@ -122,7 +122,7 @@ def _joined(moments: Sequence[Moment]) -> tuple[Any, FloatArray, IntArray]:
 
 
 def _sums(places: IntArray, amounts: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    return np.bincount(places, amounts, math.prod(shape)).reshape(shape)
+    return np.asarray(np.bincount(places, amounts, math.prod(shape)), np.float64).reshape(shape)
 
 
 def bind_joints(env: InfantEnv) -> Group:

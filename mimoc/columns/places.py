@@ -88,7 +88,7 @@ def bind_gaze(env: InfantEnv) -> Group:
             further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, excluded, geom)
             if further < 0:
                 return start_m, towards, math.nan, -1
-            times, thing = times + further + _BEYOND, parts.thing_of_geom[geom[0]]
+            times, thing = times + float(further) + _BEYOND, int(parts.thing_of_geom[int(geom[0])])
             begin_m = start_m + times * towards
         return start_m, towards, times - _BEYOND, thing
 

@@ -83,8 +83,9 @@ class Timing:
             parts = [(f"{signal}.legs", delay.legs_ms, self.legs), *parts]
         groups: list[tuple[str, int, Mask | None]] = []
         left: Mask | None = None
-        for name, ms, bodies in reversed(parts) if within else ():  # Later parts are in earlier ones.
-            inside = within(bodies) if left is None else within(bodies) & left
+        inside_of = [] if within is None else [(name, ms, within(bodies)) for name, ms, bodies in parts]
+        for name, ms, mask in reversed(inside_of):  # Later parts are in earlier ones.
+            inside = mask if left is None else mask & left
             if inside.any():
                 groups.append((name, to_steps(ms, self.timestep_ms), inside))
                 left = ~inside if left is None else left & ~inside

@@ -38,7 +38,9 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             target = with_extension(stem, match[3])
             with folder.opened(home / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
-    write_dictionary(out, (Column(**entry) for entry in read_dictionary(recording.path).values()))
+    entries = read_dictionary(recording.path).values()
+    keys = ("name", "unit", "about", "frame", "source")
+    write_dictionary(out, (Column(*(entry[key] for key in keys)) for entry in entries))
     folder.write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
     return []
 

@@ -88,7 +88,7 @@ def mean_measures(folder: Path, step: str) -> dict[str, Value]:
     quantities = {name: item for name, item in QUANTITIES.items() if item.over == "movement" and step in item.steps}
     episodes = [measure_episode(episode, quantities) for episode in read_recording(folder)]
     values = {name: [row[name] for row in episodes if row[name] is not None] for name in quantities}
-    return {name: float(np.mean(column)) for name, column in values.items() if column}
+    return {name: float(np.mean(np.array(column, float))) for name, column in values.items() if column}
 
 
 def measure_episode(episode: Episode, quantities: Mapping[str, Quantity]) -> dict[str, Value]:
