@@ -39,8 +39,8 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             with folder.opened(home / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
     entries = read_dictionary(recording.path).values()
-    keys = ("name", "unit", "about", "frame", "source")
-    write_dictionary(out, (Column(*(entry[key] for key in keys)) for entry in entries))
+    columns = (Column(item["name"], item["unit"], item["about"], item["frame"], item["source"]) for item in entries)
+    write_dictionary(out, columns)
     folder.write_json(out / RECORDING, recording.description.model_dump(exclude_unset=True))
     return []
 
