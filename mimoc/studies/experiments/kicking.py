@@ -70,6 +70,11 @@ class Published:
         return recorded(self.measure)
 
     @property
+    def shown(self) -> tuple[float, float] | None:
+        """What the plot shows of real infants: the same, or what is assumed of them."""
+        return self.range if self.low is None or self.high is None else (self.low, self.high)
+
+    @property
     def text(self) -> str:
         """What the table shows as published."""
         if self.low is None or self.high is None:
@@ -249,8 +254,8 @@ def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
         means = [interval(_of(by_age[age], item.measure)) for age in ages]
         dots = [(age, value) for age in ages for value in _of(by_age[age], item.measure)]
         bands = [Band(ages, [mean.low for mean in means], [mean.high for mean in means], "95 % interval", "band")]
-        if item.range:
-            end, (low, high) = min(item.until_months, max(by_age)), item.range
+        if item.shown:
+            end, (low, high) = min(item.until_months, max(by_age)), item.shown
             bands.append(Band([0, end], [low] * 2, [high] * 2, "real infants", "usual"))
         lines = (Line(ages, [mean.mean for mean in means], "mean", "median"),)
         points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
