@@ -1,13 +1,13 @@
 """The `actuation` of a spec and of a manifest."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.composition import choice_field, composed, own_sections
 from mimoc.schema.entries import Actuator, Hinge, Label, Number
 from mimoc.schema.names import STRENGTH_GROUPS, GroupName, Groups, single_groups
@@ -75,9 +75,7 @@ class ActuatorEntry(Model):
     """What muscle tone adds, in proportion to arousal: to its three bias parameters, or, as two numbers, to the
     stiffness of its hinge and to stiffness x rest angle."""
 
-    @model_serializer(mode="wrap")
-    def _without_tone(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "tone" or value}
+    _serialized = omitting("tone")
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
@@ -99,7 +97,4 @@ class ActuationEntry(Model):
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        usual = {"arousal": 1, "bandwidth_hz": None}
-        return {key: value for key, value in serialize(self).items() if key not in usual or value != usual[key]}
+    _serialized = omitting("arousal", "bandwidth_hz")

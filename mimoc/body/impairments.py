@@ -17,7 +17,8 @@ from mimoc.body.limits import LARGEST_SHARE
 from mimoc.body.origins import Origin
 from mimoc.body.tree import BodyTree, Joint, Motor, StretchReflex, Tone
 from mimoc.schema.impairments import PRETERM_WEEKS, ImpairmentsSpec, ToneSpec
-from mimoc.schema.regions import RANGED, SIDES, in_regions
+from mimoc.schema.names import SIDES
+from mimoc.schema.regions import RANGED, in_regions
 
 KEY = "spec.impairments"
 REFLEX = 2.6

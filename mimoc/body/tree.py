@@ -3,10 +3,10 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from mimoc.body.part import Development, GeomType, ReferenceMotor, Region
 from mimoc.geometry.rotations import Vec3
+from mimoc.schema.quantities import Direction
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -190,7 +190,7 @@ class BodyTree:
     """Stretch reflexes of spastic muscles."""
     acuity: tuple[tuple[str, float], ...] = ()
     """Share of the visual acuity that is left, by body of an eye; all of it where nothing is said."""
-    field_deg: tuple[tuple[Literal["left", "right", "up", "down"], float], ...] = ()
+    field_deg: tuple[tuple[Direction, float], ...] = ()
     """How far its eyes see to a side of their line of sight: `left`, `right`, `up`, `down`; as far as their pictures
     reach where nothing is said."""
     merged: tuple[tuple[str, str], ...] = ()

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, ValidationError, model_serializer, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
@@ -15,7 +15,7 @@ from mimoc.bundle.regular_files import problems_in
 from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.plugins import load_plugins
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.composition import composed
 from mimoc.schema.entries import (
     Amount,
@@ -67,9 +67,7 @@ class ChildEntry(Model):
         """Age of what matures with it: that since term of a child that was born before."""
         return max(0.0, self.age_months - self.months_early)
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "months_early" or value}
+    _serialized = omitting("months_early")
 
 
 class FaceEntry(Model):

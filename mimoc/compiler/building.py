@@ -37,6 +37,7 @@ from mimoc.compiler.placing import (
 from mimoc.compiler.provenance import (
     SPEC_FILE,
     trace_actuation,
+    trace_birth,
     trace_child,
     trace_plugins,
     trace_spec,
@@ -114,6 +115,7 @@ class Builder:
             **trace_task(manifest.task),
             **trace_plugins(manifest.plugins),
             **dict(trace_child(tree, manifest.child)),
+            **dict(trace_birth(spec)),
         }
         return find_target(self.target).origins(tree, entries)
 

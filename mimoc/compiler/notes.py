@@ -102,6 +102,8 @@ def _impaired(spec: InfantSpec) -> Iterator[str]:
 def _shown(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{key} {_shown(item)}" for key, item in value.items())
+    if isinstance(value, list | tuple):
+        return " to ".join(map(_shown, value))
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

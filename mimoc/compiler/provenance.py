@@ -186,6 +186,14 @@ def trace_child(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]
         yield f"who.{name}.percentile", place
 
 
+def trace_birth(spec: InfantSpec) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for how early a child was born, by which the age of all that matures is corrected."""
+    if spec.impairments and spec.months_early:
+        given = "gestation_weeks" if spec.impairments.gestation_weeks is not None else "preset"
+        rule = "from birth to 40 weeks of gestation; body, delays and acuity are those of the age less this"
+        yield "child.months_early", Origin(rule, (f"spec.impairments.{given}",), "months").entry(spec.months_early)
+
+
 def who_percentiles(child: ChildEntry) -> dict[str, float]:
     """Return where a child stands among WHO's children of its age and sex, 0 to 100, by indicator.
 

@@ -18,7 +18,8 @@ from mimoc.body.tree import BodyTree
 from mimoc.delays import AGES_MONTHS
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, PartDelay, given_keys, signals
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.regions import SIDES, of_place
+from mimoc.schema.names import SIDES
+from mimoc.schema.regions import of_place
 from mimoc.senses import SENSES
 
 LEGS = ("right_upper_leg", "left_upper_leg")

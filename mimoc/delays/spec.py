@@ -1,13 +1,13 @@
 """The `delays` of a spec and of a manifest: one for each registered sense, and one for the motor commands."""
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import KindError
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.composition import ComposedModel, composed, described_field
 from mimoc.schema.entries import Body, Duration
 from mimoc.schema.quantities import Milliseconds
@@ -75,9 +75,7 @@ class DelayEntry(Model):
     parts: tuple[PartDelay, ...] = ()
     """Delays to or from other parts, if they differ; later ones may be in earlier ones."""
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "parts" or value}
+    _serialized = omitting("parts")
 
 
 @composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer
+from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.base.units import to_steps
 from mimoc.delays.spec import DelaysSpec, is_delayed
-from mimoc.schema.base import KeyedError
+from mimoc.schema.base import KeyedError, omitting
 from mimoc.schema.composition import ComposedModel, composed, described_field
 from mimoc.schema.entries import Amount, Duration
 from mimoc.schema.quantities import Milliseconds, Real
@@ -73,9 +73,7 @@ class NoiseEntry(ComposedModel):
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key != "of_commands" or value}
+    _serialized = omitting("of_commands")
 
 
 def check_noise(

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import Any, TypeAlias
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, model_serializer
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 """Keys and indices that lead to a value."""
@@ -32,6 +32,20 @@ class Model(BaseModel):
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """Yield what `repr` shows: the values that were given, without defaults."""
         yield from ((key, value) for key, value in super().__repr_args__() if key in self.model_fields_set)
+
+
+def omitting(*names: str) -> Any:
+    """Return a serializer of a section, for its class, that leaves out fields of some names which have their default.
+
+    So what is rare makes no file longer, and no file different that was written before there was the field.
+    """
+
+    def serialized(self: BaseModel, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields, values = type(self).model_fields, serialize(self)
+        usual = {name for name in names if getattr(self, name) == fields[name].get_default(call_default_factory=True)}
+        return {key: value for key, value in values.items() if key not in usual}
+
+    return model_serializer(mode="wrap")(serialized)
 
 
 class KeyedError(ValueError):

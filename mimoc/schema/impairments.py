@@ -8,8 +8,9 @@ from pydantic import AfterValidator, Field, model_validator
 
 from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model, given
-from mimoc.schema.quantities import Degrees, Real, keys_among
-from mimoc.schema.regions import RANGED, REGIONS, SIDES, contradiction, known_movement, known_region
+from mimoc.schema.names import SIDES
+from mimoc.schema.quantities import Degrees, Direction, Real, keys_among
+from mimoc.schema.regions import RANGED, REGIONS, contradiction, known_movement, known_region
 
 TERM_WEEKS, WEEKS_IN_A_MONTH = 40.0, 30.4375 / 7
 """Weeks of gestation from which ages are corrected (Engle 2004, Pediatrics 114: 1362), and weeks in a month."""
@@ -36,7 +37,6 @@ def _delayed(name: str) -> str:
 
 
 DelayedRegion = Annotated[str, AfterValidator(_delayed), Field(json_schema_extra={"enum": list(DELAYED)})]
-Direction = Literal["left", "right", "up", "down"]
 Eye = Literal["eyes", "left_eye", "right_eye"]
 
 

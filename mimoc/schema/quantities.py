@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Sequence
 from math import isfinite
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, JsonValue, StringConstraints
 from pydantic.fields import FieldInfo
@@ -28,6 +28,9 @@ Percentile = Annotated[
     Real, Field(ge=LEAST_PERCENTILE, le=LARGEST_PERCENTILE, json_schema_extra={"unit": "percentile"})
 ]
 """Percentile of the WHO Child Growth Standards; of a child that is farther out, give the measurement."""
+
+Direction = Literal["left", "right", "up", "down"]
+"""A side of the line of sight."""
 
 Age = Annotated[Months, Field(le=24)]
 """Ages at which infants can be built."""

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
 from mimoc.base.errors import suggestion
+from mimoc.schema.names import SIDES
 
 Value = TypeVar("Value")
 
-SIDES = ("left", "right")
 ARM, LEG = ("shoulder", "elbow", "wrist", "fingers"), ("hip", "knee", "ankle", "toes")
 """What an arm, with its hand, and a leg, with its foot, can be moved at."""
 HAND, FOOT = ARM[2:], LEG[2:]

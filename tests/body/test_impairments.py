@@ -207,3 +207,9 @@ def test_a_bundle_notes_what_differs_from_a_healthy_child():
 def test_what_eyes_lose_has_no_effect_without_vision():
     notes = mimoc.build(infant(acuity={"eyes": 0.5})).manifest.notes
     assert "'impairments.acuity' has no effect: senses.vision is off" in notes
+
+
+def test_how_early_a_child_was_born_is_explained():
+    for impairments, key in (({"gestation_weeks": 32}, "gestation_weeks"), ({"preset": "preterm"}, "preset")):
+        entry = entries_of(mimoc.build(infant(**impairments)))["child.months_early"]
+        assert entry["from"] == [f"spec.impairments.{key}"]

@@ -2,18 +2,16 @@
 
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, Tag, model_serializer, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from mimoc.base.kinds import AgeTable, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.entries import Amount, Body, Camera
-from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
+from mimoc.schema.quantities import CyclesPerDegree, Degrees, Direction, Distinct, Months, Pixels, Real, Whole
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
-Direction = Literal["left", "right", "up", "down"]
-"""A side of the line of sight."""
 ContrastLaw = Literal["linear", "mimo3"]
 
 
@@ -108,13 +106,7 @@ class VisionEntry(Model):
             raise ValueError(f"acuity_shares: {len(self.acuity_shares)} numbers for {len(self.cameras)} cameras")
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_usual(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in serialize(self).items() if key not in IMPAIRED or value}
-
-
-IMPAIRED = ("acuity_shares", "field_deg")
-"""What only impaired eyes have."""
+    _serialized = omitting("acuity_shares", "field_deg")
 
 
 KIND = SenseKind(

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, sparse, special
 
-from mimoc.senses.vision import Direction
+from mimoc.schema.quantities import Direction
 
 Pictures = npt.NDArray[np.float32]
 """Shape (..., height, width, colours), 0 to 255."""

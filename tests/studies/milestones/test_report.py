@@ -3,6 +3,7 @@
 import pytest
 
 from mimoc.cli.tables import print_milestones
+from mimoc.cohorts.milestones import WHO
 from mimoc.render.plots.file import draw
 from mimoc.render.plots.growth import rows_sheet
 from mimoc.studies.milestones import (
@@ -67,3 +68,10 @@ def test_a_newborn_does_not_get_up_nor_lift_its_head_from_its_back(name):
     found = validate_milestones(names=[name], ages=[0, 12]).milestones[0].result
     assert found.youngest_months == 12
     assert not found.at_birth
+
+
+def test_cohorts_are_compared_with_the_means_of_the_windows():
+    """The summary of a cohort has WHO's standard deviations besides; it may not import studies."""
+    for trial, (_, mean_months, _) in WHO.items():
+        window = WINDOWS.get(trial)
+        assert window is None or window.usual_months == mean_months, trial
