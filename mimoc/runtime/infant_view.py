@@ -12,6 +12,7 @@ from mimoc.base.errors import check_name
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant
+from mimoc.companions.companion import Companions
 from mimoc.delays.schedule import Schedule
 from mimoc.runtime.closing import closable
 from mimoc.runtime.simulation_state import SimulationState
@@ -56,6 +57,11 @@ class InfantView:
     def senses(self) -> Mapping[str, Sense]:
         """What it senses with, by name."""
         return self._senses
+
+    @property
+    def companions(self) -> Companions:
+        """What else acts in its world, by name."""
+        return self._schedule.companions
 
     @property
     def task(self) -> Task:
