@@ -46,6 +46,7 @@ KIND_FOLDERS = {
     "noise": "run",
     "scenes": "build",
     "toys": "build",
+    "objects": "build",
     "policies": "policies",
     "exporters": "recording",
     "columns": "reading",
