@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -83,6 +84,8 @@ class Surroundings:
     half_size_m: tuple[float, float]
     """Of the floor, from its middle at the origin."""
     has_floor: bool
+    folder: Path
+    """That paths in the spec are relative to."""
     things: tuple[PlacedThing, ...] = ()
     """The objects that are placed already."""
 
