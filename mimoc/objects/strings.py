@@ -1,6 +1,7 @@
 """What objects hang from: strings and bars that are only seen, and the damping of a swing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,6 +53,12 @@ def bar(name: str, material: str, radius_m: float, start_m: FloatArray, end_m: F
 def string(name: str, material: str, length_m: float) -> ObjectGeom:
     """Return a string from the origin down."""
     return seen(name, material, "capsule", (STRING_M, length_m / 2), (0.0, 0.0, -length_m / 2))
+
+
+def moved(geom: ObjectGeom, by_m: Vec3) -> ObjectGeom:
+    """Return a geom elsewhere in its body."""
+    x_m, y_m, z_m = np.add(geom.pos_m, by_m).tolist()
+    return replace(geom, pos_m=(x_m, y_m, z_m))
 
 
 def pendulum_damping(mass_kg: float, length_m: float, radius_m: float) -> float:

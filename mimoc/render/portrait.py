@@ -281,7 +281,9 @@ def _picture(
     if fade_m is not None and distance_m is not None:
         fade_m = distance_m + FADES_BEHIND_M
     options: Any = {"fovy_deg": fovy_deg, "supersample": STILL, "shown": shown, "fade_m": fade_m}
-    with closing(BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, beside=beside, **options)) as camera:
+    with closing(
+        BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, beside=beside, **options)
+    ) as camera:
         if len(roots) == 1 and framing.azimuth_deg is None:
             camera.turn(data)
         shot = camera.shot(data)

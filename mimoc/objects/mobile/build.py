@@ -32,10 +32,10 @@ from mimoc.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings, Tie
 from mimoc.objects.mobile.spec import MobileSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.strings import bar, pendulum_damping, seen, string
+from mimoc.objects.strings import bar, moved, pendulum_damping, seen, string
 from mimoc.toys.builtin import load_toy
 from mimoc.toys.choosing import DARK, LIGHT, Toy
-from mimoc.toys.objects import materials_of, pieces_of
+from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
 from mimoc.toys.shape import Tint
 
 HUB_M, HUB_KG = 0.018, 0.05
@@ -58,7 +58,7 @@ HUES = (0.0, 0.14, 0.6, 0.36, 0.78, 0.07, 0.5, 0.9)
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A figure in a frame with its middle at the origin."""
+    """A figure in a frame with its centre of mass at the origin."""
 
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
@@ -168,7 +168,7 @@ def _hung(name: str, wood: str, spec: MobileSpec, figure: Figure, end_m: FloatAr
         pos_m=(x_m, y_m, z_m),
         quat=quaternion_from_axis((0.0, 0.0, 1.0), turn_rad + math.pi / 2),
         joints=(ObjectJoint(name, "ball", damping),),
-        geoms=(string(f"{name}_thread", wood, THREAD_M), *(_moved(geom, (0.0, 0.0, -low_m)) for geom in figure.geoms)),
+        geoms=(string(f"{name}_thread", wood, THREAD_M), *(moved(geom, (0.0, 0.0, -low_m)) for geom in figure.geoms)),
     )
 
 
@@ -179,35 +179,29 @@ def _figure(spec: MobileSpec, number: int, name: str) -> Figure:
     hue = HUES[number]
     colours: dict[Tint, Rgba] = {
         "main": _rgba(hue),
-        "accent": _rgba((hue + 0.5) % 1.0),
+        "accent": _rgba((hue + 0.5) % 1.0, 0.45),
         "dark": DARK,
         "light": LIGHT,
     }
     toy = Toy(replace(model, density_kg_m3=density_kg_m3), size_m, 0.0, colours)
-    corners = np.concatenate([part.mesh.vertices for part in model.parts]) * size_m
-    turned = corners @ matrix_from_quaternion(ON_ITS_SIDE).T
-    low, high = turned.min(axis=0), turned.max(axis=0)
-    x_m, y_m, z_m = (-(low + high) / 2).tolist()
-    half_x_m, half_y_m, half_z_m = ((high - low) / 2).tolist()
-    pieces = pieces_of(toy, name, name)
+    pieces, turn = pieces_of(toy, name, name), matrix_from_quaternion(ON_ITS_SIDE)
+    corners = np.concatenate([part.mesh.vertices for part in model.parts]) * size_m @ turn.T
+    centre_m = turn @ centre_of_mass(toy, [geom for geom, _ in pieces])
+    x_m, y_m, z_m = (-centre_m).tolist()
+    half_x_m, half_y_m, half_z_m = np.abs(corners - centre_m).max(axis=0).tolist()
     return Figure(
-        geoms=tuple(_moved(_turned(geom), (x_m, y_m, z_m)) for geom, _ in pieces),
+        geoms=tuple(moved(_turned(geom), (x_m, y_m, z_m)) for geom, _ in pieces),
         materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
         half_m=(half_x_m, half_y_m, half_z_m),
     )
 
 
-def _rgba(hue: float) -> Rgba:
-    red, green, blue = (round(channel, 4) for channel in colorsys.hsv_to_rgb(hue, 0.85, 0.9))
+def _rgba(hue: float, saturation: float = 0.8) -> Rgba:
+    red, green, blue = (round(channel, 4) for channel in colorsys.hsv_to_rgb(hue, saturation, 0.9))
     return red, green, blue, 1.0
 
 
 def _turned(geom: ObjectGeom) -> ObjectGeom:
     x_m, y_m, z_m = (matrix_from_quaternion(ON_ITS_SIDE) @ geom.pos_m).tolist()
     return replace(geom, pos_m=(x_m, y_m, z_m), quat=quaternion_product(ON_ITS_SIDE, geom.quat))
-
-
-def _moved(geom: ObjectGeom, by_m: Vec3) -> ObjectGeom:
-    x_m, y_m, z_m = np.add(geom.pos_m, by_m).tolist()
-    return replace(geom, pos_m=(x_m, y_m, z_m))

@@ -1,16 +1,14 @@
 """Simple shapes, toys and meshes as objects that are fixed, free, hang or slide."""
 
-from dataclasses import replace
-
 from mimoc.base.errors import ObjectError, ToyError
 from mimoc.base.units import cm_to_m
 from mimoc.mjcf.furniture import WorldMaterial
-from mimoc.mjcf.world import ObjectBody, ObjectGeom, ObjectJoint
+from mimoc.mjcf.world import ObjectBody, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
 from mimoc.objects.shape.build_solid import Solid, solid_of
 from mimoc.objects.shape.spec import ShapeSpec
-from mimoc.objects.strings import GRAVITY_M_S2, pendulum_damping, string
+from mimoc.objects.strings import GRAVITY_M_S2, moved, pendulum_damping, string
 
 STRING = (0.88, 0.86, 0.8, 1.0)
 
@@ -64,7 +62,7 @@ def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
         pos_m=(0.0, 0.0, middle_m),
         free_joints=(f"{name}_free",) if spec.moves == "free" else (),
         joints=(slide,) if spec.moves == "sliding" else (),
-        geoms=tuple(_lowered(geom, middle_m) for geom in solid.geoms),
+        geoms=tuple(moved(geom, (0.0, 0.0, -middle_m)) for geom in solid.geoms),
     )
 
 
@@ -76,10 +74,8 @@ def _hung(name: str, solid: Solid, tether_m: float) -> ObjectBody:
         name,
         pos_m=(0.0, 0.0, top_m),
         joints=(ObjectJoint(f"{name}_tether", "ball", damping),),
-        geoms=(*(_lowered(geom, top_m) for geom in solid.geoms), string(f"{name}_tether", f"{name}_tether", tether_m)),
+        geoms=(
+            *(moved(geom, (0.0, 0.0, -top_m)) for geom in solid.geoms),
+            string(f"{name}_tether", f"{name}_tether", tether_m),
+        ),
     )
-
-
-def _lowered(geom: ObjectGeom, by_m: float) -> ObjectGeom:
-    x_m, y_m, z_m = geom.pos_m
-    return replace(geom, pos_m=(x_m, y_m, z_m - by_m))
