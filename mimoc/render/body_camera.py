@@ -41,8 +41,8 @@ FADES_BEHIND_M, FADES_WITHIN_M = 0.7, 4.5
 """How far behind the middle of a picture it begins to, and the distance that it takes."""
 
 
-NEAR_M = 1.0
-"""From an infant, within which its objects are in its pictures."""
+NEAR_M, STRING_M = 1.0, 0.15
+"""Distance from an infant within which its objects are in its pictures, but for what is longer, such as strings."""
 
 
 def objects_near(manifest: Manifest, data: mujoco.MjData) -> list[str]:
@@ -96,7 +96,7 @@ class BodyCamera:
             shown: What is drawn of infants.
             fade_m: How far from the camera things begin to fade into a backdrop; by default, they do not.
             cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
-            beside: Names of other outermost bodies, whose solids are to be in the picture as well.
+            beside: Names of other outermost bodies, that are to be in the picture as well.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -112,7 +112,7 @@ class BodyCamera:
             model.geom_group[~self._seen] = HIDDEN_GROUP
         else:
             are_beside = np.isin(model.body_rootid[model.geom_bodyid], [model.body(name).id for name in beside])
-            self._seen |= are_beside & (model.geom_contype | model.geom_conaffinity).astype(bool)
+            self._seen |= are_beside & (model.geom_rbound < STRING_M)
         settings = partial(_settings, 0 if self._supersample > 1 else SAMPLES, fade_m, len(root_bodies) == 1)
         self._renderer = Renderer(model, *larger, settings, shown)
 

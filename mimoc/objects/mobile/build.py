@@ -32,7 +32,7 @@ from mimoc.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings, Tie
 from mimoc.objects.mobile.spec import MobileSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.strings import bar, moved, pendulum_damping, seen, string
+from mimoc.objects.strings import DAMPING_RATIO, bar, moved, pendulum_damping, seen, string
 from mimoc.toys.builtin import load_toy
 from mimoc.toys.choosing import DARK, LIGHT, Toy
 from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
@@ -44,9 +44,13 @@ ARM_M, SLOPE_M = 0.004, 0.04
 """Radius of the arms, and how far they go down to their ends."""
 THREAD_M = 0.05
 """From the end of an arm to its figure."""
-BELL_M, BELL_KG = 0.016, 0.03
-"""Radius and mass of the bell: a hollow ball of brass."""
-GAP_M = 0.012
+BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.045, 0.03
+"""Smallest and largest radius and mass of the bell, which is of brass and hollow."""
+FLAT = 0.5
+"""Height of the bell over its breadth."""
+ROD_M, ROD_HZ = 0.0025, 8.0
+"""Radius of the rod that carries the bell, and the frequency at which it vibrates."""
+GAP_M = 0.008
 """Between the figures and the bell, and between two figures at least."""
 SITE_M = 0.003
 ON_ITS_SIDE: Quaternion = quaternion_from_axis((1.0, 0.0, 0.0), math.pi / 2)
@@ -69,13 +73,15 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Where the parts of a mobile are."""
+    """Where the parts of a mobile are, and how large the bell is."""
 
     cord_m: float
     arm_m: float
     """How far the ends of the arms are from the middle."""
     figure_m: float
     """Half the height of its highest figure."""
+    radius_m: float
+    """Of the bell, which reaches nearly to the figures."""
 
     @property
     def bell_m(self) -> float:
@@ -85,7 +91,7 @@ class Layout:
     @property
     def lowest_m(self) -> float:
         """How far its lowest point is below the hook."""
-        return self.cord_m + self.bell_m + max(BELL_M, self.figure_m)
+        return self.cord_m + self.bell_m + max(FLAT * self.radius_m, self.figure_m)
 
     def end_m(self, turn_rad: float) -> FloatArray:
         """Return where an arm ends, from the hook, shape (3,)."""
@@ -96,10 +102,10 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a mobile that hangs still."""
     name, count = object_name(spec.name), len(spec.figures)
     figures = [_figure(spec, number, f"{name}_figure{number + 1}") for number in range(count)]
-    breadth_m = 2 * max(math.hypot(*figure.half_m[:2]) for figure in figures)
-    room_m = (breadth_m + GAP_M) / (2 * math.sin(math.pi / count)) if count > 1 else 0.0
-    arm_m = max(cm_to_m(spec.arm_cm), room_m, BELL_M + GAP_M + breadth_m / 2)
-    layout = Layout(cm_to_m(spec.cord_cm), arm_m, max(figure.half_m[2] for figure in figures))
+    arm_m = max(cm_to_m(spec.arm_cm or 0.0), _least_arm_m(figures))
+    reach_m = arm_m + max(math.hypot(*figure.half_m[:2]) for figure in figures)
+    layout = Layout(cm_to_m(spec.cord_cm), arm_m, max(figure.half_m[2] for figure in figures), 0.0)
+    layout = replace(layout, radius_m=min(arm_m - _thickest_m(figures) - GAP_M, LARGEST_BELL_M))
     mass_kg = HUB_KG + BELL_KG + count * spec.figure_g / 1000
     rule = f"hub {HUB_KG:g} kg, bell {BELL_KG:g} kg, and {count} figures of {spec.figure_g:g} g"
     mass: Entry = {"value": mass_kg, "unit": "kg", "rule": rule, "from": ["spec.scene.objects"]}
@@ -112,15 +118,27 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
         ),
         motion="hanging",
         material="wood",
-        radius_m=arm_m + breadth_m / 2,
+        radius_m=reach_m,
         height_m=layout.lowest_m,
-        size_m=2 * arm_m + breadth_m,
+        size_m=2 * reach_m,
         mass_kg=mass_kg,
         meshes=tuple(mesh for figure in figures for mesh in figure.meshes),
         bells=(f"{name}_bell",),
         tie=Tie(spec.tied_to, f"{name}_hub", cm_to_m(spec.slack_cm), RIBBON) if spec.tied_to else None,
         origins={"mass": mass},
     )
+
+
+def _least_arm_m(figures: Sequence[Figure]) -> float:
+    """Return how long arms must be: figures across them do not reach the bell, nor beyond halfway to the next one."""
+    long_m = max(figure.half_m[0] for figure in figures)
+    halfway = math.tan(math.pi / len(figures)) if len(figures) > 2 else math.inf
+    return _thickest_m(figures) + GAP_M + max(BELL_M, long_m / halfway)
+
+
+def _thickest_m(figures: Sequence[Figure]) -> float:
+    """Return half the largest length of figures along their arms."""
+    return max(figure.half_m[1] for figure in figures)
 
 
 def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figure], mass_kg: float) -> ObjectBody:
@@ -144,15 +162,22 @@ def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figu
 
 
 def _bell(name: str, layout: Layout) -> ObjectBody:
-    """Return the bell on its thread."""
+    """Return the bell on its rod, which bends a little.
+
+    Without that, MuJoCo would let figures pass through the bell: bodies do not touch what they hang on.
+    """
     bell = f"{name}_bell"
-    ball = seen(bell, bell, "sphere", (BELL_M,), (0.0, 0.0, -layout.bell_m))
+    inertia_kgm2 = BELL_KG * (layout.bell_m**2 + 0.4 * layout.radius_m**2)
+    stiffness = inertia_kgm2 * (math.tau * ROD_HZ) ** 2
+    rod = ObjectJoint(bell, "ball", 2 * DAMPING_RATIO * math.sqrt(stiffness * inertia_kgm2), stiffness=stiffness)
+    axes_m = layout.radius_m, layout.radius_m, FLAT * layout.radius_m
+    ball = seen(bell, bell, "ellipsoid", axes_m, (0.0, 0.0, -layout.bell_m))
     return ObjectBody(
         bell,
         pos_m=(0.0, 0.0, -layout.cord_m),
-        joints=(ObjectJoint(bell, "ball", pendulum_damping(BELL_KG, layout.bell_m, BELL_M)),),
+        joints=(rod,),
         geoms=(
-            string(f"{bell}_thread", f"{name}_wood", layout.bell_m),
+            bar(f"{bell}_rod", f"{name}_wood", ROD_M, np.zeros(3), np.array([0.0, 0.0, -layout.bell_m])),
             replace(ball, mass_kg=BELL_KG, contype=SOLID, conaffinity=SOLID),
         ),
     )

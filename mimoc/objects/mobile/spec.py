@@ -25,11 +25,11 @@ class MobileSpec(ObjectSpec):
     """Longest side of a figure."""
     figure_g: Annotated[Real, Field(ge=5, le=200, json_schema_extra={"unit": "g"})] = 15.0
     """Mass of a figure."""
-    arm_cm: Annotated[Centimetres, Field(ge=5, le=40)] = 11.0
-    """Length of an arm, from the middle; longer where the figures need room."""
+    arm_cm: Annotated[Centimetres, Field(ge=5, le=40)] | None = None
+    """Length of an arm, from the middle; by default, and at least, as long as the figures and the bell need room."""
     cord_cm: Annotated[Centimetres, Field(ge=5, le=200)] = 30.0
     """Length of the cord that it hangs from."""
     tied_to: Limb | None = None
     """The foot or the hand that its ribbon is tied to, at the ankle or the wrist; by default, it has none."""
-    slack_cm: Annotated[Real, Field(ge=0, le=50, json_schema_extra={"unit": "cm"})] = 1.0
+    slack_cm: Annotated[Real, Field(ge=0, le=50, json_schema_extra={"unit": "cm"})] = 0.5
     """By how much the ribbon is longer than its way as the infant starts."""
