@@ -14,6 +14,7 @@ from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
+from mimoc.compiler.object_check import free_poses
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
@@ -179,7 +180,7 @@ def place_in_scene(
     built: BuiltScene = build(spec.scene, Occupant(tree, discs), assets.wallpapers)
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
-    things = place_objects(spec.scene.objects, _surroundings(spec.scene, built, tree, start))
+    things = place_objects(spec.scene.objects, _surroundings(spec, built, tree, start))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
@@ -198,12 +199,13 @@ def place_in_scene(
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
         keyframes=tuple(replace(pose, qpos=(*pose.qpos, *world.resting)) for pose in starts.values()),
     )
+    placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
     return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
 
 
-def _surroundings(spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe) -> Surroundings:
-    has_floor = SCENES[spec.kind].has_floor
-    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor)
+def _surroundings(spec: InfantSpec, built: BuiltScene, tree: BodyTree, start: Keyframe) -> Surroundings:
+    has_floor, folder = SCENES[spec.scene.kind].has_floor, spec.source.folder if spec.source else Path()
+    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor, folder)
 
 
 def _toys(

@@ -2,4 +2,4 @@
 
 from mimoc.base.kinds import Kinds, ObjectKind
 
-OBJECTS: Kinds[ObjectKind] = Kinds("kind of object", {"shape": "mimoc.objects.shape"})
+OBJECTS: Kinds[ObjectKind] = Kinds("kind of object", {"shape": "mimoc.objects.shape", "mobile": "mimoc.objects.mobile"})

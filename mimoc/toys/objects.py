@@ -3,16 +3,18 @@
 import math
 import re
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
-from mimoc.geometry.rotations import quaternion_from_axis
+from mimoc.geometry.rotations import FloatArray, quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.shape import UPRIGHT, Mesh, solid_volume
+from mimoc.toys.shape import UPRIGHT, Mesh, centre_of, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
@@ -53,8 +55,7 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor, at x and y; *number* is its number in the scene, from 1."""
     name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
-    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
-    pieces = [*_looks(toy, name, number), *_solids(toy, name, number)]
+    pieces = pieces_of(toy, name, f"toy{number}")
     return FreeObject(
         name=name,
         object=toy.model.name,
@@ -67,9 +68,31 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
         mass_kg=toy.mass_kg,
         density_kg_m3=toy.model.density_kg_m3,
         geoms=tuple(geom for geom, _ in pieces),
-        materials=tuple(materials.values()),
+        materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
     )
+
+
+def materials_of(toy: Toy, name: str) -> tuple[WorldMaterial, ...]:
+    """Return the materials of a toy whose elements' names begin with *name*."""
+    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
+    return tuple(materials.values())
+
+
+def pieces_of(toy: Toy, name: str, meshes: str) -> list[tuple[ObjectGeom, MeshFile | None]]:
+    """Return the geoms of a toy, whose names begin with *name*, each with its mesh, whose names begin with *meshes*."""
+    return [*_looks(toy, name, meshes), *_solids(toy, name, meshes)]
+
+
+def centre_of_mass(toy: Toy, geoms: Iterable[ObjectGeom]) -> FloatArray:
+    """Return the centre of mass of the geoms of a toy, shape (3,), in [m]."""
+    meshes = {f"solid{index}": solid.mesh for index, solid in enumerate(toy.model.solids, start=1)}
+    masses, places = list[float](), list[FloatArray]()
+    for geom in geoms:
+        mesh = meshes.get(geom.name.rpartition("_")[2])
+        masses.append(geom.mass_kg)
+        places.append(np.array(geom.pos_m) + (0.0 if mesh is None else toy.size_m * centre_of(mesh)))
+    return np.average(places, axis=0, weights=masses)
 
 
 def mjcf_name(text: str) -> str:
@@ -78,15 +101,15 @@ def mjcf_name(text: str) -> str:
     return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
-def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
+def _looks(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, MeshFile]]:
     """Yield the visual geoms of a toy, and their meshes."""
     for part in toy.model.parts:
-        mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
+        mesh = _mesh(f"{meshes}_{part.tint}", part.mesh, toy.size_m, "shell")
         names, material = (("mesh", mesh.name),), f"{name}_{part.tint}"
         yield replace(LOOKS, name=f"{name}_looks_{part.tint}", names=names, material=material), mesh
 
 
-def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
+def _solids(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
     """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes.
 
     Ballast is an invisible geom without contacts that moves a toy's centre of mass slightly to one side.
@@ -96,7 +119,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
     volumes = [solid_volume(solid) for solid in solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in solids) else 0.0
     for index, (solid, volume) in enumerate(zip(solids, volumes, strict=True), start=1):
-        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
+        mesh = _mesh(f"{meshes}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
         x, y, z = (size_m * offset for offset in solid.pos)
         geom = replace(
             hidden,
