@@ -1,0 +1,153 @@
+"""An infant in a model: what it senses, commands and is to do there, whatever else is in that model."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.actuation.binding import Actuation
+from mimoc.base.errors import check_name
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.manifest import Manifest
+from mimoc.delays.schedule import Schedule
+from mimoc.runtime import growing
+from mimoc.runtime.closing import closable
+from mimoc.runtime.expression import set_expression
+from mimoc.runtime.observer import NO_OBSERVER, Observer
+from mimoc.runtime.simulation_state import SimulationState
+from mimoc.senses.sense import Observation, Sense
+from mimoc.tasks.task import NO_REWARD, Task
+
+if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
+    from mimoc.senses.touch.run import SkinState
+
+
+@closable("layout")
+class BoundInfant:
+    """An infant whose names have been looked up in a model; a subclass binds it, and steps the model."""
+
+    closed = False
+    bundle: Bundle
+    """What it was built to."""
+    data: mujoco.MjData
+    """State of the model that it is in."""
+    observer: Observer = NO_OBSERVER
+    """Receives what is done to it."""
+    _act: Actuation
+    _senses: Mapping[str, Sense]
+    _task: Task
+    _schedule: Schedule
+    _living: SimulationState
+    _steps: int
+
+    @property
+    def manifest(self) -> Manifest:
+        """Everything the compiler tells the runtime about this infant."""
+        return self.bundle.manifest
+
+    @property
+    def actuation(self) -> Actuation:
+        """The mapping from actions to controls: actuators in the order of the action, and their limits."""
+        return self._act
+
+    @property
+    def senses(self) -> Mapping[str, Sense]:
+        """What it senses with, by name."""
+        return self._senses
+
+    @property
+    def task(self) -> Task:
+        """What starts its episodes and judges its steps."""
+        return self._task
+
+    @property
+    def schedule(self) -> Schedule:
+        """Its control step, with all signals on their way."""
+        return self._schedule
+
+    @property
+    def steps(self) -> int:
+        """Control steps of this episode so far."""
+        return self._steps
+
+    @property
+    def max_steps(self) -> int | None:
+        """Control steps after which an episode is truncated; None is never."""
+        return self._task.steps
+
+    @property
+    def age_months(self) -> float:
+        """The infant's age."""
+        return self.manifest.child.age_months
+
+    def layout(self, sense: str) -> tuple[str, ...]:
+        """Return the name and unit of each element of a sense's observation, in order.
+
+        Raises:
+            UnknownNameError: If this infant has no such sense.
+        """
+        check_name("sense of this infant", sense, self._senses)
+        return self._senses[sense].layout
+
+    @property
+    def skin(self) -> "SkinState":
+        """The current positions, bodies and forces of all skin points, without delay.
+
+        Raises:
+            UnknownNameError: If this infant has no sense of touch.
+        """
+        check_name("sense of this infant", "touch", self._senses)
+        touch: Any = self._senses["touch"]
+        return touch.skin_state(self.data)
+
+    def set_expression(self, expression: str) -> None:
+        """Change the facial expression.
+
+        Raises:
+            UnknownNameError: If there is no such expression.
+        """
+        set_expression(expression, self.manifest, self._living.model)
+        self.observer.expressed(expression)
+
+    @property
+    def arousal(self) -> float:
+        """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
+        return self._living.arousal.level
+
+    def set_arousal(self, level: float) -> None:
+        """Change the arousal for the rest of the episode, from the next physics step on.
+
+        Raises:
+            ValueError: If it is none from 0 to 2.
+        """
+        self._living.arousal.level = level
+        self.observer.aroused(level)
+
+    def effort(self) -> float:
+        """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
+
+        This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
+        activation of a muscle, or the fraction of the peak torque in use, muscle tone included (docs/own_reward.md).
+        """
+        return self._act.cost(self.data)
+
+    def keypoints(self) -> npt.NDArray[np.float64]:
+        """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
+        names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
+        sites = np.array([mujoco.mj_name2id(self._living.model, site, name) for name in names], int)
+        return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
+
+    def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
+        """Count a control step that has been made: return reward, terminated, truncated and info."""
+        self._steps += 1
+        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
+        truncated = self._task.steps is not None and self._steps >= self._task.steps
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        info[growing.AGE] = self.age_months
+        return verdict.reward, verdict.terminated or unstable, truncated, info
+
+    def _observe(self) -> Observation:
+        """Return what the senses and the task give, as fresh arrays."""
+        return {**self._schedule.observe(), **self._task.observe()}
