@@ -146,5 +146,5 @@ def _parsed(files: Mapping[str, bytes], folder: Path) -> WorldBundle:
 
 def _infant_of(files: Mapping[str, bytes], name: str, manifest: Manifest, path: Path | None) -> Bundle:
     start = file_of(name, "")
-    own = {file.removeprefix(start): content for file, content in files.items() if file.startswith(start)}
-    return Bundle(in_order(own), manifest, path and path / INFANTS / name)
+    files_of = {file.removeprefix(start): content for file, content in files.items() if file.startswith(start)}
+    return Bundle(in_order(files_of), manifest, path and path / INFANTS / name)

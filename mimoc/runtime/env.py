@@ -18,13 +18,14 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import bounded, is_unstable, pose_of
 from mimoc.bundle.variants import Variant, Variants, open_variant
+from mimoc.companions.companion import bind_companions
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
-from mimoc.runtime.bound_infant import BoundInfant
 from mimoc.runtime.closing import closable
+from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
@@ -34,8 +35,8 @@ from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.task import bind_task
 
 
-@closable("layout")
-class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
+@closable()
+class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """An infant in its scene.
 
     Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch, and one
@@ -58,6 +59,7 @@ class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         variants: Variants | None = None,
         task: Any = None,
         senses: Mapping[str, Any] = MappingProxyType({}),
+        companions: Mapping[str, Any] = MappingProxyType({}),
     ):
         """Open a bundle.
 
@@ -69,6 +71,7 @@ class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
             task: Object that replaces the bundle's task; see `tasks.binding.CustomTask`.
             senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
+            companions: Objects that act in its world as well, by name; see `companions.companion.Companion`.
 
         Raises:
             BundleError: If the folder is not an intact bundle.
@@ -76,25 +79,21 @@ class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
             ValueError: If the images have no size that images can have.
-            KindError: If the task or a sense is no such object, or has the name of an existing sense.
+            KindError: If the task, a sense or a companion is no such object, or has the name of an existing one.
         """
         check_rendering(render_mode, width, height)
         self.render_mode, self._picture_size, self._infant = render_mode, (width, height), open_variant(bundle)
         self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
-        self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
+        self._draws = bool(render_mode or senses or companions) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
+        self._custom_companions = dict(companions)
         self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
         self.observation_space = observation_space(self._senses, self._task)
-
-    @property
-    def model(self) -> mujoco.MjModel:
-        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
-        return self._infant.model
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -144,9 +143,10 @@ class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
         if variant:
             growing.check_same_body(self._infant.bare, variant.bare)
-            former = self._living
+            former, remembered = self._living, copy.deepcopy(self.companions.state)
             self._become(variant)
             growing.carry_on(former, self._living)
+            self.companions.state = remembered
             self._renderer.set_model(self._infant.bare, self.data)
             self._renderer.show()
             self.observer.grew(self.age_months)
@@ -241,7 +241,11 @@ class InfantEnv(BoundInfant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._task = bind_task(self.bundle, model, self._custom_task)
-        self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
+        timing = timing_of(self.manifest, self._senses)
+        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions)
+        self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions)
+        for sense in self._senses.values():
+            sense.listen_to(companions)
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:

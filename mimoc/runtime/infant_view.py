@@ -1,4 +1,4 @@
-"""An infant in a model: what it senses, commands and is to do there, whatever else is in that model."""
+"""An infant that is bound to a model: what can be read of it, its face and arousal, and how its task judges it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,8 @@ from mimoc.actuation.binding import Actuation
 from mimoc.base.errors import check_name
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.variants import Variant
+from mimoc.companions.companion import Companions
 from mimoc.delays.schedule import Schedule
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
@@ -25,22 +27,25 @@ if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
 
 
 @closable("layout")
-class BoundInfant:
-    """An infant whose names have been looked up in a model; a subclass binds it, and steps the model."""
+class InfantView:
+    """An infant as it is bound to its model, whatever else is there; who steps the model is another matter."""
 
-    closed = False
+    closed: bool
     bundle: Bundle
-    """What it was built to."""
     data: mujoco.MjData
-    """State of the model that it is in."""
     observer: Observer = NO_OBSERVER
-    """Receives what is done to it."""
+    _infant: Variant
     _act: Actuation
     _senses: Mapping[str, Sense]
     _task: Task
     _schedule: Schedule
     _living: SimulationState
     _steps: int
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
+        return self._infant.model
 
     @property
     def manifest(self) -> Manifest:
@@ -56,6 +61,11 @@ class BoundInfant:
     def senses(self) -> Mapping[str, Sense]:
         """What it senses with, by name."""
         return self._senses
+
+    @property
+    def companions(self) -> Companions:
+        """What else acts in its world, by name."""
+        return self._schedule.companions
 
     @property
     def task(self) -> Task:
@@ -102,28 +112,10 @@ class BoundInfant:
         touch: Any = self._senses["touch"]
         return touch.skin_state(self.data)
 
-    def set_expression(self, expression: str) -> None:
-        """Change the facial expression.
-
-        Raises:
-            UnknownNameError: If there is no such expression.
-        """
-        set_expression(expression, self.manifest, self._living.model)
-        self.observer.expressed(expression)
-
     @property
     def arousal(self) -> float:
         """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
         return self._living.arousal.level
-
-    def set_arousal(self, level: float) -> None:
-        """Change the arousal for the rest of the episode, from the next physics step on.
-
-        Raises:
-            ValueError: If it is none from 0 to 2.
-        """
-        self._living.arousal.level = level
-        self.observer.aroused(level)
 
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
@@ -136,8 +128,26 @@ class BoundInfant:
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
         names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
-        sites = np.array([mujoco.mj_name2id(self._living.model, site, name) for name in names], int)
+        sites = np.array([mujoco.mj_name2id(self._infant.bare, site, name) for name in names], int)
         return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
+
+    def set_expression(self, expression: str) -> None:
+        """Change the facial expression.
+
+        Raises:
+            UnknownNameError: If there is no such expression.
+        """
+        set_expression(expression, self.manifest, self._infant.bare)
+        self.observer.expressed(expression)
+
+    def set_arousal(self, level: float) -> None:
+        """Change the arousal for the rest of the episode, from the next physics step on.
+
+        Raises:
+            ValueError: If it is none from 0 to 2.
+        """
+        self._living.arousal.level = level
+        self.observer.aroused(level)
 
     def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
         """Count a control step that has been made: return reward, terminated, truncated and info."""
