@@ -1,6 +1,6 @@
 """The bundle of a world with several infants: one model, and for each infant what the runtime knows of it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -122,6 +122,25 @@ def load_world_model(bundle: WorldBundle) -> mujoco.MjModel:
             check_fits(bundle.path, manifest, bundle.manifest.timestep_ms, model)
     prepare(model)
     return model
+
+
+OVERLAP_M = 1.5e-4
+"""Depth from which on two infants penetrate each other; MuJoCo's contacts are soft."""
+
+
+def overlaps(model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str]) -> dict[tuple[int, int], float]:
+    """Return how deep infants are within each other in a state, by their places among root bodies, [m]."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    root_of_geom = model.body_rootid[model.geom_bodyid]
+    ids = [model.body(root).id for root in roots]
+    depths: dict[tuple[int, int], float] = {}
+    for pair, distance_m in zip(root_of_geom[data.contact.geom].tolist(), data.contact.dist.tolist(), strict=True):
+        if pair[0] != pair[1] and -distance_m > OVERLAP_M and set(pair) <= set(ids):
+            first, second = sorted(map(ids.index, pair))
+            depths[first, second] = max(depths.get((first, second), 0.0), -distance_m)
+    return depths
 
 
 def manifest_with_prefix(manifest: Manifest, prefix: str) -> Manifest:

@@ -50,13 +50,17 @@ def load_scene_assets(spec: InfantSpec) -> SceneAssets:
     """
     if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
         return SceneAssets()
-    written, toys = as_written(spec), spec.scene.toys
+    return assets_of_scene(spec.scene, as_written(spec))
+
+
+def assets_of_scene(scene: SceneSpec, written: Source) -> SceneAssets:
+    """Return the toys and wallpapers for a scene that a file describes; see `load_scene_assets`."""
     wallpapers = Wallpapers(
-        floors=(*FLOORS.values(), *_own("floor", spec, written)),
-        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written)),
-        walls=(*WALLS.values(), *_own("wall", spec, written)),
+        floors=(*FLOORS.values(), *_own("floor", scene, written)),
+        ceilings=(*CEILINGS.values(), *_own("ceiling", scene, written)),
+        walls=(*WALLS.values(), *_own("wall", scene, written)),
     )
-    return SceneAssets(wallpapers, BUILTIN_TOYS if toys is None else _toybox(toys, written))
+    return SceneAssets(wallpapers, BUILTIN_TOYS if scene.toys is None else _toybox(scene.toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:
@@ -70,8 +74,8 @@ def _toybox(toys: ToysSpec, written: Source) -> Toybox:
         raise SpecError(written.problem(("scene", "toys", "root"), problem) for problem in problems) from None
 
 
-def _own(kind: str, spec: InfantSpec, written: Source) -> tuple[Wallpaper, ...]:
-    path = getattr(spec.scene.textures, kind)
+def _own(kind: str, scene: SceneSpec, written: Source) -> tuple[Wallpaper, ...]:
+    path = getattr(scene.textures, kind)
     if path is None:
         return ()
     try:
@@ -175,7 +179,7 @@ def place_in_scene(
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
-    toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
+    toys = toys_around(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
         built.world,
@@ -194,7 +198,7 @@ def place_in_scene(
     return PlacedScene(placed, toys, task_objects, built.origins)
 
 
-def _toys(
+def toys_around(
     spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, taken: FloatArray, toybox: Toybox
 ) -> tuple[FreeObject, ...]:
     """Return the toys of a scene, around the infant's starting position and outside of occupied discs."""
