@@ -1,5 +1,6 @@
 """What an environment shows of itself: pictures, or a window."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -41,16 +42,21 @@ class EnvRenderer:
     """Shows the state of one model in Gymnasium's render mode `human` or `rgb_array`; without a mode, nothing."""
 
     def __init__(
-        self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, root_body: str, size_px: tuple[int, int]
+        self,
+        mode: str | None,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        root_bodies: Sequence[str],
+        size_px: tuple[int, int],
     ):
-        """Look at a body and all that is attached to it, in a window if the mode is `human`.
+        """Look at some bodies and all that is attached to them, in a window if the mode is `human`.
 
         What pictures of this width and height need is opened with the first one.
 
         Raises:
             RenderingError: If the mode needs a screen, and there is none.
         """
-        self._mode, self._root_body, self._size_px = mode, root_body, size_px
+        self._mode, self._root_bodies, self._size_px = mode, root_bodies, size_px
         self._camera: BodyCamera | None = None
         self._window: Window | None = None
         self._show_model(model, data)
@@ -87,8 +93,8 @@ class EnvRenderer:
             from mimoc.render.body_camera import BodyCamera
             from mimoc.render.camera import FROM_THE_SIDE, view_of_body
 
-            view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
-            self._camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
+            view = view_of_body(FROM_THE_SIDE, self._data, self._root_bodies[0])
+            self._camera = BodyCamera(self._model, self._root_bodies, *self._size_px, view)
             self._camera.turn(self._data)
         return self._camera.render(self._data)
 
@@ -109,4 +115,4 @@ class EnvRenderer:
         if self._mode == "human":
             from mimoc.render.window import Window
 
-            self._window = Window(model, data, self._root_body)
+            self._window = Window(model, data, self._root_bodies[0])
