@@ -14,6 +14,7 @@ from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
 from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
+from mimoc.objects.spec_base import ObjectEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model, omitting
 from mimoc.schema.composition import composed
@@ -215,6 +216,8 @@ class Manifest(Model):
     """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
     """The toys in the scene."""
+    objects: tuple[ObjectEntry, ...] = ()
+    """The objects of the spec's `scene.objects`, in their order."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
     keypoints: tuple[Label, ...] = ()
@@ -222,7 +225,7 @@ class Manifest(Model):
     prefix: Annotated[Label, StringConstraints(pattern="^([a-z][a-z0-9_]{0,20}_)?$")] = ""
     """What the names of all parts of the infant begin with in the model, if others share its world."""
 
-    _serialized = omitting("prefix")
+    _serialized = omitting("objects", "prefix")
 
     def of_infant(self, name: str) -> str:
         """Return a name in the model as it is of an infant that is alone, such as `head` for `anna_head`."""
@@ -314,7 +317,7 @@ def read_manifest(content: bytes) -> Manifest:
 
 RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-BUILDING = ("scenes", "toys", "parts")
+BUILDING = ("scenes", "toys", "objects", "parts")
 """Those that it is only built from."""
 
 

@@ -14,6 +14,7 @@ from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
 from mimoc.bundle.model import SCENE, check_fits, check_mjcf, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
+from mimoc.objects.spec_base import ObjectEntry
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
 
@@ -44,6 +45,8 @@ class WorldManifest(Model):
     """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
     """The toys in the scene."""
+    objects: tuple[ObjectEntry, ...] = ()
+    """The objects of the scene."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
 

@@ -131,25 +131,22 @@ def _euler_rad(turn: FloatArray) -> Vec3:
     return math.atan2(-turn[1, 2], turn[2, 2]), about_y, math.atan2(-turn[0, 1], turn[0, 0])
 
 
-def states_of(name: str, parts: Sequence[InfantPart], objects: Sequence[FreeObject]) -> list[Keyframe]:
+def states_of(name: str, parts: Sequence[InfantPart], resting: Sequence[float]) -> list[Keyframe]:
     """Return a state of a name with all infants as they start, and for each of their poses one with only this changed.
 
-    Their names are those of poses with the prefix of the infant.
+    Their names are those of poses with the prefix of the infant; *resting* is what else moves (`World.resting`).
     """
     starts = [part.poses[part.start] for part in parts]
-    states = [_state(name, parts, starts, objects)]
+    states = [_state(name, parts, starts, resting)]
     for index, part in enumerate(parts):
         for pose, keyframe in part.poses.items():
             poses = [*starts[:index], keyframe, *starts[index + 1 :]]
-            states.append(_state(part.prefix + pose, parts, poses, objects))
+            states.append(_state(part.prefix + pose, parts, poses, resting))
     return states
 
 
-def _state(
-    name: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe], objects: Sequence[FreeObject]
-) -> Keyframe:
-    """Return the state of a world: all infants, then all that moves freely."""
-    resting = [number for item in objects for number in (*item.pos_m, *item.quat)]
+def _state(name: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe], resting: Sequence[float]) -> Keyframe:
+    """Return the state of a world: all infants, then what else moves."""
     qpos = [*(number for pose in poses for number in pose.qpos), *resting]
     given = dict.fromkeys(key for pose in poses for key, _ in pose.settings)
     settings = tuple((key, tuple(_padded(key, parts, poses))) for key in given)

@@ -8,28 +8,30 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError
+from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import render_json, rounded
 from mimoc.body.kinematics import length_m
 from mimoc.body.origins import Entry
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import MANIFEST, with_lock
-from mimoc.bundle.manifest import Manifest, ToyEntry, to_data as manifest_data
+from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manifest_with_prefix, overlaps, world_bundle
 from mimoc.compiler.building import Builder, builder
-from mimoc.compiler.manifest import describe_toys
-from mimoc.compiler.placing import PlacedScene, assets_of_scene, toys_around
+from mimoc.compiler.manifest import describe_objects, describe_toys
+from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, surroundings, toys_around
 from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
 from mimoc.compiler.world_places import InfantPart, part_of, places_of, states_of, trace_places, within
 from mimoc.compiler.world_provenance import trace_around, trace_infant
 from mimoc.fits import load_tables
 from mimoc.mjcf import printing
 from mimoc.mjcf.world import FreeObject, World, barrier_pairs
+from mimoc.objects.built_object import PlacedThing
+from mimoc.objects.placing import place_objects, trace_objects
 from mimoc.scenes import SCENES
-from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant
+from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.schema import source as sources
 from mimoc.schema.infant import InfantSpec, as_written, to_data
 from mimoc.schema.world import WORLD, WorldPlan, in_world, plan_of, read_world
@@ -53,6 +55,8 @@ class BuiltWorld:
     world: World
     """All that is around the infants."""
     toys: tuple[FreeObject, ...]
+    things: tuple[PlacedThing, ...]
+    """The objects of the scene."""
     origins: Mapping[str, Entry]
     """Where the numbers of the world come from."""
 
@@ -104,10 +108,12 @@ def _built(plan: WorldPlan) -> BuiltWorld:
     around: BuiltScene = build(scene, Occupant(largest.tree, discs), assets.wallpapers)
     places = {name: within(around.start, place) for name, place in relative.items()}
     parts = {name: part_of(builders[name], place, f"{name}_") for name, place in places.items()}
-    toys = _toys(plan, around, parts, builders, assets)
-    world = _world(around, parts, toys, any(one.task_setup.weightless for one in builders.values()))
-    origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {})}
-    return BuiltWorld(plan, builders, parts, around, world, toys, origins)
+    things = _objects(plan, around, parts, builders, places)
+    toys = _toys(plan, around, parts, builders, assets, things)
+    weightless = any(one.task_setup.weightless for one in builders.values())
+    world = _world(around, parts, toys, things, weightless)
+    origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {}), **trace_objects(things)}
+    return BuiltWorld(plan, builders, parts, around, world, toys, things, origins)
 
 
 def _builder(plan: WorldPlan, name: str) -> Builder:
@@ -146,12 +152,39 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
         raise SpecError(problems)
 
 
+def _objects(
+    plan: WorldPlan,
+    around: BuiltScene,
+    parts: Mapping[str, InfantPart],
+    builders: Mapping[str, Builder],
+    places: Mapping[str, Placement],
+) -> tuple[PlacedThing, ...]:
+    """Return the objects of the scene; where their places name a part of an infant, it is the first infant's."""
+    scene, (name, part) = plan.spec.scene, next(iter(parts.items()))
+    among = surroundings(scene, around, builders[name].tree, part.poses[part.start], places[name])
+    try:
+        things = place_objects(scene.objects, among)
+    except ObjectError as error:
+        path = "scene", "objects", error.number, error.key
+        raise SpecError([plan.written.problem(path, str(error))]) from None
+    if tied := [number for number, thing in enumerate(things) if thing.built.tied_to]:
+        message = "nothing can be tied to one of several infants yet; leave out what ties it"
+        raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in tied)
+    return things
+
+
 def _toys(
-    plan: WorldPlan, around: BuiltScene, parts: Mapping[str, InfantPart], builders: Mapping[str, Builder], assets: Any
+    plan: WorldPlan,
+    around: BuiltScene,
+    parts: Mapping[str, InfantPart],
+    builders: Mapping[str, Builder],
+    assets: SceneAssets,
+    things: Sequence[PlacedThing],
 ) -> tuple[FreeObject, ...]:
     """Return the toys, around the first infant and outside of what all cover."""
     name, part = next(iter(parts.items()))
-    taken = np.concatenate([other.taken for other in parts.values()])
+    discs = np.reshape([thing.disc for thing in things], (-1, 3))
+    taken = np.concatenate([*(other.taken for other in parts.values()), discs])
     try:
         return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)
     except (NoSpaceError, ToyError) as error:
@@ -159,7 +192,13 @@ def _toys(
         raise SpecError(plan.written.problem(("scene", "toys"), line) for line in lines) from None
 
 
-def _world(around: BuiltScene, parts: Mapping[str, InfantPart], toys: Sequence[FreeObject], weightless: bool) -> World:
+def _world(
+    around: BuiltScene,
+    parts: Mapping[str, InfantPart],
+    toys: Sequence[FreeObject],
+    things: Sequence[PlacedThing],
+    weightless: bool,
+) -> World:
     furniture = around.world.furniture
     for part in parts.values():
         furniture += part.furniture
@@ -168,6 +207,7 @@ def _world(around: BuiltScene, parts: Mapping[str, InfantPart], toys: Sequence[F
         furniture=furniture,
         gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
         objects=(*toys, *(item for part in parts.values() for item in part.objects)),
+        placed=tuple(thing.elements for thing in things),
         locks=tuple(item for part in parts.values() for item in part.locks),
         welds=tuple(item for part in parts.values() for item in part.welds),
     )
@@ -177,7 +217,7 @@ def _world(around: BuiltScene, parts: Mapping[str, InfantPart], toys: Sequence[F
 
 def _mjcf(built: BuiltWorld) -> dict[str, bytes]:
     parts, name = list(built.parts.values()), built.plan.spec.name
-    states = states_of(START, parts, built.world.objects)
+    states = states_of(START, parts, built.world.resting)
     return printing.render_infants(name, [part.tree for part in parts], built.world, states)
 
 
@@ -230,22 +270,20 @@ def _world_manifest(built: BuiltWorld) -> WorldManifest:
         infants=tuple(built.builders),
         seed=built.plan.spec.scene.seed,
         toys=describe_toys(built.toys),
+        objects=describe_objects(built.things),
         notes=tuple(_notes(built)),
     )
     return WorldManifest.model_validate(rounded(manifest.model_dump()))
 
 
 def _manifests(built: BuiltWorld) -> dict[str, Manifest]:
-    seed, toys = built.plan.spec.scene.seed, describe_toys(built.toys)
+    """Return the manifests of infants; names of what they share have no prefix."""
+    toys, objects = describe_toys(built.toys), describe_objects(built.things)
+    shared = {"seed": built.plan.spec.scene.seed, "toys": toys, "objects": objects}
     return {
-        name: _with_world(manifest_with_prefix(one.manifest, f"{name}_"), seed, toys)
+        name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(update=shared)
         for name, one in built.builders.items()
     }
-
-
-def _with_world(manifest: Manifest, seed: int, toys: tuple[ToyEntry, ...]) -> Manifest:
-    """Return the manifest of an infant with what it shares with others, whose names have no prefix."""
-    return manifest.model_copy(update={"seed": seed, "toys": toys})
 
 
 def _notes(built: BuiltWorld) -> Iterator[str]:

@@ -146,13 +146,13 @@ def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
 
 
 def in_world(plan: WorldPlan, name: str) -> InfantSpec:
-    """Return the spec of an infant with the world's scene around it, without toys: these are the world's.
+    """Return the spec of an infant with the world's scene around it, without what lies there: that is the world's.
 
     Raises:
         SpecError: If it cannot be there.
     """
     infant, around = plan.infants[name], given(plan.spec.scene)
-    kept = {key: value for key, value in around.items() if key not in ("toys", "textures")}
+    kept = {key: value for key, value in around.items() if key not in ("toys", "textures", "objects")}
     scene = SceneSpec.model_validate({**kept, "pose": infant.scene.pose, "held": infant.scene.held})
     try:
         return infant.with_(name=name, scene=scene)
