@@ -11,8 +11,9 @@ from mimoc.runtime.shared_world import SharedWorld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.world import WorldPlan
 
-if TYPE_CHECKING:  # It needs PettingZoo, which not everyone has.
+if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not everyone has.
     from mimoc.runtime.parallel_env import InfantsParallelEnv
+    from mimoc.training.world_vec_env import WorldVecEnv
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
@@ -70,3 +71,30 @@ def open_world(source: WorldSource) -> WorldBundle:
 def shared_world(source: WorldSource, **options: Any) -> SharedWorld:
     """Return the same world without PettingZoo; see `make_parallel`."""
     return SharedWorld(open_world(source), **options)
+
+
+def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
+    """Return the infants of one world or several as an environment of Stable-Baselines3: all learn one policy.
+
+    Each infant is a row, so all must observe and command the same. When the episode of any infant ends, those of the
+    others in its world are truncated, and its world is reset in the same step.
+
+    Args:
+        worlds: What `make_parallel` returns.
+
+    Raises:
+        MissingExtraError: If Stable-Baselines3 is not installed.
+        MixtureError: If infants do not observe and command the same.
+
+    Example:
+        >>> import mimoc
+        >>> from stable_baselines3 import PPO
+        >>> anna = mimoc.load_spec("nine_months.yaml")
+        >>> envs = mimoc.world_vec_env(mimoc.make_parallel({"anna": anna, "ben": anna}))
+        >>> PPO("MultiInputPolicy", envs, n_steps=8, batch_size=16).learn(16).num_timesteps
+        16
+        >>> envs.close()
+    """
+    from mimoc.training.world_vec_env import WorldVecEnv
+
+    return WorldVecEnv(worlds)

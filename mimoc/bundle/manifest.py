@@ -304,7 +304,7 @@ def read_manifest(content: bytes) -> Manifest:
     except (ValueError, RecursionError):
         raise BundleError(f"{MANIFEST}: it is damaged; build it again") from None
     if isinstance(data, dict) and "world" in data:
-        raise BundleError("this is a world with several infants; open it with mimoc.make_parallel, or mimoc run")
+        raise BundleError("this is a world with several infants, and one is wanted here; see docs/two_infants.md")
     check_plugins(data)
     if not isinstance(data, dict) or data.get("manifest", MANIFEST_VERSION) != MANIFEST_VERSION:
         advice = f"this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"

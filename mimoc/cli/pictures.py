@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, SpecError
+from mimoc.cli import worlds
 from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
@@ -75,11 +76,15 @@ def render(
     """Render an image of the infant, or of several side by side."""
     from mimoc.bundle.model import load_posed
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.portrait import Framing, lineup, portrait
+    from mimoc.render.portrait import Framing, lineup, portrait, world_portrait
     from mimoc.senses.touch.run import skin_markers
 
     check_picture_name(file, transparent=transparent)
     framing = Framing(azimuth, elevation, distance, transparent, scale_bar)
+    if len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin)):
+        picture = world_portrait(world, width, height, (body or Body.SKIN).value, framing)
+        print(printable(write_picture(file, picture)))
+        return
     bundles = [load_infant(infant) for infant in infants]
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
     markers = [skin_markers(bundle, *load_posed(bundle, pose)) for bundle in bundles] if skin else None

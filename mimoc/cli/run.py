@@ -12,6 +12,7 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
+from mimoc.cli import worlds
 from mimoc.cli.arguments import (
     Beside,
     Body,
@@ -107,6 +108,11 @@ def run(
     from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
+    single = {"root": root, "task": task, "record": record, "movement": movement, "eyes": eyes, "beside": beside}
+    if world := worlds.find_world(infant, **single):
+        film: Any = {"rate_hz": fps, "height_px": size, "body": body.value}
+        worlds.run(world, policy, steps or STEPS, seed, video, window, film)
+        return
     others = {beside: load_counterpart(infant, beside)} if beside else {}
     user_task, chosen = import_object(task) if task else None, _chosen(policy, infant, root)
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)

@@ -19,6 +19,7 @@ from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.rollout import Run, Summary
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
@@ -43,8 +44,18 @@ SHARP = 2
 class VideoFrames:
     """Renders the frames of a video of one environment."""
 
-    def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
-        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes."""
+    def __init__(
+        self,
+        env: InfantView,
+        height_px: int,
+        eyes: bool = False,
+        shown: Shown = "skin",
+        roots: Sequence[str] = (),
+    ):
+        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes.
+
+        Without *roots*, root bodies of several infants, only this infant is kept in the picture.
+        """
         self._env, vision = env, env.manifest.senses.vision
         self._observed = vision.cameras if eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
@@ -52,7 +63,7 @@ class VideoFrames:
         root = env.manifest.root_body
         view = view_of_body(FROM_THE_SIDE, env.data, root)
         size_px = round(SHAPE * height_px), height_px
-        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
+        self.camera = BodyCamera(env.model, roots or [root], *size_px, view, margin=SPACE, shown=shown)
         """The camera outside."""
         self.camera.turn(env.data)
         self.shot: Shot | None = None
@@ -93,7 +104,7 @@ class VideoFrames:
         return shot
 
 
-def _sharp_eyes(env: InfantEnv, size_px: int, shown: Shown) -> Eyes:
+def _sharp_eyes(env: InfantView, size_px: int, shown: Shown) -> Eyes:
     """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way."""
     model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
@@ -213,8 +224,9 @@ def film_of(
     rate_hz: int = RATE_HZ,
     height_px: int = HEIGHT_PX,
     body: Shown = "skin",
+    roots: Sequence[str] = (),
 ) -> Iterator[Watch]:
-    """Record a video of one environment, as `record` does.
+    """Record a video of one environment, as `record` does, or of several infants with some root bodies.
 
     Yield the function to call with the environment and what it observes, at the start and after each step.
     """
@@ -224,11 +236,11 @@ def film_of(
         video: Video | None = None
         steps = 0
 
-        def watch(env: InfantEnv, observation: Observation) -> None:
+        def watch(env: InfantView, observation: Observation) -> None:
             """Capture a frame if one is due."""
             nonlocal film, video, steps
             if film is None or video is None:
-                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body)))
+                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body, roots)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))

@@ -10,6 +10,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
 from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
@@ -225,6 +226,28 @@ def portrait(
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
     view = framing.view(view_of_body(FROM_THE_SIDE, data, root), front_deg)
     return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing)
+
+
+def world_portrait(
+    bundle: WorldBundle,
+    width: int = 640,
+    height: int = 480,
+    shown: Shown = "skin",
+    framing: Framing = Framing(),
+) -> Picture:
+    """Return a picture of several infants in their world as they start; see `portrait`.
+
+    Raises:
+        RenderingError: If there is no OpenGL here.
+    """
+    model = load_world_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(bundle.manifest.pose).id)
+    mujoco.mj_forward(model, data)
+    roots = [infant.manifest.root_body for infant in bundle.infants.values()]
+    front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
+    view = framing.view(view_of_body(FROM_THE_SIDE, data, roots[0]), front_deg)
+    return _picture(model, data, roots, (width, height), (view, FOVY_DEG), None, shown, framing)
 
 
 def lineup(
