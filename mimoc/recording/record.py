@@ -16,7 +16,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera
-from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
+from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_bodies
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant_view import InfantView
@@ -61,7 +61,7 @@ class VideoFrames:
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
         self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
         root = env.manifest.root_body
-        view = view_of_body(FROM_THE_SIDE, env.data, root)
+        view = view_of_bodies(FROM_THE_SIDE, env.data, roots or [root])
         size_px = round(SHAPE * height_px), height_px
         self.camera = BodyCamera(env.model, roots or [root], *size_px, view, margin=SPACE, shown=shown)
         """The camera outside."""

@@ -91,9 +91,9 @@ class EnvRenderer:
             return None
         if self._camera is None:
             from mimoc.render.body_camera import BodyCamera
-            from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+            from mimoc.render.camera import FROM_THE_SIDE, view_of_bodies
 
-            view = view_of_body(FROM_THE_SIDE, self._data, self._root_bodies[0])
+            view = view_of_bodies(FROM_THE_SIDE, self._data, self._root_bodies)
             self._camera = BodyCamera(self._model, self._root_bodies, *self._size_px, view)
             self._camera.turn(self._data)
         return self._camera.render(self._data)

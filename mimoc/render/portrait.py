@@ -13,7 +13,7 @@ from mimoc.bundle.model import in_subtrees, load_posed
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
-from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
+from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_bodies, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.renderer import Picture, Shown
@@ -246,7 +246,7 @@ def world_portrait(
     mujoco.mj_forward(model, data)
     roots = [infant.manifest.root_body for infant in bundle.infants.values()]
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
-    view = framing.view(view_of_body(FROM_THE_SIDE, data, roots[0]), front_deg)
+    view = framing.view(view_of_bodies(FROM_THE_SIDE, data, roots), front_deg)
     return _picture(model, data, roots, (width, height), (view, FOVY_DEG), None, shown, framing)
 
 
