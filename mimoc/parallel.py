@@ -84,7 +84,7 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
 
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
-        MixtureError: If infants do not observe and command the same.
+        BatchMismatchError: If infants do not observe and command the same.
 
     Example:
         >>> import mimoc

@@ -49,6 +49,14 @@ ScaleBar = Annotated[
 ]
 
 
+PoseOfAll = Annotated[
+    str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
+]
+BodyOfAll = Annotated[
+    Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
+]
+
+
 def render(
     infants: Annotated[
         list[Path],
@@ -58,15 +66,11 @@ def render(
         ),
     ],
     file: PicturePath,
-    pose: Annotated[
-        str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
-    ] = None,
+    pose: PoseOfAll = None,
     width: Annotated[int, typer.Option(min=16, max=4096, help="Width in pixels.")] = 960,
     height: Annotated[int, typer.Option(min=16, max=4096, help="Height in pixels.")] = 720,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
-    body: Annotated[
-        Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
-    ] = None,
+    body: BodyOfAll = None,
     azimuth: Azimuth = None,
     elevation: Elevation = None,
     distance: Distance = None,
@@ -76,14 +80,13 @@ def render(
     """Render an image of the infant, or of several side by side."""
     from mimoc.bundle.model import load_posed
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.portrait import Framing, lineup, portrait, world_portrait
+    from mimoc.render.portrait import Framing, lineup, portrait
     from mimoc.senses.touch.run import skin_markers
 
     check_picture_name(file, transparent=transparent)
     framing = Framing(azimuth, elevation, distance, transparent, scale_bar)
     if len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin)):
-        picture = world_portrait(world, width, height, (body or Body.SKIN).value, framing)
-        print(printable(write_picture(file, picture)))
+        worlds.draw(world, file, (width, height), (body or Body.SKIN).value, framing)
         return
     bundles = [load_infant(infant) for infant in infants]
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value

@@ -11,6 +11,8 @@ from mimoc.cli.terminal import FAILED_CHECK, printable
 
 if TYPE_CHECKING:
     from mimoc.bundle.world import WorldBundle
+    from mimoc.render.portrait import Framing
+    from mimoc.render.renderer import Shown
 
 NEEDS_ONE = "is for a single infant, and this is a world with several; leave it out"
 
@@ -69,6 +71,14 @@ def check(world: "WorldBundle") -> None:
     console.print_check(trial)
     if not trial.passed:
         raise typer.Exit(FAILED_CHECK)
+
+
+def draw(world: "WorldBundle", file: Path, size_px: tuple[int, int], body: "Shown", framing: "Framing") -> None:
+    """Write a picture of a world as it starts."""
+    from mimoc.render.picture_files import write_picture
+    from mimoc.render.portrait import world_portrait
+
+    print(printable(write_picture(file, world_portrait(world, *size_px, body, framing))))
 
 
 def run(

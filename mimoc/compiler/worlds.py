@@ -229,7 +229,7 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
         RESOLVED: dump(_resolved(built)).encode(),
         PROVENANCE: render_json(packed(dict(_provenance(built))), 2),
         MANIFEST: render_json(manifest.model_dump()),
-        "README.md": printing.render_text("WORLD.md.j2", world=manifest, manifests=manifests, version=__version__),
+        "README.md": _readme(manifest, manifests),
     }
     for name, one in built.builders.items():
         arrays = {ARRAYS: pack_arrays(one.arrays)} if one.arrays else {}
@@ -241,6 +241,11 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
         }
         files |= {file_of(name, file): content for file, content in of_infant.items()}
     return files
+
+
+def _readme(manifest: WorldManifest, manifests: Mapping[str, Manifest]) -> bytes:
+    infants = list(manifests.values())
+    return printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__)
 
 
 def _resolved(built: BuiltWorld) -> dict[str, Any]:

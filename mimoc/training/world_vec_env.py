@@ -25,7 +25,7 @@ class WorldVecEnv(VecEnv):
         """Take worlds, which this closes.
 
         Raises:
-            MixtureError: If infants do not observe and command the same.
+            BatchMismatchError: If infants do not observe and command the same.
         """
         self.worlds = tuple(worlds)
         self.infants: list[WorldInfant] = [infant for world in worlds for infant in world.infants.values()]
