@@ -13,10 +13,12 @@ from mimoc.registration import register_envs, register_formatters
 if TYPE_CHECKING:
     from mimoc.base.errors import MimocError as MimocError
     from mimoc.bundle.io import Bundle as Bundle, read_bundle as read_bundle, write_bundle as write_bundle
+    from mimoc.bundle.world import WorldBundle as WorldBundle, read_world_bundle as read_world_bundle
     from mimoc.cohorts import Cohort as Cohort, read_cohort as read_cohort
     from mimoc.companions.companion import Companion as Companion
     from mimoc.compiler.loading import load_spec as load_spec
     from mimoc.compiler.pipeline import build as build
+    from mimoc.compiler.worlds import build_world as build_world
     from mimoc.control import (
         Gains as Gains,
         GazeTask as GazeTask,
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from mimoc.motion.reading import read_points as read_points
     from mimoc.motion.writing import write_points as write_points
     from mimoc.movement import measure_movement as measure_movement
+    from mimoc.parallel import make_parallel as make_parallel, world_vec_env as world_vec_env
     from mimoc.plugins import register as register
     from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.policy_files import load_policy as load_policy

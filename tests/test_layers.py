@@ -106,6 +106,7 @@ LAYERS = {
         f"{LANGUAGE} bundle drawing terms run runtime",
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
+    "multi": layer("runtime.parallel_env", "runtime", "pettingzoo"),
     "reading": layer("", "errors units kinds spec bundle terms run runtime", "mujoco"),
     "measuring": layer(
         "quantities.measuring quantities.run_motion",
@@ -115,7 +116,7 @@ LAYERS = {
     "motion": layer("motion", f"{LANGUAGE} schema bundle", "mujoco pydantic scipy"),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco pydantic"),
-    "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
+    "rollout": layer("runtime.rollout runtime.world_rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
@@ -151,9 +152,9 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ plugin vector_environments policy_files registration notebook",
-        f"signals part {BUILDING} compiler {RUNNING} device rollout policies recording training cohorts reporting "
-        "opening viewer studies motion movement retargeting",
+        "__init__ plugin vector_environments parallel policy_files registration notebook",
+        f"signals part {BUILDING} compiler {RUNNING} device multi rollout policies recording training cohorts "
+        "reporting opening viewer studies motion movement retargeting",
         "gymnasium",
     ),
     "cli": layer(

@@ -52,8 +52,12 @@ class ModelFields:
     def model_as_built(self) -> mujoco.MjModel:
         """Return a copy of the model in which no episode has changed anything."""
         built = copy.copy(self._model)
-        ModelFields(built, self._fields).state = self._as_built
+        self.write_as_built(built)
         return built
+
+    def write_as_built(self, model: mujoco.MjModel) -> None:
+        """Write what this model was before any episode into a copy of it."""
+        ModelFields(model, self._fields).state = self._as_built
 
     def forget(self) -> None:
         """Let the model be as built again."""

@@ -11,11 +11,11 @@ from functools import cached_property
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.files import discard, make_folder, remove_leftovers, swap_folders, temporary_path, unfinished_name
+from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
@@ -25,6 +25,7 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
+from mimoc.bundle.shared_files import SharedFiles
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,46 +51,16 @@ class LazyFiles(Mapping[str, bytes]):
         return self.make()
 
 
-@dataclass(frozen=True, slots=True)
-class SharedFiles:
-    """A folder of files by digest, on the file system of the bundles that share them."""
+class HasFiles(Protocol):
+    """Something that can be written as a folder."""
 
-    folder: Path
-
-    def put(self, path: Path, content: bytes) -> None:
-        """Write a file as a link to the shared one, or as a copy where there are no links.
-
-        Raises:
-            OSError: If it cannot be written.
-            OutputError: If the folder of the shared one is a link.
-        """
-        digest = sha256(content).hexdigest()
-        shared = self.folder / digest[:2] / digest
-        if not self._link(shared, path, content):
-            path.write_bytes(content)
-            self._share(path, shared)
-
-    def _link(self, shared: Path, path: Path, content: bytes) -> bool:
-        """Make a file a link to the shared one, if that has its content; return whether it is one now."""
-        try:
-            if read_regular_file(shared, below=self.folder) != content:
-                return False
-            os.link(shared, path, follow_symlinks=False)
-        except (OSError, UnusableFileError):  # It has as many links as the file system allows, or there are none.
-            return False
-        return True
-
-    def _share(self, path: Path, shared: Path) -> None:
-        """Let later bundles link to a file, if the file system can."""
-        make_folder(shared.parent, below=self.folder)
-        temporary = temporary_path(shared)
-        try:
-            os.link(path, temporary)
-            os.replace(temporary, shared)
-        except OSError:
-            discard(temporary)
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """Content of each file by its path within the folder."""
+        ...
 
 
+Read = TypeVar("Read")
 MANIFEST, LOCK = "manifest.json", "lock.json"
 SHARED = "assets/"
 """Where the files of a bundle are that other infants have as well: pictures and meshes."""
@@ -156,8 +127,12 @@ def lock_files(
 
     The manifest, if it is given, need not be parsed again.
     """
-    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs)}
-    return _locked(files, lock, manifest or read_manifest(files[MANIFEST]))
+    return _bundle(with_lock(files, versions, inputs), manifest or read_manifest(files[MANIFEST]), None)
+
+
+def with_lock(files: Mapping[str, bytes], versions: Mapping[str, str], inputs: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return files with a lock, which has the digests of these and of all inputs."""
+    return _with_lock(files, {"lock": 1, "versions": dict(versions), "inputs": digests(inputs)})
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -176,6 +151,15 @@ def read_bundle(path: str | Path) -> Bundle:
         >>> mimoc.read_bundle("out/nine_months").manifest.name
         'nine_months'
     """
+    return read_locked(path, lambda files, folder: _bundle(files, read_manifest(files[MANIFEST]), folder))
+
+
+def read_locked(path: str | Path, parse: Callable[[Mapping[str, bytes], Path], Read]) -> Read:
+    """Return what *parse* makes of the files in a folder that its lock lists, none of which is missing or changed.
+
+    Raises:
+        BundleError: If the folder is not a bundle, or files are missing or changed, or as *parse* does.
+    """
     folder = Path(os.path.expanduser(path))
     try:
         os.stat(folder)
@@ -186,7 +170,7 @@ def read_bundle(path: str | Path) -> Bundle:
     while True:
         with _watch_for_replacement(folder) as replaced:
             try:
-                return _read_folder(folder)
+                return _read_folder(folder, parse)
             except BundleError:
                 if not replaced():
                     raise
@@ -195,10 +179,10 @@ def read_bundle(path: str | Path) -> Bundle:
 def without(bundle: Bundle, name: str) -> Bundle:
     """Return a bundle without one of its files, which its lock no longer lists."""
     files = {other: content for other, content in bundle.files.items() if other not in (name, LOCK)}
-    return _locked(files, json.loads(bundle.files[LOCK]), bundle.manifest)
+    return _bundle(_with_lock(files, json.loads(bundle.files[LOCK])), bundle.manifest, None)
 
 
-def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
+def write_bundle(bundle: HasFiles, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
     """Write a bundle into a folder atomically: a reader sees either the old folder or the new one.
 
     Args:
@@ -237,12 +221,17 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared
 
 
 def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -> Bundle:
-    return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
+    return Bundle(in_order(files), manifest, path)
 
 
-def _locked(files: Mapping[str, bytes], lock: Mapping[str, Any], manifest: Manifest) -> Bundle:
+def in_order(files: Mapping[str, bytes]) -> Mapping[str, bytes]:
+    """Return files sorted by path, read-only."""
+    return MappingProxyType(dict(sorted(files.items())))
+
+
+def _with_lock(files: Mapping[str, bytes], lock: Mapping[str, Any]) -> dict[str, bytes]:
     text = json.dumps({**lock, "files": digests(files)}, indent=1, sort_keys=True) + "\n"
-    return _bundle({**files, LOCK: text.encode()}, manifest, None)
+    return {**files, LOCK: text.encode()}
 
 
 @contextmanager
@@ -262,7 +251,7 @@ def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
         os.close(handle)
 
 
-def _read_folder(folder: Path) -> Bundle:
+def _read_folder(folder: Path, parse: Callable[[Mapping[str, bytes], Path], Read]) -> Read:
     try:
         with regular_files(folder) as opened:
             lock, files = _read_files(folder, opened)
@@ -271,10 +260,9 @@ def _read_folder(folder: Path) -> Bundle:
             raise BundleError(f"{folder}: there is no such folder, as this is a file; {_ADVICE_FOR_FILES}") from None
         raise BundleError(f"{folder}: there is no such folder; {_ADVICE}") from None
     try:
-        manifest = read_manifest(files[MANIFEST])
+        return parse({**files, LOCK: lock}, folder)
     except BundleError as error:
         raise BundleError(f"{folder}: {error}") from None
-    return _bundle({**files, LOCK: lock}, manifest, folder)
 
 
 _ADVICE = "build one there with 'mimoc build SPEC -o OUT'"

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, StringConstraints, ValidationError, model_validator
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
@@ -222,8 +222,14 @@ class Manifest(Model):
     """Notes on the build for its user."""
     keypoints: tuple[Label, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
+    prefix: Annotated[Label, StringConstraints(pattern="^([a-z][a-z0-9_]{0,20}_)?$")] = ""
+    """What the names of all parts of the infant begin with in the model, if others share its world."""
 
-    _serialized = omitting("objects")
+    _serialized = omitting("objects", "prefix")
+
+    def of_infant(self, name: str) -> str:
+        """Return a name in the model as it is of an infant that is alone, such as `head` for `anna_head`."""
+        return name.removeprefix(self.prefix)
 
     @model_validator(mode="after")
     def _all_times_are_whole_steps(self) -> Self:
@@ -297,6 +303,8 @@ def read_manifest(content: bytes) -> Manifest:
         data = json.loads(content)
     except (ValueError, RecursionError):
         raise BundleError(f"{MANIFEST}: it is damaged; build it again") from None
+    if isinstance(data, dict) and "world" in data:
+        raise BundleError("this is a world with several infants, and one is wanted here; see docs/two_infants.md")
     check_plugins(data)
     if not isinstance(data, dict) or data.get("manifest", MANIFEST_VERSION) != MANIFEST_VERSION:
         advice = f"this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"

@@ -59,7 +59,7 @@ VALUES: Mapping[Values, str] = {
     _numbers(1, 100): "iterations ls_iterations",
     _numbers(1, 4096): "width height offwidth offheight shadowsize",
     _shaped("[a-zA-Z0-9]{1,20}"): "integrator cone jacobian solver mode objtype builtin dyntype gaintype biastype",
-    _words("infant"): "class childclass",
+    _shaped("(?:[a-z][a-z0-9_]{0,20}_)?infant"): "class childclass",
     _words("."): "texturedir meshdir",
     _words("radian"): "angle",
     _words("xyz"): "eulerseq",
@@ -166,8 +166,8 @@ differ in them."""
 _SHOWN = 60
 
 
-def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
-    """Check that a file of MJCF is one that mimoc could have written.
+def read_mjcf(file: str, content: bytes, infants: int = 1) -> tuple[Counter[str], dict[str, str]]:
+    """Check that a file of MJCF is one that mimoc could have written, with so many infants.
 
     Returns:
         How many there are of each element, and the element that refers to each other file, by the path of that.
@@ -175,8 +175,8 @@ def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
     Raises:
         BundleError: If mimoc writes no such thing; the message says where it is.
     """
-    if len(content) > MOST_BYTES:
-        raise BundleError(f"{file}: it has more than {MOST_BYTES >> 20} MB, which no infant needs")
+    if len(content) > (most := MOST_BYTES * infants):
+        raise BundleError(f"{file}: it has more than {most >> 20} MB, which no infant needs")
     if beyond := _BEYOND_ELEMENTS.search(content):
         line = content.count(b"\n", 0, beyond.start()) + 1
         raise BundleError(f"{file}:{line}: mimoc writes nothing but elements")
@@ -185,10 +185,10 @@ def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
     if not all(values(given) for values, given in reader.given.items()):
         _Reader(file, at_once=True).read(content)
     for name, most in MOST.items():
-        if (number := reader.counts[name]) > most:
-            raise BundleError(f"{file}: {number:,} times <{name}>, where at most {most:,} may be")
-    if (number := reader.counts.total()) > MOST_ELEMENTS:
-        raise BundleError(f"{file}: {number:,} elements, where at most {MOST_ELEMENTS:,} may be")
+        if (number := reader.counts[name]) > most * infants:
+            raise BundleError(f"{file}: {number:,} times <{name}>, where at most {most * infants:,} may be")
+    if (number := reader.counts.total()) > (most := MOST_ELEMENTS * infants):
+        raise BundleError(f"{file}: {number:,} elements, where at most {most:,} may be")
     return reader.counts, reader.references
 
 

@@ -5,7 +5,8 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import Any, get_args
+from pathlib import Path
+from typing import Any, TypeVar, get_args
 
 import mujoco
 import numpy as np
@@ -22,6 +23,7 @@ from mimoc.schema.base import Model
 from mimoc.schema.composition import on_recompose
 from mimoc.schema.entries import NameOf
 
+Named = TypeVar("Named", bound=Model)
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
@@ -42,13 +44,18 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
         ModelError: If MuJoCo rejects it.
     """
     check_files(bundle)
-    try:
-        model = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, bundle.manifest.scene))
-    except (ValueError, mujoco.FatalError) as error:
-        raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
+    model = read_model(bundle.files, bundle.manifest.scene)
     check_model(bundle, model)
     prepare(model)
     return model
+
+
+def read_model(files: Mapping[str, bytes], scene: str) -> mujoco.MjModel:
+    """Return what MuJoCo makes of files that were checked; a ModelError says why it rejects them."""
+    try:
+        return mujoco.MjModel.from_xml_string(*mjcf_of(files, scene))
+    except (ValueError, mujoco.FatalError) as error:
+        raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
 
 
 def mjcf_of(files: Mapping[str, bytes], scene: str) -> tuple[str, dict[str, bytes]]:
@@ -154,7 +161,17 @@ INFANT, SCENE = "infant.xml", "scene.xml"
 
 
 def check_files(bundle: Bundle) -> None:
-    """Check the files that MuJoCo reads of a bundle, which anyone may have written, unless it was built here.
+    """Check the files that MuJoCo reads of a bundle, see `check_mjcf`, unless it was built here.
+
+    Raises:
+        BundleError: If mimoc does not write such files, or not of this size.
+    """
+    if bundle.path is not None:
+        check_mjcf(bundle.path, bundle.files, (INFANT, SCENE))
+
+
+def check_mjcf(path: Path, files: Mapping[str, bytes], names: Sequence[str], infants: int = 1) -> None:
+    """Check MJCF of a folder, the entry point last, which anyone may have written, and what it refers to.
 
     A lock says that nothing has changed since it was written, but not who wrote it. So the MJCF may consist of nothing
     but what mimoc writes and refer to files of the bundle alone, all of a bounded size, before MuJoCo reads any of it;
@@ -163,39 +180,61 @@ def check_files(bundle: Bundle) -> None:
     Raises:
         BundleError: If mimoc does not write such files, or not of this size.
     """
-    if bundle.path is None:
-        return
-    missing = [name for name in (INFANT, SCENE) if name not in bundle.files]
+    missing = [name for name in names if name not in files]
     if missing:
-        raise BundleError(f"{bundle.path}: {' and '.join(missing)} are missing; build it again")
+        raise BundleError(f"{path}: {' and '.join(missing)} are missing; build it again")
     try:
-        (elements, references), (_, others) = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
-        if elements["include"]:
+        read = [read_mjcf(name, files[name], infants) for name in names]
+        if any(elements["include"] for elements, _ in (read[:-1] if INFANT in names else read)):
             raise BundleError(f"only {SCENE} may include {INFANT}")
-        check_assets(bundle.files, {**references, **others})
+        check_assets(files, {file: element for _, references in read for file, element in references.items()})
     except BundleError as error:
-        raise BundleError(f"{bundle.path}: {error}; do not use it") from None
+        raise BundleError(f"{path}: {error}; do not use it") from None
 
 
 def check_model(bundle: Bundle, model: mujoco.MjModel) -> None:
-    """Check that a model has the time step and all things that the manifest of its bundle names, unless built here.
+    """Check that a model fits the manifest of its bundle, see `check_fits`, unless built here.
+
+    Raises:
+        BundleError: If it does not.
+    """
+    if bundle.path is not None:
+        check_fits(bundle.path, bundle.manifest, bundle.manifest.timestep_ms, model)
+
+
+def check_fits(path: Path, manifest: Model, timestep_ms: float, model: mujoco.MjModel) -> None:
+    """Check that a model has a time step and all things that a manifest names.
 
     Raises:
         BundleError: If it has not; the message says which names, and where they stand.
     """
-    if bundle.path is None:
-        return
-    if not abs(model.opt.timestep - ms_to_s(bundle.manifest.timestep_ms)) < 1e-9:
+    if not abs(model.opt.timestep - ms_to_s(timestep_ms)) < 1e-9:
         reason = f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms"
-        raise BundleError(f"{bundle.path}: {reason}; build it again")
+        raise BundleError(f"{path}: {reason}; build it again")
     fitting, missing = _fitting(model), []
-    for where, kind, name in _names(bundle.manifest, None, ""):
+    for where, kind, name in _names(manifest, None, ""):
         index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
         if index < 0 or index not in fitting.get(kind, (index,)):
             missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
     if missing:
         reason = f"its manifest does not fit its model: {first_of(missing, _SHOWN)}"
-        raise BundleError(f"{bundle.path}: {reason}; build it again")
+        raise BundleError(f"{path}: {reason}; build it again")
+
+
+def prefixed(section: Named, prefix: str) -> Named:
+    """Return a section of a manifest in which the names of all things in the model begin with a prefix."""
+    changes = {field: _prefixed(getattr(section, field), kind, prefix) for field, kind in _fields(type(section))}
+    return section.model_copy(update=changes)
+
+
+def _prefixed(value: Any, kind: str | None, prefix: str) -> Any:
+    if isinstance(value, str):
+        return prefix + value if kind else value
+    if isinstance(value, Model):
+        return prefixed(value, prefix)
+    if isinstance(value, Mapping):
+        return {key: _prefixed(inner, kind, prefix) for key, inner in value.items()}
+    return tuple(_prefixed(inner, kind, prefix) for inner in value) if isinstance(value, tuple) else value
 
 
 def _names(value: Any, kind: str | None, where: str) -> Iterator[tuple[str, str, str]]:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from mimoc.cli import worlds
 from mimoc.cli.arguments import InfantPath, SpecPath, load_infant, load_spec
 from mimoc.cli.terminal import FAILED_CHECK, printable
 
@@ -27,6 +28,9 @@ def build(
     from mimoc.compiler.building import builder
     from mimoc.compiler.provenance import who_percentiles
 
+    if world := worlds.find_world(spec, seed=seed, **{"for": target}):
+        worlds.write(world, out, force=force)
+        return
     infant = load_spec(spec)
     with console.progress("building") as show:
         built = builder(infant, target).watched(show)(infant.scene.seed if seed is None else seed)
@@ -45,6 +49,9 @@ def check(infant: InfantPath) -> None:
     from mimoc.cli import console
     from mimoc.runtime.check import check_stability
 
+    if world := worlds.find_world(infant):
+        worlds.check(world)
+        return
     bundle = load_infant(infant)
     if bundle.path:
         print(f"ok     all {len(bundle.files)} files are unchanged")
@@ -76,7 +83,7 @@ def explain(
     from mimoc.cli import console
     from mimoc.compiler.explain import contents, explain, find, legend
 
-    bundle = load_infant(infant)
+    bundle = worlds.find_world(infant) or load_infant(infant)
     if key is None:
         console.print_contents(contents(bundle))
         return

@@ -20,6 +20,7 @@ from mimoc.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
+    from mimoc.bundle.world import WorldManifest
     from mimoc.cli.doctor import Finding
     from mimoc.compiler.explain import Explanation
     from mimoc.runtime.check import PoseCheck
@@ -90,7 +91,7 @@ def print_findings(findings: Sequence[Finding]) -> None:
         open_console().print(Text.assemble((f"{state:6}", styles[state]), f" {what:{width}}  {text}"), soft_wrap=True)
 
 
-def print_toys(manifest: Manifest) -> None:
+def print_toys(manifest: Manifest | WorldManifest) -> None:
     """Print the toys of the scene and the notes on the build."""
     console = open_console()
     if manifest.toys:
@@ -102,10 +103,10 @@ def print_toys(manifest: Manifest) -> None:
         console.print(Text(f"note: {note}", style="yellow"))
 
 
-def print_run(summary: Summary, beside: Mapping[str, Summary]) -> None:
+def print_run(summary: Summary, beside: Mapping[str, Summary], heading: str = "value") -> None:
     """Print the summary of a run and its speed, and what comes of the same run of other infants, by what they are."""
     title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
-    table = new_table("quantity", "value", *beside, title=title)
+    table = new_table("quantity", heading, *beside, title=title)
     columns = [{**one.measures, **one.metrics} for one in (summary, *beside.values())]
     for name in dict.fromkeys(name for column in columns for name in column):
         values = [column.get(name) for column in columns]

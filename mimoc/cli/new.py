@@ -215,7 +215,12 @@ def _write_scene(imported: "Imported", file: Path, bundle: Path, force: bool) ->
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="FILES", help="infant (specs) or cohort (cohort files).")] = "infant",
+    of: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILES", help="infant (specs), cohort (cohort files) or world (worlds with several infants)."
+        ),
+    ] = "infant",
     out: Annotated[
         Path | None, typer.Option("-o", "--out", metavar="FILE", help="File to write; default: standard output.")
     ] = None,

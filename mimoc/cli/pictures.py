@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, SpecError
+from mimoc.cli import worlds
 from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
@@ -48,6 +49,14 @@ ScaleBar = Annotated[
 ]
 
 
+PoseOfAll = Annotated[
+    str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
+]
+BodyOfAll = Annotated[
+    Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
+]
+
+
 def render(
     infants: Annotated[
         list[Path],
@@ -57,15 +66,11 @@ def render(
         ),
     ],
     file: PicturePath,
-    pose: Annotated[
-        str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
-    ] = None,
+    pose: PoseOfAll = None,
     width: Annotated[int, typer.Option(min=16, max=4096, help="Width in pixels.")] = 960,
     height: Annotated[int, typer.Option(min=16, max=4096, help="Height in pixels.")] = 720,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
-    body: Annotated[
-        Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
-    ] = None,
+    body: BodyOfAll = None,
     azimuth: Azimuth = None,
     elevation: Elevation = None,
     distance: Distance = None,
@@ -80,6 +85,9 @@ def render(
 
     check_picture_name(file, transparent=transparent)
     framing = Framing(azimuth, elevation, distance, transparent, scale_bar)
+    if len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin)):
+        worlds.draw(world, file, (width, height), (body or Body.SKIN).value, framing)
+        return
     bundles = [load_infant(infant) for infant in infants]
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
     markers = [skin_markers(bundle, *load_posed(bundle, pose)) for bundle in bundles] if skin else None

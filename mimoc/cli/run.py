@@ -12,6 +12,7 @@ import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import announced
+from mimoc.cli import worlds
 from mimoc.cli.arguments import (
     Beside,
     Body,
@@ -31,10 +32,10 @@ from mimoc.policies.spec import usage
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-    from mimoc.policies.policy import PolicyMaker
+    from mimoc.policies.policy import Policy, PolicyMaker
     from mimoc.recording.record import Watch
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run, Summary
+    from mimoc.runtime.rollout import Summary
     from mimoc.schema.infant import InfantSpec
 
 
@@ -100,25 +101,24 @@ def run(
     beside: Beside = None,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
-    from mimoc import recording
     from mimoc.cli import console
-    from mimoc.policies.named import policy_of
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run
 
     check_video(video, eyes)
+    options: Any = {"rate_hz": fps, "height_px": size, "body": body.value}
+    single = {"root": root, "task": task, "record": record, "movement": movement, "eyes": eyes, "beside": beside}
+    if world := worlds.find_world(infant, **single):
+        worlds.run(world, policy, steps or STEPS, seed, video, window, options)
+        return
     others = {beside: load_counterpart(infant, beside)} if beside else {}
     user_task, chosen = import_object(task) if task else None, _chosen(policy, infant, root)
     env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
-        act = policy_of(env, chosen, load_trained)  # Refuses bad names before writing anything.
+        act = _policy(env, chosen)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(env, record, movement))
-        rollout = Run(env, lambda env: act, seed)
-        options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-        filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
         written = [path for path in (video, record) if path]
-        _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
-    summary = rollout.summary()
+        filmed = _film(video, env, {"eyes": eyes, **options})
+        summary = _run(env, act, seed, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
     console.print_run(summary, runs)
     console.print_joints(act)
@@ -140,15 +140,24 @@ def _run_beside(
 ) -> "Summary":
     """Return the summary of the same run of another infant."""
     from mimoc.compiler.pipeline import build
-    from mimoc.policies.named import policy_of
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run
 
     with closing(InfantEnv(build(infant), task=task)) as env:
-        act = policy_of(env, policy, load_trained)
-        rollout = Run(env, lambda env: act, seed)
-        _run(rollout, steps, nullcontext(), [])
-        return rollout.summary()
+        return _run(env, _policy(env, policy), seed, steps, nullcontext(), [])
+
+
+def _policy(env: "InfantEnv", policy: "str | PolicyMaker") -> "Policy":
+    from mimoc.policies.named import policy_of
+
+    return policy_of(env, policy, load_trained)
+
+
+def _film(
+    video: Path | None, env: "InfantEnv", options: dict[str, Any]
+) -> "AbstractContextManager[Watch] | AbstractContextManager[None]":
+    from mimoc.recording import film_of
+
+    return film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
 
 
 def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":
@@ -163,10 +172,19 @@ def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker"
     return partial(motion.bind, text=folder or str(infant), root=(root or Root.FREE).value)
 
 
-def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | None]", written: Sequence[Path]) -> None:
-    """Take some control steps with a progress bar, and film them if there is a video."""
+def _run(
+    env: "InfantEnv",
+    act: "Policy",
+    seed: int,
+    steps: int,
+    filmed: "AbstractContextManager[Watch | None]",
+    written: Sequence[Path],
+) -> "Summary":
+    """Take some control steps with a progress bar, film them if there is a video, and return the summary."""
     from mimoc.cli import console
+    from mimoc.runtime.rollout import Run
 
+    rollout = Run(env, lambda env: act, seed)
     with _interruptible(written), console.progress("running") as show, filmed as watch:
         if watch:
             watch(rollout.env, rollout.observation)
@@ -175,6 +193,7 @@ def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | Non
             if watch:
                 watch(rollout.env, rollout.observation)
             show(step + 1, steps)
+    return rollout.summary()
 
 
 @contextmanager

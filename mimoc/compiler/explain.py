@@ -11,6 +11,7 @@ from typing import Any
 from mimoc.base.errors import BundleError, MimocError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.provenance import MOST_FOLLOWED, PROVENANCE, Entries, read_entries
+from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.building import builder
 from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.schema.infant import read_spec
@@ -34,7 +35,7 @@ class Explanation:
     sources: tuple["Explanation", ...]
 
 
-def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
+def contents(bundle: Bundle | WorldBundle) -> dict[str, tuple[str, ...]]:
     """Return the sorted names of all numbers that can be explained, by object, such as `body.left_foot`."""
     groups = defaultdict[str, list[str]](list)
     for key in sorted(entries_of(bundle)):
@@ -43,7 +44,7 @@ def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
     return {thing: tuple(names) for thing, names in sorted(groups.items())}
 
 
-def find(bundle: Bundle, text: str) -> dict[str, str]:
+def find(bundle: Bundle | WorldBundle, text: str) -> dict[str, str]:
     """Return the values of all numbers whose key equals or contains a text, sorted by key.
 
     Args:
@@ -63,7 +64,7 @@ def find(bundle: Bundle, text: str) -> dict[str, str]:
     return values
 
 
-def explain(bundle: Bundle, key: str) -> Explanation:
+def explain(bundle: Bundle | WorldBundle, key: str) -> Explanation:
     """Return the provenance of a number, back to its original sources.
 
     Raises:
@@ -90,7 +91,7 @@ def _texts(explanation: Explanation) -> Iterator[str]:
         yield from _texts(source)
 
 
-def entries_of(bundle: Bundle) -> Entries:
+def entries_of(bundle: Bundle | WorldBundle) -> Entries:
     """Return the provenance of all numbers; the bundles of a cohort leave it out, and it is worked out again.
 
     Raises:
@@ -98,7 +99,7 @@ def entries_of(bundle: Bundle) -> Entries:
     """
     if PROVENANCE in bundle.files:
         return read_entries(bundle.files[PROVENANCE])
-    if SPEC_FILE not in bundle.files:
+    if SPEC_FILE not in bundle.files or isinstance(bundle, WorldBundle):
         raise BundleError(f"{bundle.path}: has neither {PROVENANCE} nor {SPEC_FILE}; build it again with 'mimoc build'")
     spec = read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE))
     again = builder(spec, skin=bundle.manifest.has_skin)(bundle.manifest.seed, check=False)

@@ -53,13 +53,17 @@ def load_scene_assets(spec: InfantSpec) -> SceneAssets:
     """
     if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
         return SceneAssets()
-    written, toys = as_written(spec), spec.scene.toys
+    return assets_of_scene(spec.scene, as_written(spec))
+
+
+def assets_of_scene(scene: SceneSpec, written: Source) -> SceneAssets:
+    """Return the toys and wallpapers for a scene that a file describes; see `load_scene_assets`."""
     wallpapers = Wallpapers(
-        floors=(*FLOORS.values(), *_own("floor", spec, written)),
-        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written)),
-        walls=(*WALLS.values(), *_own("wall", spec, written)),
+        floors=(*FLOORS.values(), *_own("floor", scene, written)),
+        ceilings=(*CEILINGS.values(), *_own("ceiling", scene, written)),
+        walls=(*WALLS.values(), *_own("wall", scene, written)),
     )
-    return SceneAssets(wallpapers, BUILTIN_TOYS if toys is None else _toybox(toys, written))
+    return SceneAssets(wallpapers, BUILTIN_TOYS if scene.toys is None else _toybox(scene.toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:
@@ -73,8 +77,8 @@ def _toybox(toys: ToysSpec, written: Source) -> Toybox:
         raise SpecError(written.problem(("scene", "toys", "root"), problem) for problem in problems) from None
 
 
-def _own(kind: str, spec: InfantSpec, written: Source) -> tuple[Wallpaper, ...]:
-    path = getattr(spec.scene.textures, kind)
+def _own(kind: str, scene: SceneSpec, written: Source) -> tuple[Wallpaper, ...]:
+    path = getattr(scene.textures, kind)
     if path is None:
         return ()
     try:
@@ -180,10 +184,11 @@ def place_in_scene(
     built: BuiltScene = build(spec.scene, Occupant(tree, discs), assets.wallpapers)
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
-    things = place_objects(spec.scene.objects, _surroundings(spec, built, tree, start))
+    folder = spec.source.folder if spec.source else Path()
+    things = place_objects(spec.scene.objects, surroundings(spec.scene, built, tree, start, built.start, folder))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
-    toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
+    toys = toys_around(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
         built.world,
@@ -203,12 +208,14 @@ def place_in_scene(
     return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
 
 
-def _surroundings(spec: InfantSpec, built: BuiltScene, tree: BodyTree, start: Keyframe) -> Surroundings:
-    has_floor, folder = SCENES[spec.scene.kind].has_floor, spec.source.folder if spec.source else Path()
-    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor, folder)
+def surroundings(
+    spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, place: Placement, folder: Path
+) -> Surroundings:
+    """Return what objects are placed among: an infant that starts in a pose at a place; and the folder of their files."""
+    return Surroundings(tree, start.qpos, place, built.half_size_m, SCENES[spec.kind].has_floor, folder)
 
 
-def _toys(
+def toys_around(
     spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, taken: FloatArray, toybox: Toybox
 ) -> tuple[FreeObject, ...]:
     """Return the toys of a scene, around the infant's starting position and outside of occupied discs."""

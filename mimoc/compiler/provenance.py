@@ -13,7 +13,8 @@ from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.placing import PlacedScene
 from mimoc.fits.who import percentile
 from mimoc.mjcf.world import FreeObject
-from mimoc.schema.infant import InfantSpec, to_data
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.reading import FileModel
 from mimoc.schema.source import Source
 from mimoc.tasks.spec_base import TaskEntry
 from mimoc.toys.objects import mass_entry, trace_toys
@@ -22,10 +23,10 @@ SPEC_FILE = "spec.yaml"
 """The spec in a bundle, as it was written."""
 
 
-def trace_spec(spec: InfantSpec, written: Source) -> dict[str, Entry]:
+def trace_spec(spec: FileModel, written: Source) -> dict[str, Entry]:
     """Return where each value of the spec was written, by key; `spec.age_months`."""
     entries = {}
-    for path, value in _leaves(to_data(spec)):
+    for path, value in _leaves(spec.model_dump(mode="json", exclude_none=True)):
         line, column = written.locate(path)
         rule = f"{SPEC_FILE}:{line}:{column}" if path in written.value_places else "default"
         entries[".".join(("spec", *path))] = {"value": value, "rule": rule}

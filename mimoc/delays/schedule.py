@@ -160,12 +160,7 @@ class Schedule:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
-            if self.companions:
-                self.companions.after_step(data)
-            for name, delayed in segment.samples:
-                sample = self.disturb(name, self._senses[name](data), data)
-                for line in delayed:
-                    line.send(sample)
+            self.sample(segment, data)
 
     def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
         """Take the controls of an action, and return the segments that the control step consists of."""
@@ -184,6 +179,15 @@ class Schedule:
             noise(data)
         if self.companions:
             self.companions.before_step(data)
+
+    def sample(self, segment: Segment, data: mujoco.MjData) -> None:
+        """Let companions see the state after a segment's physics steps, and sample the senses that are due then."""
+        if self.companions:
+            self.companions.after_step(data)
+        for name, delayed in segment.samples:
+            sample = self.disturb(name, self._senses[name](data), data)
+            for line in delayed:
+                line.send(sample)
 
     @property
     def samples(self) -> Mapping[str, Sequence[Samples]]:

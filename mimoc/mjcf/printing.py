@@ -1,5 +1,7 @@
 """From a scene to MJCF text, by templates."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,7 +10,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
 from mimoc.base.rounding import num
-from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.world import World
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 INFANT = "infant.xml"
@@ -57,6 +60,35 @@ def _with_included(including: etree._Element, included: etree._Element) -> etree
             same.attrib.update(section.attrib)
             same.extend(section)
     return included
+
+
+COMMON = ("compiler", "option", "size")
+"""Sections that are the same of all infants in one world."""
+
+
+def render_infants(
+    name: str, infants: Sequence[SceneTree], world: World, keyframes: Sequence[Keyframe]
+) -> dict[str, bytes]:
+    """Return the MJCF of several infants in one world, which is complete by itself, and all assets.
+
+    Args:
+        name: Of the model.
+        infants: With names that differ (`mimoc.mjcf.prefixing`) and the same options.
+        world: What is around all of them.
+        keyframes: States of all of them.
+    """
+    first, *others = (_parsed(render_inhabitant(infant)) for infant in infants)
+    for other in others:
+        for section in other:
+            same = first.find(section.tag)
+            if same is not None and section.tag not in COMMON:
+                same.extend(section)
+    scene = replace(infants[0], name=name, world=world, keyframes=tuple(keyframes))
+    whole = _with_included(_parsed(render_text("scene.xml.j2", scene=scene)), first)
+    files = {"scene.xml": _indented(whole), **world.assets}
+    for infant in infants:
+        files |= {**infant.appearance.assets, **(infant.skin.files if infant.skin else {})}
+    return files
 
 
 def render_text(template: str, **values: Any) -> bytes:

@@ -63,6 +63,13 @@ class SceneTree:
     keyframes: tuple[Keyframe, ...]
     skin: Skin | None = None
     """Its skin, which is different at each age, as numbers are; None for its bare solids."""
+    prefix: str = ""
+    """What all names of the infant begin with, if it is not alone in its world."""
+
+    @property
+    def infant_class(self) -> str:
+        """Name of the class of its defaults."""
+        return f"{self.prefix}infant"
 
     @property
     def without_skin(self) -> "SceneTree":

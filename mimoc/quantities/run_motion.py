@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
@@ -49,8 +49,9 @@ class BodyHeight(Term):
 
 
 def joint_speed_rad_s(model: mujoco.MjModel, manifest: Manifest) -> Term:
-    """Return the term of the speed of all hinges of a model."""
-    return JointSpeed(model.jnt_dofadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE])
+    """Return the term of the speed of all hinges of the infant."""
+    is_of_infant = model.body_rootid[model.jnt_bodyid] == model.body(manifest.root_body).id
+    return JointSpeed(model.jnt_dofadr[is_of_infant & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)])
 
 
 def hip_path_m(model: mujoco.MjModel, manifest: Manifest) -> Term:
@@ -66,7 +67,7 @@ def head_height_m(model: mujoco.MjModel, manifest: Manifest) -> Term:
 head_lowest_m = head_height_m
 
 
-def contacts_self(env: InfantEnv) -> Callable[[], float]:
+def contacts_self(env: InfantView) -> Callable[[], float]:
     """Return a function that counts the contacts of this moment between parts of the infant's own body."""
 
     def count() -> float:

@@ -16,9 +16,10 @@ from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, objects_near
-from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
+from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_bodies
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.rollout import Run, Summary
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
@@ -43,16 +44,27 @@ SHARP = 2
 class VideoFrames:
     """Renders the frames of a video of one environment."""
 
-    def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
-        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes."""
+    def __init__(
+        self,
+        env: InfantView,
+        height_px: int,
+        eyes: bool = False,
+        shown: Shown = "skin",
+        roots: Sequence[str] = (),
+    ):
+        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes.
+
+        Without *roots*, root bodies of several infants, only this infant is kept in the picture.
+        """
         self._env, vision = env, env.manifest.senses.vision
         self._observed = vision.cameras if eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
         self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
         root = env.manifest.root_body
-        view = view_of_body(FROM_THE_SIDE, env.data, root)
-        size_px, beside = (round(SHAPE * height_px), height_px), objects_near(env.manifest, env.data)
-        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown, beside=beside)
+        roots = roots or [root]
+        view = view_of_bodies(FROM_THE_SIDE, env.data, roots)
+        size_px, beside = (round(SHAPE * height_px), height_px), objects_near(env.manifest.objects, roots, env.data)
+        self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=shown, beside=beside)
         """The camera outside."""
         self.camera.turn(env.data)
         self.shot: Shot | None = None
@@ -93,7 +105,7 @@ class VideoFrames:
         return shot
 
 
-def _sharp_eyes(env: InfantEnv, size_px: int, shown: Shown) -> Eyes:
+def _sharp_eyes(env: InfantView, size_px: int, shown: Shown) -> Eyes:
     """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way."""
     model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
@@ -213,8 +225,9 @@ def film_of(
     rate_hz: int = RATE_HZ,
     height_px: int = HEIGHT_PX,
     body: Shown = "skin",
+    roots: Sequence[str] = (),
 ) -> Iterator[Watch]:
-    """Record a video of one environment, as `record` does.
+    """Record a video of one environment, as `record` does, or of several infants with some root bodies.
 
     Yield the function to call with the environment and what it observes, at the start and after each step.
     """
@@ -224,11 +237,11 @@ def film_of(
         video: Video | None = None
         steps = 0
 
-        def watch(env: InfantEnv, observation: Observation) -> None:
+        def watch(env: InfantView, observation: Observation) -> None:
             """Capture a frame if one is due."""
             nonlocal film, video, steps
             if film is None or video is None:
-                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body)))
+                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body, roots)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))

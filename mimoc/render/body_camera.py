@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.manifest import ObjectEntry
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -45,11 +45,11 @@ NEAR_M, STRING_M = 1.0, 0.15
 """Distance from an infant within which its objects are in its pictures, but for what is longer, such as strings."""
 
 
-def objects_near(manifest: Manifest, data: mujoco.MjData) -> list[str]:
-    """Return the outermost bodies of the spec's objects that are near the infant."""
-    root_m = data.body(manifest.root_body).xpos
-    names = (item.body for item in manifest.objects)
-    return [name for name in names if np.linalg.norm(data.body(name).subtree_com - root_m) < NEAR_M]
+def objects_near(objects: Sequence[ObjectEntry], roots: Sequence[str], data: mujoco.MjData) -> list[str]:
+    """Return the outermost bodies of a spec's objects that are near one of the infants."""
+    places_m = np.array([data.body(root).xpos for root in roots])
+    middles_m = {item.body: data.body(item.body).subtree_com for item in objects}
+    return [name for name, at in middles_m.items() if (np.linalg.norm(places_m - at, axis=1) < NEAR_M).any()]
 
 
 def backdrop_m(

@@ -1,5 +1,6 @@
 """Where a camera stands so that all of something is in its picture, and no wall is between them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -160,6 +161,20 @@ def view_of_body(view: View, data: mujoco.MjData, body: str) -> View:
     lying = float(world_from_body[2, 0])  # 1 on its back, -1 on its face.
     azimuth, elevation = view
     return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation - RAISED_DEG * lying**2
+
+
+def view_of_bodies(view: View, data: mujoco.MjData, bodies: Sequence[str]) -> View:
+    """Return a view of one body, see `view_of_body`, or of several, none of which hides another.
+
+    Of the two ways to look across the line from the first to the last, it is the one nearer to the view of the first.
+    """
+    views = [view_of_body(view, data, body) for body in bodies]
+    if len(bodies) == 1:
+        return views[0]
+    x_m, y_m = (data.body(bodies[-1]).xpos - data.body(bodies[0]).xpos)[:2].tolist()
+    across = float(np.degrees(np.arctan2(y_m, x_m))) + 90.0
+    ahead = min(across, across + 180.0, key=lambda azimuth: -np.cos(np.radians(azimuth - views[0][0])))
+    return ahead, min(elevation for _, elevation in views)
 
 
 def bounding_spheres(model: mujoco.MjModel, data: mujoco.MjData, seen: npt.NDArray[np.bool_]) -> Spheres:

@@ -10,9 +10,10 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m, objects_near
-from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
+from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_bodies, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.renderer import Picture, Shown
@@ -224,8 +225,31 @@ def portrait(
     root = bundle.manifest.root_body
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
     view = framing.view(view_of_body(FROM_THE_SIDE, data, root), front_deg)
-    beside = objects_near(bundle.manifest, data)
+    beside = objects_near(bundle.manifest.objects, [root], data)
     return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing, beside)
+
+
+def world_portrait(
+    bundle: WorldBundle,
+    width: int = 640,
+    height: int = 480,
+    shown: Shown = "skin",
+    framing: Framing = Framing(),
+) -> Picture:
+    """Return a picture of several infants in their world as they start; see `portrait`.
+
+    Raises:
+        RenderingError: If there is no OpenGL here.
+    """
+    model = load_world_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(bundle.manifest.pose).id)
+    mujoco.mj_forward(model, data)
+    roots = [infant.manifest.root_body for infant in bundle.infants.values()]
+    front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
+    view = framing.view(view_of_bodies(FROM_THE_SIDE, data, roots), front_deg)
+    beside = objects_near(bundle.manifest.objects, roots, data)
+    return _picture(model, data, roots, (width, height), (view, FOVY_DEG), None, shown, framing, beside)
 
 
 def lineup(
@@ -304,7 +328,7 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
     shown = [root, *(toy.body for toy in toys)]
     view = view_of_body(FROM_ABOVE, data, root)
-    beside = objects_near(bundle.manifest, data)
+    beside = objects_near(bundle.manifest.objects, [root], data)
     with closing(BodyCamera(model, shown, width, height, view, supersample=STILL, beside=beside)) as camera:
         camera.turn(data)
         return camera.render(data)

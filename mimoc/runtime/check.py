@@ -1,7 +1,7 @@
 """Check that a bundle loads and that its simulation stays stable under any commands."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -10,6 +10,7 @@ import numpy as np
 from mimoc.base.units import ms_to_s, rad_to_deg
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
+from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.runtime.constraints import Constraints
 from mimoc.senses.sense import FloatArray
 
@@ -59,8 +60,20 @@ def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
     """
     model = load_model(bundle)
     generator = np.random.default_rng(seed)
-    for pose in bundle.manifest.poses:
-        yield _check_pose(model, bundle, pose, generator)
+    manifest, held = bundle.manifest, [Constraints(bundle.manifest.constraints, model)]
+    for pose in manifest.poses:
+        yield _check_pose(model, pose, ms_to_s(manifest.step_ms), held, manifest.root_body, generator)
+
+
+def check_world(bundle: WorldBundle, seed: int = 0) -> PoseCheck:
+    """Return the check of a world as its infants start: the same trials, applied to the actuators of all of them.
+
+    Raises:
+        ModelError: If MuJoCo rejects the model.
+    """
+    model, manifest = load_world_model(bundle), bundle.manifest
+    held = [Constraints(infant.manifest.constraints, model) for infant in bundle.infants.values()]
+    return _check_pose(model, manifest.pose, ms_to_s(manifest.step_ms), held, "world", np.random.default_rng(seed))
 
 
 def random_commands(model: mujoco.MjModel, generator: np.random.Generator, step_s: float) -> Iterator[FloatArray]:
@@ -96,7 +109,7 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
         data: Initial state, which is modified.
         commands: Controls of all actuators.
         step_s: Duration of a control step.
-        root: Root body of the infant.
+        root: Root body of the infant, or the world of several.
     """
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))
@@ -123,14 +136,22 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
     )
 
 
-def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.random.Generator) -> PoseCheck:
-    manifest, problems, step_s = bundle.manifest, [], ms_to_s(bundle.manifest.step_ms)
+def _check_pose(
+    model: mujoco.MjModel,
+    pose: str,
+    step_s: float,
+    held: Sequence[Constraints],
+    root: str,
+    generator: np.random.Generator,
+) -> PoseCheck:
+    problems = list[Flailing]()
     for commands in COMMANDS.values():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
         mujoco.mj_kinematics(model, data)
-        Constraints(manifest.constraints, model).keep(data)
-        problems.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
+        for constraints in held:
+            constraints.keep(data)
+        problems.append(flail(data, commands(model, generator, step_s), step_s, root))
     furthest = max(problems, key=lambda flailing: flailing.beyond_deg)
     return PoseCheck(
         warnings=tuple(sorted({warning for flailing in problems for warning in flailing.warnings})),

@@ -25,7 +25,6 @@ from mimoc.noise.noise import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
-from mimoc.runtime.expression import set_expression
 from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
@@ -33,7 +32,7 @@ from mimoc.runtime.spaces import action_space, check_same_space, observation_spa
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.task import NO_REWARD, bind_task
+from mimoc.tasks.task import bind_task
 
 
 @closable()
@@ -95,24 +94,6 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
         self.observation_space = observation_space(self._senses, self._task)
-
-    def set_expression(self, expression: str) -> None:
-        """Change the facial expression.
-
-        Raises:
-            UnknownNameError: If there is no such expression.
-        """
-        set_expression(expression, self.manifest, self._infant.bare)
-        self.observer.expressed(expression)
-
-    def set_arousal(self, level: float) -> None:
-        """Change the arousal for the rest of the episode, from the next physics step on.
-
-        Raises:
-            ValueError: If it is none from 0 to 2.
-        """
-        self._living.arousal.level = level
-        self.observer.aroused(level)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -187,15 +168,6 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.observer.stepped(action, observation, judged)
         self._renderer.show()
         return observation, *judged
-
-    def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
-        """Count a control step that has been made: return reward, terminated, truncated and info."""
-        self._steps += 1
-        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
-        truncated = self._task.steps is not None and self._steps >= self._task.steps
-        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        info[growing.AGE] = self.age_months
-        return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state: physics, delayed signals, noise, arousal, task and random generator.
@@ -277,7 +249,8 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:
-        return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest, self._picture_size)
+        roots, objects = [self.manifest.root_body], self.manifest.objects
+        return EnvRenderer(self.render_mode, self._infant.bare, self.data, roots, objects, self._picture_size)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
@@ -311,10 +284,6 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps = 0
         self._living.start(pose, self.np_random)
         return self._observe()
-
-    def _observe(self) -> Observation:
-        """Return what the senses and the task give, as fresh arrays."""
-        return {**self._schedule.observe(), **self._task.observe()}
 
 
 BOUND = {"data", "_act", "_senses", "_task", "_schedule", "_renderer", "_living", "_noise", "observer", "closed"}

@@ -1,4 +1,4 @@
-"""What can be read of the infant in an environment."""
+"""An infant that is bound to a model: what can be read of it, its face and arousal, and how its task judges it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -14,10 +14,13 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant
 from mimoc.companions.companion import Companions
 from mimoc.delays.schedule import Schedule
+from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
+from mimoc.runtime.expression import set_expression
+from mimoc.runtime.observer import NO_OBSERVER, Observer
 from mimoc.runtime.simulation_state import SimulationState
-from mimoc.senses.sense import Sense
-from mimoc.tasks.task import Task
+from mimoc.senses.sense import Observation, Sense
+from mimoc.tasks.task import NO_REWARD, Task
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
@@ -25,11 +28,12 @@ if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
 
 @closable("layout")
 class InfantView:
-    """An infant as it is bound to its model, to be read."""
+    """An infant as it is bound to its model, whatever else is there; who steps the model is another matter."""
 
     closed: bool
     bundle: Bundle
     data: mujoco.MjData
+    observer: Observer = NO_OBSERVER
     _infant: Variant
     _act: Actuation
     _senses: Mapping[str, Sense]
@@ -126,3 +130,34 @@ class InfantView:
         names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
         sites = np.array([mujoco.mj_name2id(self._infant.bare, site, name) for name in names], int)
         return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
+
+    def set_expression(self, expression: str) -> None:
+        """Change the facial expression.
+
+        Raises:
+            UnknownNameError: If there is no such expression.
+        """
+        set_expression(expression, self.manifest, self._infant.bare)
+        self.observer.expressed(expression)
+
+    def set_arousal(self, level: float) -> None:
+        """Change the arousal for the rest of the episode, from the next physics step on.
+
+        Raises:
+            ValueError: If it is none from 0 to 2.
+        """
+        self._living.arousal.level = level
+        self.observer.aroused(level)
+
+    def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
+        """Count a control step that has been made: return reward, terminated, truncated and info."""
+        self._steps += 1
+        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
+        truncated = self._task.steps is not None and self._steps >= self._task.steps
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        info[growing.AGE] = self.age_months
+        return verdict.reward, verdict.terminated or unstable, truncated, info
+
+    def _observe(self) -> Observation:
+        """Return what the senses and the task give, as fresh arrays."""
+        return {**self._schedule.observe(), **self._task.observe()}

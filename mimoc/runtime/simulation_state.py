@@ -65,15 +65,23 @@ class SimulationState:
         self.constraints.keep(self.data)
         begin(self.model, self.data)
         self.task.start(self.data, chance)
+        self.start_signals()
+
+    def start_signals(self) -> None:
+        """Let companions begin, and forget all signals, in a state that an episode starts from."""
         self.schedule.companions.reset(self.data)
         self.schedule.reset(self.data)
 
     @property
     def state(self) -> dict[str, Any]:
         """All that its next steps depend on, but for what the environment counts and draws."""
+        return {"physics": physics_of(self.model, self.data), **self.state_of_infant}
+
+    @property
+    def state_of_infant(self) -> dict[str, Any]:
+        """The same without the physics, which several infants can have in common."""
         companions = {"companions": self.schedule.companions.state} if self.schedule.companions else {}
         return {
-            "physics": physics_of(self.model, self.data),
             "signals": self.schedule.state,
             "model": self.fields.state,
             "task": self.task.state,
@@ -105,9 +113,17 @@ class SimulationState:
 
     def restore(self, state: dict[str, Any]) -> None:
         """Restore a state, which is not kept."""
+        self.restore_model(state)
+        set_physics(self.model, self.data, state["physics"])
+        self.restore_signals(state)
+
+    def restore_model(self, state: dict[str, Any]) -> None:
+        """Restore what a state says of the model and the task, before the physics."""
         self.fields.state, self.task.state = state["model"], state["task"]
         self.arousal.level = state["arousal"]
-        set_physics(self.model, self.data, state["physics"])
+
+    def restore_signals(self, state: dict[str, Any]) -> None:
+        """Restore what a state says of signals, noise and companions, after the physics."""
         self.schedule.state, self.noise.state = state["signals"], state["noise"]
         if self.schedule.companions:
             self.schedule.companions.state = state["companions"]

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
+from mimoc.base.errors import SpecError
 from mimoc.base.rounding import rounded
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import changed, everything, given, plain, shown
@@ -173,6 +174,9 @@ def healthy(spec: InfantSpec) -> InfantSpec:
 
 def read_spec(source: Source) -> InfantSpec:
     """Return the spec in a file; a SpecError lists all problems."""
+    if "infants" in source.data:
+        message = "this file describes a world with several infants, and one is wanted here; see docs/two_infants.md"
+        raise SpecError([source.problem(("infants",), message, at="key")])
     return read_keys(InfantSpec, source)
 
 

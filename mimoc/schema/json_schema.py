@@ -10,10 +10,12 @@ from mimoc.schema.base import Model
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
+from mimoc.schema.world import WorldSpec
 
 FILES: Mapping[str, tuple[type[Model], str]] = {
     "infant": (InfantSpec, "Infant spec of mimoc"),
     "cohort": (CohortSpec, "Cohort file of mimoc"),
+    "world": (WorldSpec, "World file of mimoc"),
 }
 """Kinds of files: what describes them, and what they are called."""
 ABOUT = ("description", "default")

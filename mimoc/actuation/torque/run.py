@@ -11,5 +11,9 @@ def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
     """Find the motors of *entry* in *model*, which have activations under `maturing`."""
     ids = find_actuators(entry, model)
     limits_nm = limits_of_motors(model, ids)
-    drive = (activations(model, ids), "activation") if model.na else (Field("ctrl", ids), "command")
+    drive = (
+        (activations(model, ids), "activation")
+        if (model.actuator_actadr[ids] >= 0).all() and len(ids)
+        else (Field("ctrl", ids), "command")
+    )
     return Actuation(ids, *command_range(entry), limits_nm, effort_of(Field("actuator_force", ids), limits_nm), *drive)

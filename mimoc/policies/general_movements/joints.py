@@ -129,7 +129,7 @@ def _shares(roles: Roles, kinds: Collection[Mapping[str, float]]) -> FloatArray:
 
 def _role(joint: str) -> tuple[str, str, float] | None:
     """Return limb, kind and flexion of a hinge; None if it does not move by itself."""
-    name = joint.removeprefix("robot:")
+    name = joint.rpartition("robot:")[2]  # Before it is the prefix of an infant that shares its world.
     for limb, parts in (("trunk", SPINE), ("head", NECK)):
         if name in parts:
             return limb, name, parts[name]

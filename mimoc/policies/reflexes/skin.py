@@ -58,7 +58,7 @@ class Area:
         self._xp, self._width = batch.xp, width
         touches: list[Any] = [infant.senses["touch"] for infant in batch.infants]
         if is_sum:
-            indices, weights = _bodies(touches[0].receptors, batch, side, patches)
+            indices, weights = _bodies(touches[0].receptors, side, patches)
             self._directions = batch.put(weights[None]) if width == 3 and _is_in_body(batch) else None
             weights = np.ones((len(touches), len(indices)))
         else:
@@ -93,10 +93,9 @@ def _inside(receptors: Any, side: str, patches: tuple[Patch, ...]) -> np.ndarray
     return inside
 
 
-def _bodies(receptors: Any, batch: Batch, side: str, patches: tuple[Patch, ...]) -> tuple[IntArray, FloatArray]:
+def _bodies(receptors: Any, side: str, patches: tuple[Patch, ...]) -> tuple[IntArray, FloatArray]:
     """Return the bodies of an area, as numbers of those with skin, and where what presses points to, shape (m, 3)."""
-    model = batch.infants[0].model
-    names = [model.body(body).name for body in np.unique(receptors.bodies)]
+    names = receptors.names[np.unique(receptors.bodies, return_index=True)[1]].tolist()
     chosen = [
         (number, np.array(patch.inward) * ([1, 1, 1] if side == "right" else [1, -1, 1]))
         for number, name in enumerate(names)

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.delays.merging import merge_segments
 from mimoc.delays.schedule import Segment
 from mimoc.delays.timing import Samples
 from mimoc.runtime.batch.physics import ThreadedPhysics
@@ -104,22 +104,14 @@ class ControlStep:
 
     def _merge_segments(self, segments: Mapping[int, Sequence[Segment]]) -> list[BatchSegment]:
         """Return the segments of some infants, cut wherever one of any infant ends."""
-        begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
-        due: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
-        for infant, parts in segments.items():
-            time = 0
-            for segment in parts:
-                begun[time].append((infant, segment))
-                time += segment.physics_steps
-                due[time].append((infant, segment))
         merged = []
-        for start, end in pairwise(sorted({*begun, *due})):
-            are_sampled = any(segment.samples for _, segment in due[end])
+        for part in merge_segments(segments):
+            are_sampled = any(segment.samples for _, segment in part.ended)
             groups = self._groups(list(segments)) if are_sampled else [list(segments)]
             samplings = [
-                self._samplings([item for item in due[end] if item[0] in members]) for members in map(set, groups)
+                self._samplings([item for item in part.ended if item[0] in members]) for members in map(set, groups)
             ]
-            merged.append(BatchSegment(begun[start], end - start, groups, samplings))
+            merged.append(BatchSegment(part.begun, part.physics_steps, groups, samplings))
         return merged
 
     def _groups(self, infants: list[int]) -> list[list[int]]:

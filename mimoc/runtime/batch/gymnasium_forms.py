@@ -17,6 +17,7 @@ from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
+from mimoc.runtime.world_infant import WorldInfant
 
 RESET_MASK = "reset_mask"
 """Gymnasium's option that says which environments are reset."""
@@ -199,7 +200,7 @@ def mixture_error(infants: str, differences: str) -> BatchMismatchError:
     )
 
 
-def check_mixture(infants: Sequence[InfantEnv]) -> None:
+def check_mixture(infants: Sequence[InfantEnv] | Sequence[WorldInfant]) -> None:
     """Check that all infants can share a batch with the first one.
 
     Raises:
@@ -218,7 +219,7 @@ def check_mixture(infants: Sequence[InfantEnv]) -> None:
             raise mixture_error(who, "; ".join(differences))
 
 
-def _parts(infant: InfantEnv) -> dict[str, Any]:
+def _parts(infant: InfantEnv | WorldInfant) -> dict[str, Any]:
     """Return what must be the same of all infants, by what it is called."""
     manifest = infant.manifest
     arrays: Any = infant.observation_space
@@ -226,7 +227,9 @@ def _parts(infant: InfantEnv) -> dict[str, Any]:
         "control step": f"{manifest.step_ms:g} ms",
         "physics step": f"{manifest.timestep_ms:g} ms",
         "actuation model": manifest.actuation.model,
-        "commands": tuple(actuator.name for actuator in manifest.actuation.actuators if actuator.commanded),
+        "commands": tuple(
+            manifest.of_infant(actuator.name) for actuator in manifest.actuation.actuators if actuator.commanded
+        ),
         "task": manifest.task.kind,
         "senses": tuple(infant.senses),
         "observations": tuple(f"{name} {space.shape}" for name, space in arrays.spaces.items()),

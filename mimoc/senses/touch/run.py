@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from types import SimpleNamespace
 
@@ -163,6 +163,9 @@ def bind(entry: TouchEntry, model: mujoco.MjModel, bundle: Bundle) -> Touch:
     if points_m is None or points_m.shape != (sum(part.points for part in entry.skin), 3):
         raise BundleError(f"the skin points of '{bundle.manifest.name}' are damaged; build the bundle again")
     receptors = bind_receptors(entry.skin, points_m, model)
+    if bundle.manifest.prefix:
+        names = [bundle.manifest.of_infant(name) for name in receptors.names.tolist()]
+        receptors = replace(receptors, names=np.array(names))
     return Touch(receptors, model, QUANTITIES[entry.quantity], RESPONSES[entry.response])
 
 

@@ -21,17 +21,28 @@ Filter = Callable[[Pictures], Pictures]
 class Vision(Sense):
     """Pictures of both eyes, or of the one there is, shape (eyes, height, width, 3)."""
 
-    def __init__(self, eyes: Eyes, filters: Sequence[Filter], entry: VisionEntry, bodies: IntArray):
-        """See with some eyes, each on a body, shape (eyes,); filters are applied in order to what they draw."""
+    def __init__(
+        self,
+        eyes: Eyes,
+        filters: Sequence[Filter],
+        entry: VisionEntry,
+        bodies: IntArray,
+        names: Sequence[str] | None = None,
+    ):
+        """See with some eyes, each on a body, shape (eyes,); filters are applied in order to what they draw.
+
+        Pictures have the *names* of the cameras by default.
+        """
+        self._names = tuple(names or entry.cameras)
         self.eyes, self.filters, self.bodies, self._entry = eyes, tuple(filters), bodies, entry
         self.reads_in_threads = eyes.shares
         shape = (entry.height_px, entry.width_px, 3)
-        self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
+        self.spaces = {name: Box(0, 255, shape, np.uint8) for name in self._names}
 
     @property
     def layout(self) -> tuple[str, ...]:
         """What the axes of each picture are, rows from the top; one entry for each eye."""
-        return tuple(f"{name} row, column, red green blue [0-255]" for name in self._entry.cameras)
+        return tuple(f"{name} row, column, red green blue [0-255]" for name in self._names)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the pictures of now."""
@@ -39,7 +50,7 @@ class Vision(Sense):
 
     def observe(self, sample: Sample) -> Observation:
         """Return a picture for each eye, under the name of its camera."""
-        return {name: picture.copy() for name, picture in zip(self._entry.cameras, sample, strict=True)}
+        return {name: picture.copy() for name, picture in zip(self._names, sample, strict=True)}
 
     def rebind(self, entry: VisionEntry, model: mujoco.MjModel) -> bool:
         """See another scene, or with the acuity of another age, with the same OpenGL context."""
@@ -62,7 +73,8 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     times = entry.supersample
     ids = [model.camera(name).id for name in entry.cameras]
     eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen, entry.body)
-    return Vision(eyes, filters(entry, eyes.fovy_deg), entry, model.cam_bodyid[ids].astype(np.intp))
+    names = [bundle.manifest.of_infant(name) for name in entry.cameras]
+    return Vision(eyes, filters(entry, eyes.fovy_deg), entry, model.cam_bodyid[ids].astype(np.intp), names)
 
 
 def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:

@@ -186,7 +186,8 @@ class SkillTask(Task):
         """Find everything that *entry* names in *model*."""
         self._entry, self._model = entry, model
         self._step_s = ms_to_s(bundle.manifest.step_ms)
-        self._dofs = np.array([model.jnt_dofadr[j] for j in range(model.njnt) if model.jnt_type[j] == HINGE], np.intp)
+        is_of_infant = in_subtrees(model, [model.body(entry.hip).id])[model.jnt_bodyid]
+        self._dofs = model.jnt_dofadr[is_of_infant & (model.jnt_type == HINGE)].astype(np.intp)
         actuation = bind_actuation(bundle.manifest.actuation, model)
         memory = {
             "heading": np.array([1.0, 0.0]),

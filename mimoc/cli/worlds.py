@@ -1,0 +1,119 @@
+"""What commands do with a world of several infants."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from mimoc.base.errors import MimocError
+from mimoc.cli.arguments import STDIN, load_trained
+from mimoc.cli.terminal import FAILED_CHECK, printable
+
+if TYPE_CHECKING:
+    from mimoc.bundle.world import WorldBundle
+    from mimoc.render.portrait import Framing
+    from mimoc.render.renderer import Shown
+
+NEEDS_ONE = "is for a single infant, and this is a world with several; leave it out"
+
+
+def find_world(path: Path, **refused: object) -> "WorldBundle | None":
+    """Return the world of several infants in a folder, or built from a file; None if there is something else.
+
+    Args:
+        path: What a command was given.
+        refused: Options that are for single infants, by name, as they were given.
+
+    Raises:
+        SpecError: If a world cannot be built.
+        BundleError: If the bundle of a world is damaged.
+        MimocError: If it is a world, and such an option was given.
+    """
+    from mimoc.bundle.world import is_world_folder, read_world_bundle
+    from mimoc.compiler.loading import SPEC_SUFFIXES
+    from mimoc.schema import source
+    from mimoc.schema.world import is_world, read_world
+
+    if path.suffix.lower() in SPEC_SUFFIXES:
+        written = source.read(path) if path != STDIN and path.is_file() else None
+        if written is None or not is_world(written.data):
+            return None
+        _refuse(refused)
+        from mimoc.compiler.worlds import build_world
+
+        return build_world(read_world(written))
+    if not is_world_folder(path):
+        return None
+    _refuse(refused)
+    return read_world_bundle(path)
+
+
+def write(world: "WorldBundle", out: Path, *, force: bool) -> None:
+    """Write a world, and print what was built."""
+    from mimoc.bundle.io import write_bundle
+    from mimoc.cli import console
+    from mimoc.compiler.provenance import who_percentiles
+
+    written = write_bundle(world, out, force=force)
+    for infant in world.infants.values():
+        console.print_child(infant.manifest, who_percentiles(infant.manifest.child))
+    console.print_toys(world.manifest)
+    print(printable(f"{written}: open {written / world.manifest.scene} with MuJoCo, or try: mimoc run {written}"))
+
+
+def check(world: "WorldBundle") -> None:
+    """Check a world, and print the result."""
+    from mimoc.cli import console
+    from mimoc.runtime.check import check_world
+
+    print(f"ok     all {len(world.files)} files {'are unchanged' if world.path else 'of the world compile'}")
+    trial = check_world(world)
+    console.print_check(trial)
+    if not trial.passed:
+        raise typer.Exit(FAILED_CHECK)
+
+
+def draw(world: "WorldBundle", file: Path, size_px: tuple[int, int], body: "Shown", framing: "Framing") -> None:
+    """Write a picture of a world as it starts."""
+    from mimoc.render.picture_files import write_picture
+    from mimoc.render.portrait import world_portrait
+
+    print(printable(write_picture(file, world_portrait(world, *size_px, body, framing))))
+
+
+def run(
+    world: "WorldBundle", policy: str, steps: int, seed: int, video: Path | None, window: bool, film: dict[str, Any]
+) -> None:
+    """Run the infants of a world, film them if there is a video, and print a summary of each."""
+    from contextlib import closing, nullcontext
+
+    from mimoc.cli import console
+    from mimoc.recording.record import film_of
+    from mimoc.runtime.shared_world import SharedWorld
+    from mimoc.runtime.world_rollout import WorldRun, check_policy
+
+    check_policy(policy)
+    roots = [infant.manifest.root_body for infant in world.infants.values()]
+    step_ms = world.manifest.step_ms
+    with closing(SharedWorld(world, "human" if window else None)) as env:
+        rollout = WorldRun(env, policy, seed, load_trained)
+        infant: Any = next(iter(env.infants.values()))  # A video shows all of them.
+        filmed = film_of(video, step_ms, roots=roots, **film) if video else nullcontext()
+        with console.progress("running") as show, filmed as watch:
+            if watch:
+                watch(infant, {})
+            for step in range(steps):
+                rollout.step()
+                if watch:
+                    watch(infant, {})
+                show(step + 1, steps)
+    first, *others = rollout.summaries().items()
+    console.print_run(first[1], dict(others), first[0])
+    if video:
+        print(printable(video))
+
+
+def _refuse(options: dict[str, object]) -> None:
+    for name, given in options.items():
+        if given is not None and given is not False:
+            raise MimocError(f"--{name} {NEEDS_ONE}")

@@ -1,0 +1,162 @@
+"""Where the infants of a world are: as its file says, or side by side; and what belongs to them there."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mimoc.base.units import cm_to_m, deg_to_rad
+from mimoc.body.kinematics import FloatArray
+from mimoc.body.origins import Entry
+from mimoc.compiler.building import Builder
+from mimoc.compiler.constraints import holds, lock, locked_joints, weld
+from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
+from mimoc.geometry.rotations import Vec3, matrix_from_axis, matrix_from_euler
+from mimoc.mjcf.furniture import Furniture, WorldGeom
+from mimoc.mjcf.prefixing import prefixed, prefixed_scene
+from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.world import FreeObject, Lock, Weld
+from mimoc.scenes.built_scene import Placement
+from mimoc.scenes.footprint import footprint
+from mimoc.schema.world import WorldPlan
+
+GAP_CM = 10.0
+"""Between two infants that are side by side, whatever poses of theirs they are in."""
+UP = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class InfantPart:
+    """What an infant adds to its world, placed there, all its names with its prefix."""
+
+    prefix: str
+    tree: SceneTree
+    """The infant."""
+    poses: Mapping[str, Keyframe]
+    """Its states, by pose."""
+    start: str
+    """The pose that its spec gives."""
+    objects: tuple[FreeObject, ...]
+    """The movable objects of its task."""
+    furniture: Furniture
+    """The other objects of its task."""
+    locks: tuple[Lock, ...]
+    welds: tuple[Weld, ...]
+    taken: FloatArray
+    """Floor that it covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+
+
+def covered(builder: Builder) -> FloatArray:
+    """Return the floor that an infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+    discs = footprint(builder.tree, [pose.qpos for pose in builder.infant.keyframes])
+    return np.concatenate([discs, np.reshape(builder.task_setup.taken, (-1, 3))])
+
+
+def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Placement]:
+    """Return where each infant of a world is: as its file says, or side by side along y, centimetres rounded up."""
+    yaws = [deg_to_rad(item.yaw_deg % 360.0) for item in plan.spec.placed]
+    turned = zip(builders.values(), yaws, strict=True)
+    row_cm = _row_cm([place_discs(covered(one), Placement(0.0, 0.0, yaw)) for one, yaw in turned])
+    return {
+        name: Placement(cm_to_m(item.x_cm or 0.0), cm_to_m(y_cm if item.y_cm is None else item.y_cm), yaw)
+        for name, item, y_cm, yaw in zip(builders, plan.spec.placed, row_cm, yaws, strict=True)
+    }
+
+
+def _row_cm(infants: Sequence[FloatArray]) -> list[float]:
+    """Return where the middles of infants, each of which covers discs around its own, are along y in a row, [cm]."""
+    ends = [((discs[:, 1] - discs[:, 2]).min(), (discs[:, 1] + discs[:, 2]).max()) for discs in infants]
+    middles_cm, end_cm = [], 0
+    for low_m, high_m in ends:
+        middles_cm.append(end_cm + math.ceil(-100 * low_m))
+        end_cm = middles_cm[-1] + math.ceil(100 * high_m) + GAP_CM
+    middle_cm = math.floor((end_cm - GAP_CM) / 2)
+    return [float(y_cm - middle_cm) for y_cm in middles_cm]
+
+
+def trace_places(plan: WorldPlan, places: Mapping[str, Placement]) -> Iterator[tuple[str, Entry]]:
+    """Yield where the places of infants come from."""
+    for name, item, place in zip(places, plan.spec.placed, places.values(), strict=True):
+        row = f"side by side along y, {GAP_CM:g} cm apart in whatever poses of theirs, in whole centimetres"
+        rules = {"x_m": None if item.x_cm is None else "as given", "y_m": row if item.y_cm is None else "as given"}
+        for key in ("x_m", "y_m"):
+            rule = rules[key] or "in the row"
+            yield (
+                f"place.{name}.{key}",
+                {"value": getattr(place, key), "unit": "m", "rule": rule, "from": ["spec.infants"]},
+            )
+
+
+def within(group: Placement, place: Placement) -> Placement:
+    """Return a place in the frame of a group of infants as one in the world."""
+    (x_m, y_m, _) = place_discs(np.array([(place.x_m, place.y_m, 0.0)]), group)[0].tolist()
+    return Placement(x_m, y_m, (group.yaw_rad + place.yaw_rad) % (2 * math.pi))
+
+
+def part_of(builder: Builder, place: Placement, prefix: str) -> InfantPart:
+    """Return what an infant adds to its world at a place.
+
+    Raises:
+        UnsupportedTaskError: If the spec holds a part that the infant does not have.
+    """
+    spec, tree, setup = builder.spec, builder.tree, builder.task_setup
+    poses = {pose.name: place_pose(pose, place) for pose in builder.infant.keyframes}
+    start = start_pose(spec, setup)
+    state = poses[start].qpos
+    furniture = replace(setup.furniture, geoms=tuple(place_geom(geom, place) for geom in setup.furniture.geoms))
+    return InfantPart(
+        prefix=prefix,
+        tree=prefixed_scene(builder.infant, prefix),
+        poses=poses,
+        start=start,
+        objects=tuple(prefixed(place_object(thing, place), prefix) for thing in setup.objects),
+        furniture=prefixed(furniture, prefix),
+        locks=tuple(prefixed(item, prefix) for item in lock(locked_joints(spec, tree, setup), tree, state)),
+        welds=tuple(prefixed(item, prefix) for item in weld(holds(spec, tree, setup), tree, state)),
+        taken=place_discs(covered(builder), place),
+    )
+
+
+def place_geom(geom: WorldGeom, place: Placement) -> WorldGeom:
+    """Return a thing that is fixed to the world elsewhere on the floor, turned about the vertical."""
+    (x_m, y_m, _) = place_discs(np.array([(*geom.pos_m[:2], 0.0)]), place)[0].tolist()
+    turned = matrix_from_axis(UP, place.yaw_rad) @ matrix_from_euler(tuple(map(math.degrees, geom.euler_rad)))
+    return replace(geom, pos_m=(x_m, y_m, geom.pos_m[2]), euler_rad=_euler_rad(turned))
+
+
+def _euler_rad(turn: FloatArray) -> Vec3:
+    """Return the angles about x, y and z in turn, each axis as the former left it, of a matrix, shape (3, 3)."""
+    about_y = math.asin(min(1.0, max(-1.0, float(turn[0, 2]))))
+    return math.atan2(-turn[1, 2], turn[2, 2]), about_y, math.atan2(-turn[0, 1], turn[0, 0])
+
+
+def states_of(name: str, parts: Sequence[InfantPart], resting: Sequence[float]) -> list[Keyframe]:
+    """Return a state of a name with all infants as they start, and for each of their poses one with only this changed.
+
+    Their names are those of poses with the prefix of the infant; *resting* is what else moves (`World.resting`).
+    """
+    starts = [part.poses[part.start] for part in parts]
+    states = [_state(name, parts, starts, resting)]
+    for index, part in enumerate(parts):
+        for pose, keyframe in part.poses.items():
+            poses = [*starts[:index], keyframe, *starts[index + 1 :]]
+            states.append(_state(part.prefix + pose, parts, poses, resting))
+    return states
+
+
+def _state(name: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe], resting: Sequence[float]) -> Keyframe:
+    """Return the state of a world: all infants, then what else moves."""
+    qpos = [*(number for pose in poses for number in pose.qpos), *resting]
+    given = dict.fromkeys(key for pose in poses for key, _ in pose.settings)
+    settings = tuple((key, tuple(_padded(key, parts, poses))) for key in given)
+    return Keyframe(name, tuple(qpos), settings)
+
+
+def _padded(key: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe]) -> Iterator[float]:
+    """Yield what states say of all actuators, 0 of those that they say nothing of."""
+    for part, pose in zip(parts, poses, strict=True):
+        tree, values = part.tree, dict(pose.settings).get(key, ())
+        active = dict(tree.actuator_defaults).get("dyntype", "none") != "none"
+        count = len(tree.actuators) + len(tree.reflexes) if key == "ctrl" else len(tree.actuators) * active
+        yield from (*values, *[0.0] * (count - len(values)))

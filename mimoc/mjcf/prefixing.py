@@ -1,0 +1,69 @@
+"""What is printed of an infant with a prefix to all its names, so that several infants fit into one model."""
+
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+from mimoc.mjcf.furniture import PrintedSkin
+from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.skin import Skin, SkinLayer
+
+Part = TypeVar("Part")
+NAMES = frozenset(("name", "joint", "body", "site", "material", "texture"))
+"""Fields that hold a name, or None."""
+LISTS_OF_NAMES = frozenset(("free_joints", "excluded", "frictionless"))
+"""Fields that hold names, or tuples of names."""
+SHARED = frozenset(("world", "solver"))
+"""Fields of a scene with nothing of an infant's own."""
+
+
+def prefixed_scene(scene: SceneTree, prefix: str) -> SceneTree:
+    """Return an infant, its world as it is, whose names all begin with a prefix; pictures are shared files."""
+    renamed = prefixed(replace(scene, name="", skin=None), prefix)
+    if scene.skin is None:
+        return replace(renamed, name=scene.name, prefix=prefix)
+    skin = _prefixed_skin(scene.skin, prefix)
+    return replace(renamed, name=scene.name, prefix=prefix, skin=skin)
+
+
+def prefixed(part: Part, prefix: str) -> Part:
+    """Return something that is printed, such as a lock or a ball, with a prefix to its names and those in it."""
+    part_of_model: Any = part
+    changes = {
+        item.name: _renamed(item.name, getattr(part, item.name), prefix)
+        for item in fields(part_of_model)
+        if item.name not in SHARED
+    }
+    if isinstance(part, PrintedSkin):
+        changes["file"] = skin_file(changes["name"])
+    return replace(part_of_model, **changes)
+
+
+def skin_file(layer: str) -> str:
+    """Return the path of the file of a layer of skin inside a bundle."""
+    return f"assets/{layer}.skn"
+
+
+def _renamed(field: str, value: Any, prefix: str) -> Any:
+    if field in NAMES:
+        return prefix + value if value else value
+    if field in LISTS_OF_NAMES:
+        return tuple(
+            prefix + item if isinstance(item, str) else tuple(prefix + name for name in item) for item in value
+        )
+    if field == "coefficients":  # Of tendons: joints and factors.
+        return tuple((prefix + joint, factor) for joint, factor in value)
+    if field == "names":  # Attributes that refer to something.
+        return tuple((attribute, prefix + name) for attribute, name in value)
+    if isinstance(value, tuple):
+        return tuple(prefixed(item, prefix) if is_dataclass(item) else item for item in value)
+    return prefixed(value, prefix) if is_dataclass(value) else value
+
+
+def _prefixed_skin(skin: Skin, prefix: str) -> Skin:
+    def layers() -> tuple[SkinLayer, ...]:
+        return tuple(
+            replace(layer, name=prefix + layer.name, bones=tuple(prefix + bone for bone in layer.bones))
+            for layer in skin.layers
+        )
+
+    return Skin(tuple(prefix + name for name in skin.names), layers)

@@ -1,0 +1,100 @@
+"""Several infants in one world as a PettingZoo environment."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mimoc.base.errors import BundleError, MissingExtraError
+from mimoc.bundle.world import WorldBundle, read_world_bundle
+from mimoc.runtime.shared_world import SharedWorld
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.world import WorldPlan
+
+if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not everyone has.
+    from mimoc.runtime.parallel_env import InfantsParallelEnv
+    from mimoc.training.world_vec_env import WorldVecEnv
+
+WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
+"""What a world can be made of: a bundle, a folder, a file, or infants by name."""
+
+
+def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
+    """Return the PettingZoo `ParallelEnv` of several infants in one world.
+
+    Agents are the infants, by name. Each has the observation and action space that it has alone, its own senses,
+    delays, noise, task and age; they touch and see each other, and each feels the same contact forces.
+
+    Args:
+        source: A world's bundle, the folder of one, the path of a world's YAML file, or specs by the infants' names.
+        options: `render_mode`, `width` and `height`; and by infant `tasks`, `senses` and `companions`, objects as in
+            `mimoc.make`: `tasks={"anna": MyTask()}`.
+
+    Raises:
+        MissingExtraError: If PettingZoo is not installed.
+        SpecError: If a spec cannot be built, or infants would start within each other.
+        BundleError: If a folder is not the whole bundle of a world.
+        ModelError: If MuJoCo rejects the model.
+        RenderingError: If an infant has vision, and there is no OpenGL here.
+        UnknownNameError: If there is no such render mode or infant.
+
+    Example:
+        >>> import mimoc
+        >>> anna = mimoc.load_spec("nine_months.yaml")
+        >>> env = mimoc.make_parallel({"anna": anna, "ben": anna.with_(age_months=12)})
+        >>> observations, infos = env.reset(seed=0)
+        >>> actions = {name: env.action_space(name).sample() for name in env.agents}
+        >>> observations, rewards, terminated, truncated, infos = env.step(actions)
+        >>> {name: infos[name]["age_months"] for name in env.agents}
+        {'anna': 9.0, 'ben': 12.0}
+    """
+    try:
+        from mimoc.runtime.parallel_env import InfantsParallelEnv
+    except ImportError:
+        raise MissingExtraError("PettingZoo", "multi") from None
+    return InfantsParallelEnv(open_world(source), **options)
+
+
+def open_world(source: WorldSource) -> WorldBundle:
+    """Return the bundle of a world, as `make_parallel` makes it."""
+    if isinstance(source, WorldBundle):
+        return source
+    if isinstance(source, (WorldPlan, Mapping)) or Path(source).suffix.lower() in (".yaml", ".yml"):
+        from mimoc.compiler.worlds import build_world
+
+        return build_world(source)
+    if os.path.isfile(source):
+        raise BundleError(f"{source}: this is a file; name the folder of a world's bundle, or its .yaml file")
+    return read_world_bundle(source)
+
+
+def shared_world(source: WorldSource, **options: Any) -> SharedWorld:
+    """Return the same world without PettingZoo; see `make_parallel`."""
+    return SharedWorld(open_world(source), **options)
+
+
+def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
+    """Return the infants of one world or several as an environment of Stable-Baselines3: all learn one policy.
+
+    Each infant is a row, so all must observe and command the same. When the episode of any infant ends, those of the
+    others in its world are truncated, and its world is reset in the same step.
+
+    Args:
+        worlds: What `make_parallel` returns.
+
+    Raises:
+        MissingExtraError: If Stable-Baselines3 is not installed.
+        BatchMismatchError: If infants do not observe and command the same.
+
+    Example:
+        >>> import mimoc
+        >>> from stable_baselines3 import PPO
+        >>> anna = mimoc.load_spec("nine_months.yaml")
+        >>> envs = mimoc.world_vec_env(mimoc.make_parallel({"anna": anna, "ben": anna}))
+        >>> PPO("MultiInputPolicy", envs, n_steps=8, batch_size=16).learn(16).num_timesteps
+        16
+        >>> envs.close()
+    """
+    from mimoc.training.world_vec_env import WorldVecEnv
+
+    return WorldVecEnv(worlds)

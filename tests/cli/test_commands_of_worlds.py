@@ -1,0 +1,85 @@
+"""Commands on worlds of several infants."""
+
+import pytest
+from PIL import Image
+from support.worlds import ANNA, BEN, written
+
+import mimoc
+
+PAIR = "infants: [anna.yaml, ben.yaml]\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Return a folder with a world's file, and its bundle in `out`."""
+    folder = tmp_path_factory.mktemp("world")
+    mimoc.write_bundle(mimoc.build_world(written(folder, PAIR, anna=ANNA, ben=BEN)), folder / "out")
+    return folder
+
+
+def test_a_world_is_built_with_the_measures_of_each(invoke, tmp_path):
+    path = written(tmp_path, PAIR, anna=ANNA, ben=BEN)
+    done = invoke("build", str(path), "-o", str(tmp_path / "out"))
+    assert "anna, 9 months" in done.out
+    assert "ben, 3 months" in done.out
+    assert (tmp_path / "out" / "infants" / "ben" / "manifest.json").is_file()
+
+
+def test_a_bad_world_leaves_nothing_behind(invoke, tmp_path):
+    path = written(tmp_path, "infants: [anna.yaml, none.yaml]\n", anna=ANNA)
+    done = invoke("build", str(path), "-o", str(tmp_path / "out"))
+    assert done.code == 2
+    assert done.err.splitlines()[-1].startswith(f"{path}:3:22: infants[1]: none.yaml: the file does not exist")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_world_is_checked(invoke, folder):
+    done = invoke("check", str(folder / "out"))
+    assert done.code == 0
+    assert "files are unchanged" in done.out
+    assert "start: no warnings" in done.out
+    assert "of the world compile" in invoke("check", str(folder / "world.yaml")).out
+
+
+def test_its_numbers_are_explained_by_infant(invoke, folder):
+    out = str(folder / "out")
+    assert "ben.body.head.mass = " in invoke("explain", out, "head.mass").out
+    assert "scene.xml: body[@name='ben_head']/geom/@mass" in invoke("explain", out, "ben.body.head.mass").out
+    assert "side by side along y" in invoke("explain", out, "place.ben.y_m").out
+
+
+def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
+    picture, film = tmp_path / "two.png", tmp_path / "two.gif"
+    assert invoke("render", str(folder / "out"), "-o", str(picture), "--width", "64", "--height", "48").code == 0
+    with Image.open(picture) as drawn:
+        assert drawn.size == (64, 48)
+    run = ["run", str(folder / "out"), "--policy", "general_movements+reflexes", "--steps", "8", "--size", "64"]
+    done = invoke(*run, "--video", str(film))
+    assert done.code == 0
+    assert "anna" in done.out
+    assert "ben" in done.out
+    with Image.open(film) as filmed:
+        assert getattr(filmed, "n_frames", 1) >= 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
+        (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
+        (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
+        (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
+        (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
+        (["render", "-o", "a.png", "--pose", "sitting"], "--pose is for a single infant"),
+        (["view", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
+        (["report", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
+    ],
+)
+def test_what_is_for_single_infants_is_refused_in_one_line(invoke, folder, tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    command, *rest = arguments
+    done = invoke(command, str(folder / "world.yaml"), *rest)
+    assert done.code != 0
+    assert message in done.err
+    assert "Traceback" not in done.err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,56 @@
+"""Policies that need no training act for each infant of a world as for one that is alone."""
+
+import numpy as np
+import pytest
+from support.store import built
+from support.worlds import ANNA, BEN, placed, world
+
+from mimoc.base.errors import PolicyError, UnknownNameError
+from mimoc.environments import open_infant
+from mimoc.policies.interface import interface_of
+from mimoc.policies.named import policy_of
+from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_rollout import WorldRun
+
+
+@pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
+def test_a_policy_commands_what_it_does_alone(policy):
+    shared = SharedWorld(placed({"anna": ANNA, "ben": BEN}, {"y_cm": 0}, {"y_cm": 500}))
+    alone = open_infant(built(ANNA))
+    observation, _ = alone.reset(seed=3)
+    observations, _ = shared.reset(seed=3)
+    one, another = policy_of(alone, policy), policy_of(shared.infants["anna"], policy)
+    for generators in ((np.random.default_rng(5), np.random.default_rng(5)),):
+        for _ in range(5):
+            action, commanded = one(generators[0], observation), another(generators[1], observations["anna"])
+            assert np.allclose(action, commanded, rtol=0, atol=1e-5)
+            observation, *_ = alone.step(action)
+            observations, *_ = shared.step({"anna": commanded, "ben": shared.infants["ben"].rest})
+
+
+def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
+    shared = SharedWorld(world(anna=ANNA, ben=BEN))
+    assert interface_of(shared.infants["anna"]) == interface_of(open_infant(built(ANNA)))
+
+
+def test_a_run_is_summed_up_for_each_infant():
+    run = WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    for _ in range(10):
+        run.step()
+    summaries = run.summaries()
+    assert summaries.keys() == {"anna", "ben"}
+    for summary in summaries.values():
+        assert (summary.steps, summary.episodes, summary.unstable) == (10, 1, False)
+        assert summary.joint_speed_rad_s > 0.05
+    assert summaries["anna"].joint_speed_rad_s != summaries["ben"].joint_speed_rad_s
+
+
+@pytest.mark.parametrize("policy", ["sit", "hold+general_movements", "reach", "motion:somewhere"])
+def test_policies_that_read_a_model_of_one_infant_are_refused(policy):
+    with pytest.raises(PolicyError, match="reads a model with one infant only; infants that share a world can have"):
+        WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), policy, seed=0)
+
+
+def test_a_policy_that_there_is_not_is_refused():
+    with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
+        WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), "dance", seed=0)
