@@ -270,10 +270,8 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._task = bind_task(self.bundle, model, self._custom_task)
         timing = timing_of(self.manifest, self._senses)
-        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions)
+        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions, self._senses)
         self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions)
-        for sense in self._senses.values():
-            sense.listen_to(companions)
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:

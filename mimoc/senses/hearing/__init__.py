@@ -12,7 +12,6 @@ from mimoc.schema.quantities import Whole
 
 HearingOutput = Literal["cochleagram", "waveform", "levels"]
 Thresholds = Literal["age", "adult", "off"]
-Material = Literal["plastic", "wood", "metal", "rubber"]
 Hertz = Annotated[Whole, Field(ge=8000, le=96_000, json_schema_extra={"unit": "hz"})]
 
 
@@ -30,8 +29,6 @@ class HearingSpec(Model):
     thresholds: Thresholds = "age"
     """What is not heard: sounds below the thresholds of the infant's age (`age`), of adults (`adult`), or none
     (`off`)."""
-    material: Material = "plastic"
-    """What toys and other objects are made of, which says how they sound when they hit something."""
 
 
 class HearingEntry(Model):
@@ -55,8 +52,6 @@ class HearingEntry(Model):
     """Frequencies at which thresholds are known, in rising order; empty if everything is heard."""
     threshold_db: tuple[Number, ...] = ()
     """Threshold at each of them, in dB re 20 µPa."""
-    material: Material
-    """What objects are made of."""
 
     @model_validator(mode="after")
     def _each_frequency_has_its_threshold(self) -> Self:

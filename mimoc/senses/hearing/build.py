@@ -33,7 +33,6 @@ def build(spec: HearingSpec, body: BodyTree) -> Placed:
         channels=spec.channels,
         threshold_hz=frequencies_hz,
         threshold_db=levels_db,
-        material=spec.material,
     )
     return Placed(entry, origins=dict(_origins(spec, entry)))
 

@@ -1,14 +1,14 @@
-"""What sounds are like: the sound pressure of an impact, a voice or a tone by time, for a level of 0 dB at 1 m.
+"""What sounds are like: the sound pressure of an impact, a voice or a tone by time.
 
 They are made at `FINER` times the sample rate, so that they can be heard with any delay, by linear interpolation. Each is
-a complex array: the real part is the sound as it is, the imaginary part what all heads let pass alike
-(`mimoc.geometry.spherical_head`).
+a complex array: its real part is the sound as it is, its imaginary part what all heads let pass alike
+(`mimoc.geometry.spherical_head.low_part`).
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,27 +17,30 @@ from mimoc.geometry.spherical_head import low_part
 from mimoc.senses.hearing.cochlea import REFERENCE_PA
 from mimoc.senses.sense import FloatArray
 
-ComplexArray = npt.NDArray[np.complex64]
+Wave = npt.NDArray[np.complex64]
 
 FINER = 4
 """A frequency of a third of the sample rate loses .3 dB at most."""
-MARGIN_S = 2e-3
-"""Silence before and after a sound, into which the low part of it rings."""
-PARTIALS = (1.0, 2.757, 5.404, 8.933)
+PARTIALS = np.array([1.0, 2.757, 5.404, 8.933])
 """Frequencies of a free beam, relative to the lowest (Fletcher & Rossing 1998), for want of an object's own."""
-LONGEST_S = 1.5
-"""After which what rings on is cut."""
+LONGEST_S, SHORTEST_S = 10.0, 2e-3
+"""Durations of sounds."""
 GLIDE_S = 0.02
-"""Of the onset and the end of voices and tones."""
-SLOPE_DB = 12.0
-"""By which the harmonics of a voice fall per octave, as the glottal source's (Fant 1960)."""
+"""Of the onset and the end of voices and tones, and of the end of what rings on."""
+HARMONICS, SLOPE_DB = 30, 12.0
+"""Of a voice: their number, and by how much they fall per octave, as the glottal source's do (Fant 1960, from memory);
+there are no formants."""
+PERIOD = 2048
+"""Samples of a period of a voice."""
+IMPACT_S = 0.125
+"""Time over which the level of an impact is the mean, as that of `fast` sound level meters (IEC 61672)."""
 
 
 class Timbre(NamedTuple):
     """What a sound is like; equal ones are made once."""
 
     kind: str
-    """`impact`, `voice` or `tone`."""
+    """`impact`, `voice`, or a pure tone for all else."""
     fundamental_hz: float
     """Of the lowest partial."""
     duration_ms: float
@@ -47,68 +50,74 @@ class Timbre(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Maker:
-    """Makes sounds for a head and a sample rate."""
+class Head:
+    """For whose head, and with how many samples per second, sounds are made."""
 
-    sample_rate_hz: float
     radius_m: float
+    sample_rate_hz: float
 
-    def make(self, timbre: Timbre) -> ComplexArray:
-        """Return the pressure of a timbre, [Pa] at 1 m; its root mean square is 20 µPa, while it lasts."""
-        pressure = IMPACT(self, timbre) if timbre.kind == "impact" else HARMONIC(self, timbre)
-        return self.of_pressure(REFERENCE_PA * pressure)
-
-    def of_pressure(self, pressure_pa: FloatArray) -> ComplexArray:
-        """Return a sound at the finer rate with its low part, with silence before and after."""
-        margin = round(MARGIN_S * FINER * self.sample_rate_hz)
-        padded = np.pad(pressure_pa, (margin, margin))
-        frequencies_hz = np.fft.rfftfreq(len(padded), 1 / (FINER * self.sample_rate_hz))
-        low = np.fft.irfft(np.fft.rfft(padded) * low_part(frequencies_hz, self.radius_m), len(padded))
-        return (padded + 1j * low).astype(np.complex64)
-
-    def resampled(self, pressure_pa: FloatArray, rate_hz: float) -> FloatArray:
-        """Return a recorded pressure, shape (n,), at the finer rate."""
-        size = round(len(pressure_pa) * FINER * self.sample_rate_hz / rate_hz)
-        spectrum = np.fft.rfft(pressure_pa)[: size // 2 + 1]
-        return np.fft.irfft(spectrum, size) * (size / len(pressure_pa))
-
-    def times_s(self, duration_s: float) -> FloatArray:
-        """Return the times of the finer samples of a duration."""
-        return np.arange(math.ceil(duration_s * FINER * self.sample_rate_hz)) / (FINER * self.sample_rate_hz)
+    @property
+    def finer_hz(self) -> float:
+        """Sample rate of waves."""
+        return FINER * self.sample_rate_hz
 
 
-def _impact(maker: Maker, timbre: Timbre) -> FloatArray:
+@lru_cache(maxsize=64)
+def wave_of(timbre: Timbre, head: Head) -> Wave:
+    """Return the wave of a timbre, in [Pa] at 1 m; its level is 0 dB re 20 µPa."""
+    duration_s = min(max(timbre.duration_ms / 1000, SHORTEST_S), LONGEST_S)
+    times_s = np.arange(math.ceil(duration_s * head.finer_hz)) / head.finer_hz
+    wave = (_impact if timbre.kind == "impact" else _harmonic)(timbre, times_s, head)
+    wave = (REFERENCE_PA * wave).astype(np.complex64)
+    wave.flags.writeable = False
+    return wave
+
+
+def wave_of_pressure(pressure_pa: FloatArray, rate_hz: float, head: Head) -> Wave:
+    """Return the wave of a recorded pressure at 1 m, shape (n,)."""
+    size = max(2, round(len(pressure_pa) * head.finer_hz / rate_hz))
+    spectrum = np.fft.rfft(pressure_pa)[: size // 2 + 1]
+    low = low_part(np.arange(len(spectrum)) * rate_hz / len(pressure_pa), head.radius_m)
+    sounds = np.fft.irfft(np.stack([spectrum, spectrum * low]), size) * (size / len(pressure_pa))
+    return (sounds[0] + 1j * sounds[1]).astype(np.complex64)
+
+
+def _impact(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
     """Return partials that decay together with their periods: each by 60 dB within the same number of them."""
-    frequencies_hz = _below(maker, [timbre.fundamental_hz * ratio for ratio in PARTIALS])
-    decays_s = timbre.duration_ms / 1000 / math.log(1000) * timbre.fundamental_hz / frequencies_hz
-    sizes = 1 / (np.arange(len(frequencies_hz)) + 1) / (1 + (2 * frequencies_hz * timbre.contact_ms / 1000) ** 2)
-    times_s = maker.times_s(min(LONGEST_S, math.log(1000) * float(decays_s.max())))
-    pressure = np.zeros(len(times_s))
+    frequencies_hz = _below(timbre.fundamental_hz * PARTIALS, head)
+    decays_s = timbre.duration_ms / 1000 / math.log(1000) * frequencies_hz[0] / frequencies_hz
+    sizes = 1 / (np.arange(len(frequencies_hz)) + 1) / (1 + (2e-3 * frequencies_hz * timbre.contact_ms) ** 2)
+    ends = np.minimum(1.0, (times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 2))
+    wave = np.zeros(len(times_s), complex)
     for frequency_hz, decay_s, size in zip(frequencies_hz, decays_s, sizes, strict=True):
-        pressure += size * np.exp(-times_s / decay_s) * np.sin(2 * np.pi * frequency_hz * times_s)
-    pressure *= np.minimum(1.0, (times_s[-1] - times_s) / GLIDE_S)
-    power = float(np.sum(sizes**2 * decays_s) / 4)  # Of a decaying sine: size² decay / 4.
-    return pressure / math.sqrt(power / IMPACT_S)
+        partial = np.exp(-times_s / decay_s) * np.sin(2 * np.pi * frequency_hz * times_s)
+        wave += size * (1 + 1j * low_part(frequency_hz, head.radius_m)) * partial
+    energy = float(np.sum(sizes**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
+    return ends * wave / math.sqrt(energy / IMPACT_S)
 
 
-def _harmonic(maker: Maker, timbre: Timbre) -> FloatArray:
-    """Return a voice, whose harmonics fall by 12 dB per octave, or a pure tone, with smooth ends."""
-    multiples = np.arange(1, 31) if timbre.kind == "voice" else np.array([1])
-    frequencies_hz = _below(maker, timbre.fundamental_hz * multiples)
-    sizes = multiples[: len(frequencies_hz)] ** -(SLOPE_DB / (20 * math.log10(2)))
-    times_s = maker.times_s(timbre.duration_ms / 1000)
-    pressure = sizes @ np.sin(2 * np.pi * frequencies_hz[:, None] * times_s)
-    ends = np.minimum(times_s, times_s[-1] - times_s) / min(GLIDE_S, timbre.duration_ms / 4000)
-    pressure *= np.sin(np.pi / 2 * np.minimum(1.0, ends)) ** 2
-    return pressure / math.sqrt(float(np.sum(sizes**2)) / 2)
+def _harmonic(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
+    """Return a voice or a pure tone, with smooth ends."""
+    period = harmonic_period(timbre.fundamental_hz, HARMONICS if timbre.kind == "voice" else 1, head)
+    places = (times_s * min(timbre.fundamental_hz, 0.45 * head.sample_rate_hz) * PERIOD).astype(np.int64) % PERIOD
+    ends = np.minimum(times_s, times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 4)
+    return period[places] * np.sin(np.pi / 2 * np.minimum(1.0, ends)) ** 2
 
 
-def _below(maker: Maker, frequencies_hz: Sequence[float] | FloatArray) -> FloatArray:
+def harmonic_period(fundamental_hz: float, harmonics: int, head: Head) -> npt.NDArray[np.complex128]:
+    """Return a period of a sound with some harmonics, shape (`PERIOD`,), with a root mean square of 1."""
+    frequencies_hz = _below(fundamental_hz * np.arange(1, harmonics + 1), head)
+    numbers = np.arange(1, len(frequencies_hz) + 1)
+    sizes = numbers ** -(SLOPE_DB / (20 * math.log10(2)))
+    weights = sizes * (1 + 1j * low_part(frequencies_hz, head.radius_m))
+    return weights @ _SINES[: len(numbers)] / math.sqrt(float(np.sum(sizes**2)) / 2)
+
+
+_SINES = np.sin(2 * np.pi / PERIOD * np.outer(np.arange(1, HARMONICS + 1), np.arange(PERIOD)))
+
+
+def _below(frequencies_hz: FloatArray, head: Head) -> FloatArray:
     """Return those frequencies that the sample rate can hold, or the highest that it can."""
-    highest_hz = 0.45 * maker.sample_rate_hz
-    return np.array([hz for hz in frequencies_hz if hz < highest_hz] or [highest_hz])
-
-
-IMPACT_S = 0.125
-"""Time over which the level of an impact is the mean: `fast` of a sound level meter (IEC 61672)."""
-IMPACT, HARMONIC = _impact, _harmonic
+    highest_hz = 0.45 * head.sample_rate_hz
+    kept = frequencies_hz[frequencies_hz < highest_hz]
+    return kept if len(kept) else np.array([highest_hz])
