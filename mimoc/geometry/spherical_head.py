@@ -1,17 +1,18 @@
 """A spherical head: how long after its centre a sound reaches each ear, and how much of it.
 
-    time    T(γ) = -(r / c) cos γ    up to γ = 90°,    (r / c) (γ - 90°)    beyond,
+    time    T(β) = -(r / c) cos β    up to β = 90°,    (r / c) (β - 90°)    beyond,
 
-with the angle γ between the direction of the source and that of the ear, so that the ears of a source at an azimuth θ
+with the angle β between the direction of the source and that of the ear, so that the ears of a source at an azimuth θ
 differ by Woodworth's (r / c) (θ + sin θ) (Woodworth 1938), at all frequencies. And
 
-    level   H(f, γ) = a + (1 - a) / √(1 + (f / f₀)²),    f₀ = c / (π r),
-            a(γ) = 1.05 + .95 cos(γ 180° / 150°),
+    level   H(f, β) = a + (1 - a) / √(1 + (f / f₀)²),    f₀ = c / (π r),
+            a(β) = 1.05 + .95 cos(β 180° / 150°),
 
-which is the filter with one pole and one zero of Brown & Duda (1998, IEEE Trans Speech Audio Process 6: 476), of which
-only the size of the pole's part is kept, as the times above are in it otherwise. Differences between the ears are within
-4 dB of those of the sphere's diffraction (Duda & Martens 1998, J Acoust Soc Am 104: 3048) up to k r = 8. Neither pinnae
-nor shoulders are there, and a source is as if it were far away, but for its distance from the centre.
+which is the filter with one pole and one zero of Brown & Duda (1998, IEEE Trans Speech Audio Process 6: 476), of whose
+pole only the size is kept, as the times above already have what its phase would add. Differences of level between the
+ears are within 5 dB of those of the sphere's diffraction (Duda & Martens 1998, J Acoust Soc Am 104: 3048) up to
+k r = 8. Neither pinnae nor shoulders are there, and a source is as if it were far away, but for its distance from the
+centre.
 """
 
 import math
@@ -50,7 +51,11 @@ def interaural_time_s(azimuth_rad: Any, radius_m: float) -> Any:
 
 
 def ear_angles(directions: FloatArray) -> FloatArray:
-    """Return the angles between unit vectors, shape (n, 3), x forward and y left, and the left and right ear, (n, 2)."""
+    """Return the angles between directions and the left and the right ear, shape (n, 2).
+
+    Args:
+        directions: Unit vectors, shape (n, 3), x forward and y to the left.
+    """
     cosines = np.stack([directions[:, 1], -directions[:, 1]], axis=1)
     return np.arccos(np.minimum(np.maximum(cosines, -1.0), 1.0))
 
@@ -62,7 +67,7 @@ def ear_delays_s(angles: FloatArray, radius_m: float) -> FloatArray:
 
 
 def high_share(angles: FloatArray) -> FloatArray:
-    """Return a(γ): the amplitude of high frequencies at an ear, relative to the sound without a head."""
+    """Return a(β): the amplitude of high frequencies at an ear, relative to the sound without a head."""
     return (1 + LEAST / 2) + (1 - LEAST / 2) * np.cos(angles * (np.pi / AT))
 
 

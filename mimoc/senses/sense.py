@@ -23,7 +23,7 @@ sample arrives.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -32,9 +32,6 @@ from gymnasium.spaces import Box
 
 from mimoc.base.sound import SoundSources
 from mimoc.runtime.term import Term
-
-if TYPE_CHECKING:  # It needs senses' noise.
-    from mimoc.companions.companion import Companion
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -53,8 +50,8 @@ class Sense(ABC):
     None where all are in the head or trunk."""
     term: Term | None = None
     """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
-    companion: "Companion | None" = None
-    """What sees each physics step for it, and has its state, if it senses what happens between samples."""
+    companion: Any = None
+    """The `Companion` that sees each physics step for it and has its state, if it senses what is between samples."""
     reads_in_threads: bool = False
     """Whether samples of several infants can be taken at the same time, in any threads."""
 

@@ -1,13 +1,13 @@
 """Frequency bands of the ear: from sound pressure to the level of each band, in dB.
 
-The n-th band is a gammatone filter of fourth order about a frequency f_n (Patterson et al. 1992), whose width is that of
-adults' auditory filters, ERB(f) = 24.7 (4.37 f / 1000 + 1) in [Hz] (Glasberg & Moore 1990):
+The n-th band is a gammatone filter of fourth order about a frequency f_n (Patterson et al. 1992), whose width is that
+of adults' auditory filters, ERB(f) = 24.7 (4.37 f / 1000 + 1) in [Hz] (Glasberg & Moore 1990):
 
     |G_n(f)|² = (1 + ((f - f_n) / (1.019 ERB(f_n)))²)⁻⁴.
 
 Its level is 10 log10(Σ |X(f)|² |G_n(f)|² / p₀²) over the spectrum X of a window of time, so that a lasting tone of that
-frequency has its sound pressure level there, re p₀ = 20 µPa. No infant's filters are wider in it: theirs are adults' from
-6 months on (Olsho 1985; Spetner & Olsho 1990, both from memory).
+frequency has its sound pressure level there, re p₀ = 20 µPa. Infants' filters are as wide as adults' here; theirs are
+so from 6 months on (Spetner & Olsho 1990, from memory).
 """
 
 from dataclasses import dataclass

@@ -3,12 +3,12 @@
 Two bodies that come into contact with a closing speed v sound with a share η of the kinetic energy E = m v² / 2 that is
 at stake, with the reduced mass m of both. At 1 m the mean square of the pressure over T = 125 ms is
 
-    p² = η E ρ c / (4 π T)
+    p² = η E Z / (4 π T)
 
-with the impedance ρ c of air. Each of the two rings at frequencies f that are inversely proportional to its size, and
+with the impedance Z of air. Each of the two rings at frequencies f that are inversely proportional to its size, and
 loses a share of its amplitude per period that is its material's: exp(-t π f φ) (Wildes & Richards 1988). What is soft
-touches for longer, and so excites no high frequencies. All figures of materials are assumed: they put impacts of toys on
-floors at the 60 to 80 dB of everyday, but no sound of an object is that of a real one. Nothing sounds that rolls or
+touches for longer, and so excites no high frequencies. All figures of materials are assumed: they put impacts of toys
+on floors at the 60 to 80 dB of everyday, but no sound of an object is that of a real one. Nothing sounds that rolls or
 slides.
 """
 
@@ -28,11 +28,13 @@ from mimoc.senses.hearing.timbres import IMPACT_S, Timbre
 from mimoc.senses.sense import FloatArray, IntArray
 
 AIR_KG_M2S = 413.0
-"""Impedance of air, ρ c, at 20 °C."""
+"""Impedance of air, Z, at 20 °C: density x speed of sound."""
 LEAST_M_S = 0.01
 """Closing speed below which nothing sounds."""
 APART_S = 0.05
 """How long two bodies must have been apart to hit each other again."""
+DROWNED_DB = 15.0
+"""Of two bodies that hit each other, one that is so much quieter is left out."""
 RINGS_FROM_M_S, RESTS_BELOW_M_S, CLAPPER_KG = 0.1, 0.05, 0.002
 """A bell rings whenever its speed exceeds the first, after it was below the second; by its clapper's mass. Assumed."""
 
@@ -52,13 +54,13 @@ class Substance:
 
 
 SUBSTANCES = {
-    "plastic": Substance(70.0, 0.06, 1e-5, 0.2),
+    "plastic": Substance(70.0, 0.06, 1e-5, 0.15),
     "wood": Substance(110.0, 0.025, 3e-5, 0.15),
-    "metal": Substance(250.0, 0.002, 1e-4, 0.05),
+    "metal": Substance(250.0, 0.002, 1e-4, 0.02),
     "rubber": Substance(20.0, 0.3, 1e-6, 3.0),
     "cloth": Substance(15.0, 0.5, 1e-7, 5.0),
     "body": Substance(30.0, 0.5, 3e-7, 3.0),
-    "floor": Substance(100.0, 0.2, 3e-6, 0.3),
+    "floor": Substance(100.0, 0.2, 3e-6, 0.05),
 }
 TOYS, BELL_SIZE_M = "plastic", 0.04
 """What toys are made of whose material nobody says; and the size of a bell."""
@@ -109,8 +111,11 @@ class Resonators:
             return
         energy_j = closing_m_s**2 / 2 / float(self.per_kg[first] + self.per_kg[second])
         contact_ms = self.substances[first].contact_ms + self.substances[second].contact_ms
-        for body in (first, second):
-            yield self._sound(body, energy_j, contact_ms, place_m, float(self.sizes_m[body]))
+        sounds = [
+            self._sound(body, energy_j, contact_ms, place_m, float(self.sizes_m[body])) for body in (first, second)
+        ]
+        loudest_db = max(sound.level_db for sound in sounds)
+        yield from (sound for sound in sounds if sound.level_db > loudest_db - DROWNED_DB)
 
     def chime(self, speed_m_s: float, body: int, place_m: FloatArray) -> Impact:
         """Return the sound of a bell on a body that swings with a speed."""
@@ -140,7 +145,7 @@ class Resonators:
         """Return the velocity of a place on a body, shape (3,), [m/s], in the world."""
         rx, ry, rz, *velocity = data.cvel[body].tolist()
         x, y, z = (place_m - data.subtree_com[self._root[body]]).tolist()
-        return np.array(velocity) + (ry * z - rz * y, rz * x - rx * z, rx * y - ry * x)
+        return np.array([ry * z - rz * y, rz * x - rx * z, rx * y - ry * x]) + velocity
 
 
 class Contacts:

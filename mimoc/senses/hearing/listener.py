@@ -1,8 +1,8 @@
 """What is to be heard of a world: it sees each physics step for impacts, and mixes sounds for the ears when asked.
 
-    physics steps   |  1  |  2  |  3  |  4  |      impacts are found after each of them
-    samples         |.....|.....|.....|.....|      mixed when the sense is sampled, of all time since it last was
-                    ^           ^           ^      so that they follow each other without a gap
+physics steps  |  1  |  2  |  3  |  4  |  impacts are found after each of them
+samples        |.....|.....|.....|.....|  mixed when the sense is sampled, of all time since it last was,
+the sense            ^           ^        so that they follow each other without a gap
 """
 
 from collections.abc import Sequence
@@ -110,11 +110,9 @@ class Listener(Companion):
             "touched": [list(self._contacts.last_s), list(self._contacts.last_s.values())],
             "ringing": sorted(self._contacts.ringing),
             "begun": self._begun,
-            "sources": [
-                [list(one.what) if isinstance(one.what, Timbre) else one.what, one.gain, one.start, one.body, one.point_m]
-                for one in self._mixer.sources
-            ],
-            "ways": self._mixer.ways,
+            "sources": [_listed(source) for source in self._mixer.sources],
+            "delays": self._mixer.delays,
+            "gains": self._mixer.gains,
         }
 
     @state.setter
@@ -124,13 +122,19 @@ class Listener(Companion):
             Source(what if isinstance(what, np.ndarray) else Timbre(*what), gain, start, body, point_m)
             for what, gain, start, body, point_m in state["sources"]
         ]
-        demand(np.shape(state["ways"]) == (len(sources), 2, 3), "companions.hearing.ways", state["ways"])
+        for name in ("delays", "gains"):
+            demand(np.shape(state[name]) == (len(sources), 2), f"companions.hearing.{name}", state[name])
         self.index, self.pressure_pa = state["index"], state["pressure"]
         self._contacts.last_s = dict(zip(*state["touched"], strict=True))
         self._contacts.ringing = set(state["ringing"])
         self._begun = [list(key) for key in state["begun"]]
-        self._mixer.restore(sources, state["ways"])
+        self._mixer.restore(sources, state["delays"], state["gains"])
 
 
 def _of_impact(impact: Impact, start: float) -> Source:
     return Source(impact.timbre, 10 ** (impact.level_db / 20), start, 0, impact.place_m)
+
+
+def _listed(source: Source) -> list[Any]:
+    what = list(source.what) if isinstance(source.what, Timbre) else source.what
+    return [what, source.gain, source.start, source.body, source.point_m]

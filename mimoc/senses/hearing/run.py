@@ -19,6 +19,8 @@ WINDOW_S = 0.025
 """Time over which levels of bands are means, weighted by a Hann window, as is usual for speech."""
 LOUDEST_PA, LOUDEST_DB = 20.0, 140.0
 """Bounds of the observation: 120 dB, and what is above a threshold of adults then."""
+BELOW_DB = 10.0
+"""Impacts that are so far below the lowest threshold at the head are left out."""
 EARS = "left", "right"
 
 
@@ -99,9 +101,11 @@ OUTPUTS: dict[str, type[Output]] = {"cochleagram": Cochleagram, "levels": Levels
 class Hearing(Sense):
     """What both ears hear, the left one first, shape (2, n)."""
 
-    def __init__(self, output: Output, listener: Listener):
-        """Observe what a listener hears as an output."""
-        self.output, self.companion = output, listener
+    def __init__(self, output: Output, listener: Listener, head: int):
+        """Observe what a listener hears with ears on a body as an output."""
+        self.bodies = np.full(len(EARS), head, np.intp)
+        self.output, self.listener = output, listener
+        self.companion = listener
         self.names = output.names
         low, high = output.low, output.high
         self.spaces = {"hearing": Box(low, high, (len(EARS), len(self.names)), np.float32)}
@@ -113,7 +117,7 @@ class Hearing(Sense):
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return what is heard now, or since the last sample."""
-        return self.output(self.companion.heard(data)[:, -len(self.output.bands.window) :])
+        return self.output(self.listener.heard(data)[:, -len(self.output.bands.window) :])
 
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds."""
@@ -121,7 +125,7 @@ class Hearing(Sense):
 
     def listen_to(self, sources: SoundSources) -> None:
         """Hear companions, too."""
-        self.companion.listen_to(sources)
+        self.listener.listen_to(sources)
 
 
 def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
@@ -134,5 +138,5 @@ def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
     centres_hz = band_centres_hz(entry.channels, rate_hz)
     thresholds_db = thresholds_at(centres_hz, entry.threshold_hz, entry.threshold_db)
     output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
-    least_db = float(thresholds_db.min()) - 10
-    return Hearing(output, Listener(entry, model, bundle, max(step, len(window)), least_db))
+    least_db = float(thresholds_db.min()) - BELOW_DB
+    return Hearing(output, Listener(entry, model, bundle, max(step, len(window)), least_db), model.body(entry.head).id)

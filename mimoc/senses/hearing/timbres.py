@@ -1,7 +1,7 @@
 """What sounds are like: the sound pressure of an impact, a voice or a tone by time.
 
-They are made at `FINER` times the sample rate, so that they can be heard with any delay, by linear interpolation. Each is
-a complex array: its real part is the sound as it is, its imaginary part what all heads let pass alike
+They are made at `FINER` times the sample rate, so that they can be heard with any delay, by linear interpolation. Each
+is a complex array: its real part is the sound as it is, its imaginary part what all heads let pass alike
 (`mimoc.geometry.spherical_head.low_part`).
 """
 
@@ -64,7 +64,7 @@ class Head:
 
 @lru_cache(maxsize=64)
 def wave_of(timbre: Timbre, head: Head) -> Wave:
-    """Return the wave of a timbre, in [Pa] at 1 m; its level is 0 dB re 20 µPa."""
+    """Return the wave of a timbre, in [Pa] at 1 m; its level is 0 dB re 20 µPa, of hard contacts."""
     duration_s = min(max(timbre.duration_ms / 1000, SHORTEST_S), LONGEST_S)
     times_s = np.arange(math.ceil(duration_s * head.finer_hz)) / head.finer_hz
     wave = (_impact if timbre.kind == "impact" else _harmonic)(timbre, times_s, head)
@@ -86,13 +86,14 @@ def _impact(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
     """Return partials that decay together with their periods: each by 60 dB within the same number of them."""
     frequencies_hz = _below(timbre.fundamental_hz * PARTIALS, head)
     decays_s = timbre.duration_ms / 1000 / math.log(1000) * frequencies_hz[0] / frequencies_hz
-    sizes = 1 / (np.arange(len(frequencies_hz)) + 1) / (1 + (2e-3 * frequencies_hz * timbre.contact_ms) ** 2)
+    sizes = 1 / (np.arange(len(frequencies_hz)) + 1)
+    energy = float(np.sum(sizes**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
+    sizes /= 1 + (2e-3 * frequencies_hz * timbre.contact_ms) ** 2
     ends = np.minimum(1.0, (times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 2))
     wave = np.zeros(len(times_s), complex)
     for frequency_hz, decay_s, size in zip(frequencies_hz, decays_s, sizes, strict=True):
         partial = np.exp(-times_s / decay_s) * np.sin(2 * np.pi * frequency_hz * times_s)
         wave += size * (1 + 1j * low_part(frequency_hz, head.radius_m)) * partial
-    energy = float(np.sum(sizes**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
     return ends * wave / math.sqrt(energy / IMPACT_S)
 
 
@@ -116,7 +117,7 @@ def harmonic_period(fundamental_hz: float, harmonics: int, head: Head) -> npt.ND
 _SINES = np.sin(2 * np.pi / PERIOD * np.outer(np.arange(1, HARMONICS + 1), np.arange(PERIOD)))
 
 
-def _below(frequencies_hz: FloatArray, head: Head) -> FloatArray:
+def _below(frequencies_hz: Any, head: Head) -> FloatArray:
     """Return those frequencies that the sample rate can hold, or the highest that it can."""
     highest_hz = 0.45 * head.sample_rate_hz
     kept = frequencies_hz[frequencies_hz < highest_hz]
