@@ -30,7 +30,7 @@ class ActuationSpec(Model):
     """Actuation model."""
     arousal: Annotated[Real, Field(ge=0, le=2)] = 1.0
     """How awake the infant is: its muscle tone is in proportion to it. 1 is quiet, 0 slack. `published` has no tone."""
-    bandwidth_hz: Annotated[Real, Field(ge=0.1, le=100)] | None = None
+    bandwidth_hz: Annotated[Real, Field(ge=0.1, le=100, json_schema_extra={"unit": "hz"})] | None = None
     """Frequency above which commands hardly reach the muscles: they pass two low-pass filters of first order with this
     cut-off, one after the other. By default no limit, and 5 Hz in the tasks that are skills."""
     strength_age_months: Age | None = None
