@@ -103,6 +103,7 @@ def run(
     from mimoc import recording
     from mimoc.cli import console
     from mimoc.policies.named import policy_of
+    from mimoc.recording.sound_track import hears, sound_file
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
@@ -116,7 +117,8 @@ def run(
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
-        written = [path for path in (video, record) if path]
+        sound = sound_file(video) if video and hears(env) else None
+        written = [path for path in (video, sound, record) if path]
         _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     summary = rollout.summary()
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}

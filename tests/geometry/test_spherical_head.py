@@ -47,7 +47,9 @@ def test_ears_differ_by_woodworths_time_in_every_direction(azimuth_rad, elevatio
     towards = direction(azimuth_rad, elevation_rad)
     ((left_s, right_s),) = ear_delays_s(ear_angles(towards), radius_m)
     aside_rad = np.arcsin(np.clip(towards[0, 1], -1, 1))
-    assert right_s - left_s == pytest.approx(np.sign(aside_rad) * interaural_time_s(abs(aside_rad), radius_m), abs=1e-11)
+    assert right_s - left_s == pytest.approx(
+        np.sign(aside_rad) * interaural_time_s(abs(aside_rad), radius_m), abs=1e-11
+    )
 
 
 @given(angles_rad, radii_m)

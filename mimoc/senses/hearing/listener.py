@@ -43,6 +43,11 @@ class Listener(Companion):
         self._sources: Sequence[SoundSources] = ()
         self._forget()
 
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second."""
+        return self._head.sample_rate_hz
+
     def listen_to(self, sources: SoundSources) -> None:
         """Hear what these let sound, too."""
         self._sources = (sources,)

@@ -83,8 +83,7 @@ class Mixer:
             return np.zeros((2, count))
         delays, gains = self._ways_now(data)
         delays_before, gains_before = (
-            np.where(np.isnan(self.delays), now, before)
-            for now, before in ((delays, self.delays), (gains, self.gains))
+            np.where(np.isnan(self.delays), now, before) for now, before in ((delays, self.delays), (gains, self.gains))
         )
         later = np.arange(1, count + 1)
         slopes = FINER * (1 - (delays - delays_before) / count)

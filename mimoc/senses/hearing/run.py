@@ -139,4 +139,5 @@ def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
     thresholds_db = thresholds_at(centres_hz, entry.threshold_hz, entry.threshold_db)
     output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
     least_db = float(thresholds_db.min()) - BELOW_DB
-    return Hearing(output, Listener(entry, model, bundle, max(step, len(window)), least_db), model.body(entry.head).id)
+    kept = max(2 * step, len(window))  # As long as it can be between two samples of the sense.
+    return Hearing(output, Listener(entry, model, bundle, kept, least_db), model.body(entry.head).id)

@@ -51,7 +51,9 @@ def test_a_bundle_without_hearing_does_not_mention_it():
 
 def test_a_child_whose_head_is_large_has_ears_far_apart():
     radii_m = [
-        store.built(infant(body={"individual": {"sex": "female", "head_percentile": share}})).manifest.senses.hearing.radius_m
+        store.built(
+            infant(body={"individual": {"sex": "female", "head_percentile": share}})
+        ).manifest.senses.hearing.radius_m
         for share in (3, 97)
     ]
     assert np.diff(radii_m) > 0.002
@@ -60,7 +62,10 @@ def test_a_child_whose_head_is_large_has_ears_far_apart():
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"senses": {"hearing": {"sample_rate_hz": 22_050}}}, "a control step of 10 ms has 220.50 samples; choose another"),
+        (
+            {"senses": {"hearing": {"sample_rate_hz": 22_050}}},
+            "a control step of 10 ms has 220.50 samples; choose another",
+        ),
         ({"senses": {"hearing": {"output": "cochlea"}}}, "cochleagram"),
         ({"senses": {"hearing": {"channels": 1}}}, "4"),
         ({"senses": {}, "noise": {"hearing_db": 2}}, "'hearing' is off, so it has no noise"),

@@ -61,4 +61,6 @@ def test_a_staircase_of_tones_ends_at_the_threshold_that_was_entered(output, ban
 
 def test_without_a_table_the_threshold_is_0_db_and_with_one_it_is_the_tables():
     assert (thresholds_at(np.array([100.0, 1000.0]), (), ()) == 0).all()
-    assert thresholds_at(np.array([500.0, 707.1, 1000.0]), (500, 1000), (30, 20)) == pytest.approx([30, 25, 20], abs=0.01)
+    assert thresholds_at(np.array([500.0, 707.1, 1000.0]), (500, 1000), (30, 20)) == pytest.approx(
+        [30, 25, 20], abs=0.01
+    )

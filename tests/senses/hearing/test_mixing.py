@@ -30,7 +30,9 @@ def mixer_of(*sources: Source, radius_m: float = 0.066) -> Mixer:
     return mixer
 
 
-def source(what: Any, azimuth_deg: float = 0.0, distance_m: float = 1.0, start: float = 0.0, gain: float = 1.0) -> Source:
+def source(
+    what: Any, azimuth_deg: float = 0.0, distance_m: float = 1.0, start: float = 0.0, gain: float = 1.0
+) -> Source:
     """Return a source around the centre of the head, in the world."""
     angle = np.radians(azimuth_deg)
     return Source(what, gain, start, 0, CENTRE_M + distance_m * np.array([np.cos(angle), np.sin(angle), 0.0]))
@@ -48,7 +50,9 @@ def lag_s(left: np.ndarray, right: np.ndarray) -> float:
 
 @settings(max_examples=60)
 @given(azimuths_deg, st.floats(0.05, 0.09), st.floats(0.3, 3))
-def test_the_lag_between_the_ears_is_woodworths_in_every_direction_and_for_every_head(azimuth_deg, radius_m, distance_m):
+def test_the_lag_between_the_ears_is_woodworths_in_every_direction_and_for_every_head(
+    azimuth_deg, radius_m, distance_m
+):
     mixer = mixer_of(source(NOISE, azimuth_deg, distance_m), radius_m=radius_m)
     left, right = mixer.mix(world(), 0, 2000)
     aside_rad = np.arcsin(np.sin(np.radians(azimuth_deg)))

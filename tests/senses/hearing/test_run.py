@@ -138,7 +138,11 @@ def test_a_state_a_copy_and_a_pickle_go_on_as_the_original():
 def test_a_state_of_nothing_is_refused():
     with closing(opened(infant())) as env:
         state = env.get_state()
-        for broken in ({}, {"senses.hearing": {}}, {"senses.hearing": {**state["companions"]["senses.hearing"], "index": "x"}}):
+        for broken in (
+            {},
+            {"senses.hearing": {}},
+            {"senses.hearing": {**state["companions"]["senses.hearing"], "index": "x"}},
+        ):
             with pytest.raises(ValueError, match="state"):
                 env.set_state({**state, "companions": broken})
 
