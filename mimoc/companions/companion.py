@@ -16,6 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.voice import Voice
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object
 from mimoc.base.model_fields import ModelField
@@ -165,6 +166,7 @@ def bind_companions(
     streams: NoiseStreams,
     custom: Mapping[str, Companion],
     senses: Mapping[str, Sense] = MappingProxyType({}),
+    voice: Voice | None = None,
 ) -> Companions:
     """Return the companions of an infant, bound to its model.
 
@@ -174,6 +176,7 @@ def bind_companions(
         streams: Random numbers of the environment, by channel.
         custom: Objects of a script's own, by name.
         senses: The infant's senses, which hear these companions, and some of which have one themselves.
+        voice: Its voice, which they hear, too.
 
     Raises:
         KindError: If one of them is none.
@@ -186,5 +189,5 @@ def bind_companions(
     of_senses = {name: sense.companion for name, sense in senses.items() if sense.companion}
     companions = Companions(custom, streams, of_senses)
     for sense in senses.values():
-        sense.listen_to(companions)
+        sense.listen_to(companions, voice)
     return companions

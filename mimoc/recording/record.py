@@ -161,8 +161,8 @@ def record(
     """Run an infant under a policy, record a video, and return the summary of the run.
 
     The video plays in real time. Of an infant that hears, what reaches its ears is written beside it, as a stereo .wav
-    file of the same name, and is the sound of an .mp4. After Ctrl-C, the video up to that point is kept; after any other error, no file is
-    written.
+    file of the same name, and is the sound of an .mp4. After Ctrl-C, the video up to that point is kept; after any
+    other error, no file is written.
 
     Args:
         env: The environment, which is reset.

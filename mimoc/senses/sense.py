@@ -82,8 +82,8 @@ class Sense(ABC):
         """
         return False
 
-    def listen_to(self, sources: SoundSources) -> None:
-        """Hear these sources besides what sounds by itself, from now on; most senses hear nothing."""
+    def listen_to(self, sources: SoundSources, voice: Any = None) -> None:
+        """Hear these sources besides what sounds by itself, and the infant's own `Voice`; most senses hear nothing."""
         return
 
     def close(self) -> None:

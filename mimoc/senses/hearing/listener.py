@@ -11,6 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.actuation.voice import Voice
 from mimoc.base.sound import Sound, SoundSources
 from mimoc.base.state_form import check_form, demand
 from mimoc.bundle.io import Bundle
@@ -18,6 +19,7 @@ from mimoc.companions.companion import Companion
 from mimoc.senses.hearing import HearingEntry
 from mimoc.senses.hearing.impacts import Contacts, Impact, Resonators
 from mimoc.senses.hearing.mixing import Mixer, Source
+from mimoc.senses.hearing.own_voice import OwnVoice
 from mimoc.senses.hearing.timbres import Head, Timbre
 from mimoc.senses.sense import FloatArray
 
@@ -41,6 +43,7 @@ class Listener(Companion):
         self._contacts = Contacts(Resonators(model, bundle))
         self._mixer = Mixer(self._head, self._body, entry.centre_m)
         self._sources: Sequence[SoundSources] = ()
+        self._voice: OwnVoice | None = None
         self._forget()
 
     @property
@@ -48,9 +51,10 @@ class Listener(Companion):
         """Samples per second."""
         return self._head.sample_rate_hz
 
-    def listen_to(self, sources: SoundSources) -> None:
-        """Hear what these let sound, too."""
+    def listen_to(self, sources: SoundSources, voice: Voice | None) -> None:
+        """Hear what these let sound, and the infant's own voice."""
         self._sources = (sources,)
+        self._voice = OwnVoice(voice, self._head) if voice else None
 
     def play(self, pressure_pa: FloatArray, time_s: float, body: int, point_m: Sequence[float]) -> None:
         """Let a sound begin at a point of a body: its pressure at 1 m, shape (n,), at the sample rate."""
@@ -63,7 +67,9 @@ class Listener(Companion):
         self._contacts.forget(data)
 
     def after_step(self, data: mujoco.MjData) -> None:
-        """Notice what hits what."""
+        """Notice what hits what, and how the infant's voice sounds."""
+        if self._voice:
+            self._voice.after_step(round(data.time * self._head.sample_rate_hz))
         if impacts := self._contacts.impacts(data):
             start = (data.time - self._timestep_s) * self._head.sample_rate_hz
             head_m = data.xpos[self._body]
@@ -75,13 +81,17 @@ class Listener(Companion):
         count = round(data.time * self._head.sample_rate_hz) - self.index
         if count > 0:
             count = min(count, 4 * self._samples)
-            self.pressure_pa = np.concatenate([self.pressure_pa, self._mixer.mix(data, self.index, count)], axis=1)
-            self.pressure_pa = self.pressure_pa[:, -self._samples :]
+            mixed = self._mixer.mix(data, self.index, count)
+            if self._voice:
+                mixed += self._voice.heard(self.index, count)
+            self.pressure_pa = np.concatenate([self.pressure_pa, mixed], axis=1)[:, -self._samples :]
             self.index += count
         return self.pressure_pa
 
     def _forget(self) -> None:
         self._mixer.forget()
+        if self._voice:
+            self._voice.forget()
         self._begun: list[list[Any]] = []
         self.pressure_pa = np.zeros((2, self._samples))
         """The sound pressure at both ears, up to the sample before `index`."""
@@ -118,6 +128,7 @@ class Listener(Companion):
             "sources": [_listed(source) for source in self._mixer.sources],
             "delays": self._mixer.delays,
             "gains": self._mixer.gains,
+            "voice": self._voice and self._voice.state,
         }
 
     @state.setter
@@ -133,6 +144,8 @@ class Listener(Companion):
         self._contacts.last_s = dict(zip(*state["touched"], strict=True))
         self._contacts.ringing = set(state["ringing"])
         self._begun = [list(key) for key in state["begun"]]
+        if self._voice:
+            self._voice.state = state["voice"]
         self._mixer.restore(sources, state["delays"], state["gains"])
 
 

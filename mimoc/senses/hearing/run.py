@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
+from mimoc.actuation.voice import Voice
 from mimoc.base.sound import SoundSources
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -123,9 +124,9 @@ class Hearing(Sense):
         """Return the sample within its bounds."""
         return {"hearing": sample.clip(self.output.low, self.output.high).astype(np.float32)}
 
-    def listen_to(self, sources: SoundSources) -> None:
-        """Hear companions, too."""
-        self.listener.listen_to(sources)
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
+        """Hear companions, and the infant's own voice."""
+        self.listener.listen_to(sources, voice)
 
 
 def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
