@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.composition import choice_field, composed, own_sections
-from mimoc.schema.entries import Actuator, Hinge, Label, Number
+from mimoc.schema.entries import Actuator, Amount, Body, Hinge, Label, Number
 from mimoc.schema.names import STRENGTH_GROUPS, GroupName, Groups, single_groups
 from mimoc.schema.quantities import Age, Real, keys_among
 
@@ -30,7 +30,7 @@ class ActuationSpec(Model):
     """Actuation model."""
     arousal: Annotated[Real, Field(ge=0, le=2)] = 1.0
     """How awake the infant is: its muscle tone is in proportion to it. 1 is quiet, 0 slack. `published` has no tone."""
-    bandwidth_hz: Annotated[Real, Field(ge=0.1, le=100)] | None = None
+    bandwidth_hz: Annotated[Real, Field(ge=0.1, le=100, json_schema_extra={"unit": "hz"})] | None = None
     """Frequency above which commands hardly reach the muscles: they pass two low-pass filters of first order with this
     cut-off, one after the other. By default no limit, and 5 Hz in the tasks that are skills."""
     strength_age_months: Age | None = None
@@ -44,6 +44,10 @@ class ActuationSpec(Model):
     """Muscle groups that the action controls; the others stay at rest. By default, all groups."""
     locked: Groups = ()
     """Muscle groups whose joints are locked at the angles of the starting pose."""
+    voice: Annotated[bool, Field(strict=True)] = False
+    """Whether the infant has a voice: the action ends with two more commands then, pitch and loudness."""
+
+    _serialized = omitting("voice")
 
     @model_validator(mode="after")
     def _what_is_locked_takes_no_commands(self) -> Self:
@@ -84,6 +88,25 @@ class ActuatorEntry(Model):
         return self
 
 
+class VoiceEntry(Model):
+    """The infant's voice."""
+
+    head: Body
+    """Body with the mouth."""
+    mouth_m: tuple[Number, Number, Number]
+    """Place of the mouth in the frame of that body, [m]."""
+    low_hz: Annotated[Amount, Field(ge=20, le=20_000)]
+    """Fundamental frequency at the lowest pitch."""
+    high_hz: Annotated[Amount, Field(ge=20, le=20_000)]
+    """Fundamental frequency at the highest pitch."""
+    loudest_db: Annotated[Number, Field(ge=0, le=140)]
+    """Sound pressure level at the largest loudness, at 1 m, re 20 µPa."""
+
+
+VOICE_COMMANDS = ("voice_pitch", "voice_loudness")
+"""Names of a voice's commands."""
+
+
 @composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})
 class ActuationEntry(Model):
     """The infant's actuation."""
@@ -97,4 +120,13 @@ class ActuationEntry(Model):
     actuators: tuple[ActuatorEntry, ...]
     """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""
 
-    _serialized = omitting("arousal", "bandwidth_hz")
+    voice: VoiceEntry | None = None
+    """The voice, whose commands come last in the action; None if it has none."""
+
+    @property
+    def commands(self) -> tuple[str, ...]:
+        """The name of each number of the action."""
+        names = tuple(actuator.name for actuator in self.actuators if actuator.commanded)
+        return (*names, *VOICE_COMMANDS) if self.voice else names
+
+    _serialized = omitting("arousal", "bandwidth_hz", "voice")

@@ -102,6 +102,7 @@ def run(
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc.cli import console
+    from mimoc.recording.sound_track import hears, sound_file
     from mimoc.runtime.env import InfantEnv
 
     check_video(video, eyes)
@@ -116,7 +117,8 @@ def run(
     with closing(env), ExitStack() as recorded:
         act = _policy(env, chosen)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(env, record, movement))
-        written = [path for path in (video, record) if path]
+        sound = sound_file(video) if video and hears(env) else None
+        written = [path for path in (video, sound, record) if path]
         filmed = _film(video, env, {"eyes": eyes, **options})
         summary = _run(env, act, seed, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}

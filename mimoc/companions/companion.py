@@ -10,16 +10,19 @@ control step is cut at every physics step; without any, nothing is done.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from mimoc.actuation.voice import Voice
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object
 from mimoc.base.model_fields import ModelField
 from mimoc.base.sound import Sound
 from mimoc.noise.noise import NoiseStreams
+from mimoc.senses.sense import Sense
 
 
 class Companion:
@@ -86,9 +89,18 @@ class Companion:
 class Companions(Mapping[str, Companion]):
     """The companions of one infant, by name."""
 
-    def __init__(self, companions: Mapping[str, Companion], streams: NoiseStreams):
-        """Keep companions that are bound to the infant's model, and draw from the streams of its environment."""
+    def __init__(
+        self,
+        companions: Mapping[str, Companion],
+        streams: NoiseStreams,
+        of_senses: Mapping[str, Companion] = MappingProxyType({}),
+    ):
+        """Keep companions that are bound to the infant's model, and draw from the streams of its environment.
+
+        Those of senses, by the name of the sense, see each physics step after all others; they are part of the infant.
+        """
         self._companions, self._streams = dict(companions), streams
+        self._all = {**companions, **{f"senses.{name}": companion for name, companion in of_senses.items()}}
 
     def __getitem__(self, name: str) -> Companion:
         """Return the companion of a name."""
@@ -102,6 +114,10 @@ class Companions(Mapping[str, Companion]):
         """Return how many there are."""
         return len(self._companions)
 
+    def __bool__(self) -> bool:
+        """Return whether physics steps must be seen one by one."""
+        return bool(self._all)
+
     @property
     def model_fields(self) -> list[ModelField]:
         """What they change in the model."""
@@ -109,18 +125,19 @@ class Companions(Mapping[str, Companion]):
 
     def reset(self, data: mujoco.MjData) -> None:
         """Start an episode of all of them, in which their streams begin again if the environment's have."""
-        for name, companion in self._companions.items():
+        for name in self._companions:
             _ = self._streams[channel_of(name)]
+        for companion in self._all.values():
             companion.reset(data)
 
     def before_step(self, data: mujoco.MjData) -> None:
         """Let them act before a physics step."""
-        for companion in self._companions.values():
+        for companion in self._all.values():
             companion.before_step(data)
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Let them see the state after a physics step."""
-        for companion in self._companions.values():
+        for companion in self._all.values():
             companion.after_step(data)
 
     def sounds(self, data: mujoco.MjData) -> list[Sound]:
@@ -130,11 +147,11 @@ class Companions(Mapping[str, Companion]):
     @property
     def state(self) -> dict[str, Any]:
         """What each remembers within an episode."""
-        return {name: companion.state for name, companion in self._companions.items()}
+        return {name: companion.state for name, companion in self._all.items()}
 
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
-        for name, companion in self._companions.items():
+        for name, companion in self._all.items():
             companion.state = state[name]
 
 
@@ -144,7 +161,12 @@ def channel_of(name: str) -> str:
 
 
 def bind_companions(
-    model: mujoco.MjModel, bundle: Any, streams: NoiseStreams, custom: Mapping[str, Companion]
+    model: mujoco.MjModel,
+    bundle: Any,
+    streams: NoiseStreams,
+    custom: Mapping[str, Companion],
+    senses: Mapping[str, Sense] = MappingProxyType({}),
+    voice: Voice | None = None,
 ) -> Companions:
     """Return the companions of an infant, bound to its model.
 
@@ -153,6 +175,8 @@ def bind_companions(
         bundle: The `mimoc.Bundle` it comes from.
         streams: Random numbers of the environment, by channel.
         custom: Objects of a script's own, by name.
+        senses: The infant's senses, which hear these companions, and some of which have one themselves.
+        voice: Its voice, which they hear, too.
 
     Raises:
         KindError: If one of them is none.
@@ -162,4 +186,8 @@ def bind_companions(
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
         companion.bind(model, bundle, streams[channel_of(name)])
-    return Companions(custom, streams)
+    of_senses = {name: sense.companion for name, sense in senses.items() if sense.companion}
+    companions = Companions(custom, streams, of_senses)
+    for sense in senses.values():
+        sense.listen_to(companions, voice)
+    return companions

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
+from mimoc.actuation.build_voice import trace_voice
 from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import render_json, rounded, rounded_array
 from mimoc.base.units import ms_to_s
@@ -111,6 +112,7 @@ class Builder:
             **trace_actuation(spec.actuation.model, tree, written, of_body),
             **dict(trace_delays(spec, manifest.delays)),
             **dict(trace_noise(spec, manifest.noise)),
+            **dict(trace_voice(manifest.actuation.voice)),
             **{key: entry for placed in self.senses.values() for key, entry in placed.origins.items()},
             **trace_task(manifest.task),
             **trace_plugins(manifest.plugins),

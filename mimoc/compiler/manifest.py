@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from mimoc.actuation import ACTUATIONS
+from mimoc.actuation.build_voice import voice_of
 from mimoc.actuation.spec import ActuationEntry, ActuationSpec, ActuatorEntry
 from mimoc.base.kinds import Kinds
 from mimoc.base.rounding import rounded
@@ -92,7 +93,8 @@ def make_manifest(
     """Return the manifest of a scene, numbers rounded as in its file."""
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
-    actuation = _actuation(spec.actuation, scene.actuators, commanded)
+    voice = voice_of(tree) if spec.actuation.voice else None
+    actuation = _actuation(spec.actuation, scene.actuators, commanded).model_copy(update={"voice": voice})
     manifest = Manifest(
         name=spec.name,
         child=ChildEntry(

@@ -168,7 +168,7 @@ def _objects(
     except ObjectError as error:
         path = "scene", "objects", error.number, error.key
         raise SpecError([plan.written.problem(path, str(error))]) from None
-    if tied := [number for number, thing in enumerate(things) if thing.built.tied_to]:
+    if tied := [number for number, thing in enumerate(things) if thing.built.tie]:
         message = "nothing can be tied to one of several infants yet; leave out what ties it"
         raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in tied)
     return things

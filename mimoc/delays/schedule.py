@@ -9,10 +9,12 @@ from itertools import pairwise
 from typing import Any, TypeVar
 
 import mujoco
+import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import Actuation
-from mimoc.base.state_form import checked_list, demand
+from mimoc.actuation.binding import Actuation, numbers_of
+from mimoc.actuation.voice import LOW, Voice
+from mimoc.base.state_form import check_form, checked_list, demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import out_of_memory
 from mimoc.companions.companion import Companions
@@ -105,6 +107,7 @@ class Schedule:
         timing: Timing,
         streams: NoiseStreams | None = None,
         companions: Companions | None = None,
+        voice: Voice | None = None,
     ):
         """Plan the control step, once, for senses, an actuation and companions that are bound to the model.
 
@@ -121,6 +124,9 @@ class Schedule:
         }
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
         self._commands = timing.commands(within(model, moved), actuation.actuators, streams)
+        self._voice, self._width = voice, len(actuation.low)
+        self._spoken = timing.further_commands(self._width, len(LOW), streams) if voice else []
+        self._commands += self._spoken
         self._noisy = {
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
@@ -146,6 +152,22 @@ class Schedule:
                 line.reset(sample)
         for commands in self._commands:
             commands.reset()
+        if self._voice:
+            self._voice.reset()
+
+    def controls(self, action: npt.ArrayLike, data: mujoco.MjData) -> FloatArray:
+        """Return the controls of an action, and behind them the commands of a voice, if there is one.
+
+        Raises:
+            ValueError: If the action is not one finite number for each of them.
+        """
+        if self._voice is None:
+            return self._actuation.controls(action, data)
+        numbers = numbers_of(action)
+        if numbers.shape != (self._width + len(LOW),) or not np.isfinite(numbers).all():
+            shape = (self._width + len(LOW),)
+            raise ValueError(f"expected a finite action of shape {shape}, got {numbers!r:.60} of shape {numbers.shape}")
+        return np.concatenate([self._actuation.controls(numbers[: self._width], data), numbers[self._width :]])
 
     def step(self, action: npt.ArrayLike, data: mujoco.MjData) -> None:
         """Go through one control step.
@@ -154,7 +176,7 @@ class Schedule:
             ValueError: If the action is not one number for each actuator.
             ModelError: If the physics needs more memory than the model has.
         """
-        for segment in self.begin(self._actuation.controls(action, data)):
+        for segment in self.begin(self.controls(action, data)):
             self.command(segment, data)
             try:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
@@ -174,7 +196,10 @@ class Schedule:
         """Apply the commands that arrive at the start of a segment, and let companions act, before physics steps."""
         noise = self._motor_noise
         for commands in segment.commands:
-            commands.apply(noise.commanded if noise else data.ctrl)
+            if self._voice and commands in self._spoken:
+                commands.apply(self._voice.commanded)
+            else:
+                commands.apply(noise.commanded if noise else data.ctrl)
         if noise:
             noise(data)
         if self.companions:
@@ -217,6 +242,7 @@ class Schedule:
             "commands": [commands.state for commands in self._commands],
             "noise": {name: noise.state for name, noise in self._noisy.items()},
             "motor_noise": self._motor_noise and self._motor_noise.state,
+            **({"voice": self._voice.commanded} if self._voice else {}),
         }
 
     @state.setter
@@ -230,6 +256,8 @@ class Schedule:
             noise.state = state["noise"][name]
         if self._motor_noise:
             self._motor_noise.state = state["motor_noise"]
+        if self._voice:
+            self._voice.commanded = state["voice"]
 
     def check(self, state: Mapping[str, Any], time_s: float) -> None:
         """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s].
@@ -241,6 +269,8 @@ class Schedule:
             where = f"signals.senses.{name}"
             for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
                 line.check(kept, where)
+        if self._voice:
+            check_form(state["voice"], self._voice.commanded, "signals.voice")
         where = "signals.commands"
         on_their_way = checked_list(state["commands"], where, len(self._commands))
         for commands, kept in zip(self._commands, on_their_way, strict=True):
@@ -254,6 +284,8 @@ class Schedule:
         for name, delayed in self._samples.items():
             transfer_samples(delayed, former._samples[name])
         transfer_commands(self._commands, former._commands)
+        if self._voice and former._voice:
+            self._voice.commanded = former._voice.commanded.copy()
         for name, noise in self._noisy.items():
             if name in former._noisy:
                 noise.state = former._noisy[name].state

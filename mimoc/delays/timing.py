@@ -71,6 +71,14 @@ class Timing:
             delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
         return delayed
 
+    def further_commands(self, first: int, count: int, streams: NoiseStreams) -> list[Commands]:
+        """Return some commands from the one with an index on, which move no joint, with the delay of commands."""
+        delayed: list[Commands] = []
+        for steps, _, wander in self._jittered(MOTOR, None, streams):
+            way = steps, self.period, np.arange(first, first + count), np.arange(count)
+            delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
+        return delayed
+
     def groups(self, signal: str, within: Within | None) -> list[tuple[str, int, Mask | None]]:
         """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all.
 

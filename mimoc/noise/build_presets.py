@@ -44,6 +44,8 @@ def trace_noise(spec: InfantSpec, noise: NoiseEntry) -> Iterator[tuple[str, Entr
         option = SENSES[name].noise
         units[key] = option.unit if option else ""
     for key, unit in units.items():
+        if key not in noise.model_dump():
+            continue
         rule, sources = "given by the spec", [f"spec.noise.{key}"]
         if getattr(spec.noise, key) == "maturing":
             rule, sources = BY_AGE, [*sources, "spec.age_months"]

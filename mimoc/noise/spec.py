@@ -48,6 +48,11 @@ def _spec_fields() -> dict[str, FieldInfo]:
     return fields
 
 
+def _recent_keys() -> list[str]:
+    """Return the keys of recent senses, which are left out where they say nothing."""
+    return [key for name, key in noise_keys().items() if SENSES[name].is_recent]
+
+
 @composed(_spec_fields)
 class NoiseSpec(ComposedModel):
     """Noise of the commands and the senses, and jitter of their delays; 0 is none."""
@@ -58,6 +63,8 @@ class NoiseSpec(ComposedModel):
     delay_jitter_ms: Annotated[Milliseconds, Field(le=1000)] = 0.0
     """Largest deviation of a delay from its value, a multiple of the physics step; a delay that is shorter deviates by
     no more than itself."""
+
+    _serialized = omitting(*_recent_keys())
 
 
 @composed(lambda: {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()})
@@ -73,7 +80,7 @@ class NoiseEntry(ComposedModel):
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
-    _serialized = omitting("of_commands")
+    _serialized = omitting("of_commands", *_recent_keys())
 
 
 def check_noise(

@@ -12,9 +12,7 @@ def interface_of(env: InfantEnv) -> dict[str, Any]:
     """Return shape and layout (empty for images) of each observation, and the actuators that the action commands."""
     spaces = spaces_of(env).items()
     observes = {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in spaces}
-    manifest = env.manifest
-    commands = [manifest.of_infant(actuator.name) for actuator in manifest.actuation.actuators if actuator.commanded]
-    return {"observes": observes, "commands": commands}
+    return {"observes": observes, "commands": list(env.manifest.commands)}
 
 
 def is_description(about: Any) -> bool:

@@ -10,6 +10,7 @@ from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
 from mimoc.policies.named import Loader, policy_of, summed
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
+from mimoc.policies.silent import limits_of, with_silence
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 
 
@@ -64,16 +65,23 @@ class SumOfMany:
         """Add policies of the same infants."""
         self._batch, self._policies = batch, tuple(policies)
         self._ages, self._limits = list[float](), ()
+        self._has_voice = batch.infants[0].manifest.actuation.voice is not None
+        self._joints = len(batch.infants[0].actuation.low)
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> Any:
         """Return the actions, shape (k, n)."""
         actions = [policy(generators, observations) for policy in self._policies]
+        if self._has_voice:
+            actions = [with_silence(item, self._joints) for item in actions]
         if len(actions) == 1:
             return actions[0]
         ages = [infant.age_months for infant in self._batch.infants]
         if ages != self._ages:
-            self._ages, self._limits = ages, tuple(map(self._batch.put, self._batch.limits()))
+            self._ages, self._limits = ages, tuple(map(self._batch.put, self._joined_limits()))
         return self._batch.actions(summed(self._batch.xp, actions, *self._limits))
+
+    def _joined_limits(self) -> list[np.ndarray]:
+        return [np.stack(ends) for ends in zip(*map(limits_of, self._batch.infants), strict=True)]
 
     def reset(self, rows: Any) -> None:
         """Let the infants of some rows, a boolean array of shape (k,), begin an episode."""

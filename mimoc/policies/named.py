@@ -18,6 +18,7 @@ from mimoc.policies.policy import (
     numbered,
     start_again,
 )
+from mimoc.policies.silent import Silent, limits_of
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
@@ -47,6 +48,8 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     if together:
         named = [NamedBehaviour(part.label, _binding(part)) for part in together]
         policies, labels = [BehaviourPolicy(env, named), *policies], ["behaviours", *labels]
+    if env.manifest.actuation.voice:
+        policies = [Silent(policy, len(env.actuation.low)) for policy in policies]
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
 
 
@@ -68,9 +71,8 @@ class Sum:
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action, shape (n,)."""
-        actuation = self._env.actuation
         actions = [policy(generator, observation) for policy in self._policies]
-        return summed(np, actions, actuation.low, actuation.high).astype(np.float32)
+        return summed(np, actions, *limits_of(self._env)).astype(np.float32)
 
     def reset(self) -> None:
         """Let each of them begin an episode."""

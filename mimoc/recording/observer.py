@@ -265,7 +265,7 @@ def _described(infant: InfantEnv, movement: MovementReader) -> Described:
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
     observation = {**infant.schedule.observe(), **infant.task.observe()}
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
-    actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
+    actuators = infant.manifest.actuation.commands
     columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]
     return Described(readings, actuators, infant.manifest.step_ms, *columns)
 

@@ -14,6 +14,7 @@ from PIL import Image
 from mimoc.base.errors import RenderingError
 from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import PolicyMaker
+from mimoc.recording.sound_track import SoundTrack, hears, sound_file
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, objects_near
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_bodies
@@ -171,8 +172,9 @@ def record(
 ) -> Summary:
     """Run an infant under a policy, record a video, and return the summary of the run.
 
-    The video plays in real time. After Ctrl-C, the video up to that point is kept; after any other error, no file is
-    written.
+    The video plays in real time. Of an infant that hears, what reaches its ears is written beside it, as a stereo .wav
+    file of the same name, and is the sound of an .mp4. After Ctrl-C, the video up to that point is kept; after any
+    other error, no file is written.
 
     Args:
         env: The environment, which is reset.
@@ -235,14 +237,20 @@ def film_of(
     with ExitStack() as opened:
         film: VideoFrames | None = None
         video: Video | None = None
+        track: SoundTrack | None = None
         steps = 0
 
         def watch(env: InfantView, observation: Observation) -> None:
             """Capture a frame if one is due."""
-            nonlocal film, video, steps
+            nonlocal film, video, track, steps
             if film is None or video is None:
                 film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body, roots)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
+                track = SoundTrack(env) if hears(env) else None
+                if track:
+                    video.open_sound(track.rate_hz)
+            if track:
+                track.hear(env)
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))
             steps += 1
@@ -251,11 +259,18 @@ def film_of(
             yield watch
         except KeyboardInterrupt:
             if video:
-                video.save()
+                _save(video, track)
             raise
         except BaseException:
             if video:
                 video.discard()
             raise
         if video:
-            video.save()
+            _save(video, track)
+
+
+def _save(video: Video, track: SoundTrack | None) -> None:
+    """Write a video, with its sound in it if it can be there, and in a file beside it."""
+    video.save(track and track.samples)
+    if track:
+        track.save(sound_file(video.file))

@@ -18,6 +18,13 @@ from mimoc.bundle import files
 Picture = npt.NDArray[np.uint8]
 """Shape (height, width, 3)."""
 
+Sound = npt.NDArray[np.int16]
+"""Samples of the left and the right ear, shape (n, 2)."""
+
+SOUND_CODEC, SOUND_RATES_HZ = (
+    "aac",
+    (8000, 11_025, 12_000, 16_000, 22_050, 24_000, 32_000, 44_100, 48_000, 64_000, 96_000),
+)
 CODECS = ("libx264", "mpeg4")
 """Codecs for MP4 in order of preference; not every build of FFmpeg has the first."""
 QUALITY = {"crf": "20"}
@@ -53,10 +60,18 @@ class Video(ABC):
         self._write(picture)
         self.pictures += 1
 
-    def save(self) -> Path:
-        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError."""
+    def open_sound(self, rate_hz: int) -> None:
+        """Have a track of sound, if the format can; call this before the first frame."""
+        return
+
+    def save(self, sound: Sound | None = None) -> Path:
+        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError.
+
+        Args:
+            sound: Samples of its track, if that was opened, shape (n, 2).
+        """
         try:
-            self._finish()
+            self._finish(sound)
             return files.move_into_place(self._temporary, self.file)
         except BaseException as error:
             self.discard()
@@ -71,7 +86,7 @@ class Video(ABC):
         """Write a frame."""
 
     @abstractmethod
-    def _finish(self) -> None:
+    def _finish(self, sound: Sound | None) -> None:
         """Write everything that remains to be written."""
 
 
@@ -84,14 +99,20 @@ class _Encoded(Video):
         self._container = self._av.open(str(self._temporary), "w", format=container, options=how.pop("flags", {}))
         self._stream = self._container.add_stream(codec, rate=rate_hz, **how)
         self._stream.pix_fmt = pixels
+        self._track: Any = None
 
     def _write(self, picture: Picture) -> None:
         if not self.pictures:
             self._stream.height, self._stream.width = picture.shape[:2]
         self._container.mux(self._stream.encode(self._av.VideoFrame.from_ndarray(picture, "rgb24")))
 
-    def _finish(self) -> None:
+    def _finish(self, sound: Sound | None) -> None:
         self._container.mux(self._stream.encode())
+        if self._track is not None and sound is not None and len(sound):
+            frame = self._av.AudioFrame.from_ndarray(sound.reshape(1, -1), format="s16", layout="stereo")
+            frame.sample_rate = self._track.rate
+            self._container.mux(self._track.encode(frame))
+            self._container.mux(self._track.encode())
         self._container.close()
 
     def discard(self) -> None:
@@ -107,6 +128,11 @@ class Mp4(_Encoded):
         codec = next(name for name in CODECS if name in require_av().codecs_available)
         options = quality if codec == CODECS[0] else {}
         super().__init__(file, rate_hz, "mp4", codec, "yuv420p", options=options, flags={"movflags": "+faststart"})
+
+    def open_sound(self, rate_hz: int) -> None:
+        """Have a track of sound in AAC, if that has this sample rate."""
+        if rate_hz in SOUND_RATES_HZ:
+            self._track = self._container.add_stream(SOUND_CODEC, rate=rate_hz, layout="stereo")
 
     def _write(self, picture: Picture) -> None:
         rows, columns = (side % 2 for side in picture.shape[:2])
@@ -142,7 +168,7 @@ class Gif(Video):
         Image.fromarray(picture).save(png, "PNG", compress_level=1)
         self._kept.append(png)
 
-    def _finish(self) -> None:
+    def _finish(self, sound: Sound | None) -> None:
         samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
         together = np.concatenate([np.asarray(Image.open(png)) for png in samples])
         palette = Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)  # Keeps small bright ones.

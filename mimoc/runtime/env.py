@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import bind_actuation
+from mimoc.actuation.voice import Voice
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -92,7 +93,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
-        self.action_space = action_space(self._act)
+        self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
@@ -242,10 +243,9 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._task = bind_task(self.bundle, model, self._custom_task)
         timing = timing_of(self.manifest, self._senses)
-        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions)
-        self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions)
-        for sense in self._senses.values():
-            sense.listen_to(companions)
+        voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
+        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions, self._senses, voice)
+        self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions, voice)
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:

@@ -7,14 +7,17 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 from mimoc.actuation.binding import Actuation
+from mimoc.actuation.voice import HIGH, LOW
 from mimoc.base.errors import MimocError
 from mimoc.senses.sense import Sense
 from mimoc.tasks.task import Task
 
 
-def action_space(actuation: Actuation) -> Any:
-    """Return the space of actions: one command for each commanded actuator."""
-    return Box(actuation.low.astype(np.float32), actuation.high.astype(np.float32), dtype=np.float32)
+def action_space(actuation: Actuation, has_voice: bool = False) -> Any:
+    """Return the space of actions: one command for each commanded actuator, and those of a voice."""
+    limits = [(actuation.low, actuation.high), *([(LOW, HIGH)] if has_voice else [])]
+    low, high = (np.concatenate(ends).astype(np.float32) for ends in zip(*limits, strict=True))
+    return Box(low, high, dtype=np.float32)
 
 
 def observation_space(senses: Mapping[str, Sense], task: Task) -> Dict:

@@ -217,6 +217,16 @@ class InfantKeys(FileModel):
         return self
 
     @model_validator(mode="after")
+    def _hears_a_whole_number_of_samples(self) -> Self:
+        hearing = getattr(self.senses, "hearing", None)
+        samples = hearing.sample_rate_hz * self.control.step_ms / 1000 if hearing else 0.0
+        if abs(samples - round(samples)) > 1e-6:
+            message = f"a control step of {self.control.step_ms:g} ms has {samples:.2f} samples; choose another rate"
+            key = ("senses", "hearing", "sample_rate_hz")
+            raise KeyedError(key, f"{message}, such as 24000 or 16000", against=("control", "step_ms"))
+        return self
+
+    @model_validator(mode="after")
     def _delays_are_whole_steps(self) -> Self:
         for key, delay_ms in self.delays:
             if not isinstance(delay_ms, float):

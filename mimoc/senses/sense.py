@@ -50,6 +50,8 @@ class Sense(ABC):
     None where all are in the head or trunk."""
     term: Term | None = None
     """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
+    companion: Any = None
+    """The `Companion` that sees each physics step for it and has its state, if it senses what is between samples."""
     reads_in_threads: bool = False
     """Whether samples of several infants can be taken at the same time, in any threads."""
 
@@ -80,8 +82,8 @@ class Sense(ABC):
         """
         return False
 
-    def listen_to(self, sources: SoundSources) -> None:
-        """Hear these sources besides what sounds by itself, from now on; most senses hear nothing."""
+    def listen_to(self, sources: SoundSources, voice: Any = None) -> None:
+        """Hear these sources besides what sounds by itself, and the infant's own `Voice`; most senses hear nothing."""
         return
 
     def close(self) -> None:

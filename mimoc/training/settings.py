@@ -277,7 +277,7 @@ NOTHING = "nothing"
 def check_learnable(infant: InfantEnv) -> None:
     """Check that an infant observes something to learn from, in images that are large enough, and can act."""
     manifest, space = infant.manifest, cast("Dict", infant.observation_space)
-    if not any(actuator.commanded for actuator in manifest.actuation.actuators):
+    if not manifest.actuation.commands:
         raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
     if [*space] == [NOTHING]:
         raise TrainingError(

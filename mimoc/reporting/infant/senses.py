@@ -42,7 +42,7 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
         ]
         for name, entry in entries.items()
     ]
-    size = sum(actuator.commanded for actuator in manifest.actuation.actuators)
+    size = len(manifest.actuation.commands)
     share = manifest.noise.motor
     noisy = (
         Cell(f"SD {100 * share:.3g} % of the command", links=sources.links("noise.motor")) if share else Cell("none")

@@ -82,7 +82,7 @@ class ControlStep:
         controls = actions.astype(np.float64)
         if not self._is_plain:
             for infant in infants:
-                controls[infant] = self._actuations[infant].controls(actions[infant], self._physics.datas[infant])
+                controls[infant] = self._schedules[infant].controls(actions[infant], self._physics.datas[infant])
         return controls
 
     def _sample(self, samplings: Sequence[Sampling]) -> None:

@@ -227,9 +227,7 @@ def _parts(infant: InfantEnv | WorldInfant) -> dict[str, Any]:
         "control step": f"{manifest.step_ms:g} ms",
         "physics step": f"{manifest.timestep_ms:g} ms",
         "actuation model": manifest.actuation.model,
-        "commands": tuple(
-            manifest.of_infant(actuator.name) for actuator in manifest.actuation.actuators if actuator.commanded
-        ),
+        "commands": manifest.commands,
         "task": manifest.task.kind,
         "senses": tuple(infant.senses),
         "observations": tuple(f"{name} {space.shape}" for name, space in arrays.spaces.items()),
