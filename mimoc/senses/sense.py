@@ -30,6 +30,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
+from mimoc.runtime.filter import Filter
 from mimoc.runtime.term import Term
 
 FloatArray = npt.NDArray[np.float64]
@@ -49,6 +50,8 @@ class Sense(ABC):
     None where all are in the head or trunk."""
     term: Term | None = None
     """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
+    filter: Filter | None = None
+    """What its organ makes of samples over time, before noise and delay; their first axis is then that of `bodies`."""
     reads_in_threads: bool = False
     """Whether samples of several infants can be taken at the same time, in any threads."""
 

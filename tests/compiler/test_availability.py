@@ -71,6 +71,7 @@ BUILT = {
     "delays.motor_ms": 5,
     "noise.motor": 0.1,
     "noise.proprioception_deg": 1,
+    "noise.vestibular_thresholds": "age",
     "noise.touch_n": 0.05,
     "noise.delay_jitter_ms": 5,
     "scene.kind": "room",
@@ -89,6 +90,7 @@ NEEDED = {
     "impairments.field_deg": {"senses": {"vision": {}}},
     **{f"delays.{sense}_ms": {"senses": {sense: {}}} for sense in SENSES},
     "noise.proprioception_deg": {"senses": {"proprioception": {}}},
+    "noise.vestibular_thresholds": {"senses": {"vestibular": {}}},
     "noise.touch_n": {"senses": {"touch": {}}},
     "noise.delay_jitter_ms": {"delays": {"motor_ms": 10}},
 }
