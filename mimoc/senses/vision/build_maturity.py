@@ -123,6 +123,11 @@ def is_threshold(vision: VisionSpec) -> bool:
     return vision.contrast not in ("linear", "mimo3", "off")
 
 
+def is_given(vision: VisionSpec, key: str) -> bool:
+    """Return whether something matures, or is as in adults, in a sense: it is not off."""
+    return is_threshold(vision) if key == "contrast" else getattr(vision, key) not in (None, "off")
+
+
 def cut_off_ratio(sensitivity: float) -> float:
     """Return at how many times the frequency of its peak a contrast sensitivity falls to 1.
 

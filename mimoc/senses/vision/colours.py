@@ -93,8 +93,11 @@ def limit_colours(pictures: Any, limits: Limits, transform: Transform) -> Any:
     """Return pictures, shape (..., height, width, 3), whose luminance and chroma are limited."""
     drawn = RED * pictures[..., 0] + GREEN * pictures[..., 1] + BLUE * pictures[..., 2]
     seen = _limited(drawn, limits.luminance, transform)
-    if limits.chroma is None and not limits.purity_threshold:
-        return transform.xp.stack([pictures[..., colour] + (seen - drawn) for colour in range(3)], -1)
+    if limits.chroma is None and limits.purity_threshold is None:
+        change, result = seen - drawn, pictures * 1
+        for colour in range(3):  # Faster than one sum whose innermost axis has three numbers.
+            result[..., colour] += change
+        return result
     red, blue = (_limited(pictures[..., colour] - drawn, limits.chroma, transform) for colour in (0, 2))
     green = (RED * red + BLUE * blue) / -GREEN
     chroma = transform.xp.stack([red, green, blue], -1)

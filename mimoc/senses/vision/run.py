@@ -14,6 +14,7 @@ from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.colours import limit_colours, limits_of
 from mimoc.senses.vision.defocus import Lens, defocus
 from mimoc.senses.vision.eyes import Drawn, Eyes, View
+from mimoc.senses.vision.flicker import filter_of
 from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights, visual_field
 from mimoc.senses.vision.noticing import fade, noticed_share
 from mimoc.senses.vision.thresholds import NUMPY
@@ -28,7 +29,7 @@ class Vision(Sense):
     def __init__(self, eyes: Eyes, filters: Sequence[Filter], entry: VisionEntry, bodies: IntArray):
         """See with some eyes, each on a body, shape (eyes,); filters are applied in order to what they draw."""
         self.eyes, self.filters, self.bodies, self._entry = eyes, tuple(filters), bodies, entry
-        self._lens = lens_of(entry)
+        self._lens, self.filter = lens_of(entry), filter_of(entry)
         self.reads_in_threads = eyes.shares
         shape = (entry.height_px, entry.width_px, 3)
         self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
@@ -52,7 +53,8 @@ class Vision(Sense):
         """See another scene, or with the acuity of another age, with the same OpenGL context."""
         self.eyes.use_model(model)
         if entry != self._entry:
-            self._entry, self.filters, self._lens = entry, filters(entry, self.eyes.fovy_deg), lens_of(entry)
+            self._entry, self.filters = entry, filters(entry, self.eyes.fovy_deg)
+            self._lens, self.filter = lens_of(entry), filter_of(entry)
         return True
 
     def close(self) -> None:

@@ -1,19 +1,20 @@
 """Contrast thresholds: of a picture's luminance, what an eye's contrast sensitivity lets through at each frequency.
 
 A picture is the sum of bands of 1.5 octaves, with weights w(f) that are cosines of log f (Peli 1990, J Opt Soc Am A 7:
-2032). The sensitivity S(f) weights each band such that a grating that is just seen has the amplitude of the mean
-luminance m there, wherever between the middles of two bands its frequency is:
+2032). The contrast sensitivity S(f) weights each band such that a grating that is just seen has the amplitude of the
+mean luminance m there, wherever between the middles of two bands its frequency is:
 
-    A = band of w g S, with g(f) = 1 / max w(f)      analysis
-    B = sign(A) sqrt(A² - m²), or 0 if |A| < m       what is above the threshold
-    seen = sum of bands of 1 / (g S), of B           synthesis
+    A = what w g S leaves of the picture, with g(f) = 1 / max w(f)
+    B = what w (1 - f / a) leaves of it, with the acuity a
+    seen = sum of B sqrt(1 - m² / A²) over the bands, where |A| > m
 
-So a contrast c of one frequency is lost below 1 / S and loses 1 / (2 c S²) far above it, as contrast that is well seen
-looks the same at all frequencies (Georgeson & Sullivan 1975). The mean of a picture stays. Contrast is that to the mean
-of the whole picture, and brightness counts as if it were luminance.
+So a contrast c at one frequency is lost below 1 / S, and of more than that is left what acuity leaves, but for
+1 / (2 c S²): what is well above the threshold looks as if there was none (Georgeson & Sullivan 1975). The mean of a
+picture stays. Contrast is that to the mean of the whole picture, and brightness counts as if it were luminance.
 """
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +38,8 @@ LEAST_HALF_CYCLES = 4
 """Of the middle of the lowest band, across the picture's shorter side; what is slower has no threshold."""
 GRID_PX = 4
 """Bands are worked out in pictures that have a multiple of so many pixels either way."""
+TINY = 1e-6
+"""Added to squares of levels that something is divided by."""
 PRODUCT_PX = 64
 """Up to this size, cosine transforms are faster as products of matrices."""
 
@@ -51,38 +54,43 @@ class Transform:
 
 
 @dataclass(frozen=True, slots=True)
-class Band:
-    """A band: weights of the lowest cosines of a picture, shape (..., rows, columns)."""
-
-    analysis: Any
-    synthesis: Any
-
-
-@dataclass(frozen=True, slots=True)
 class Bands:
     """What the luminance of a picture is taken apart into."""
 
     rest: Any
-    """Weights of what has no threshold, shape (..., height, width)."""
-    bands: tuple[Band, ...]
-    """From the finest to the coarsest."""
+    """Weights of cosines without threshold, shape (..., height, width)."""
+    bands: tuple[Any, ...]
+    """Weights of A and B of each band, from the finest to the coarsest, shape (..., 2, rows, columns)."""
 
     def mapped(self, change: Callable[[Any], Any]) -> "Bands":
         """Return these with all arrays changed."""
-        return Bands(change(self.rest), tuple(Band(change(b.analysis), change(b.synthesis)) for b in self.bands))
+        return Bands(change(self.rest), tuple(map(change, self.bands)))
 
 
 def above_threshold(luminance: Any, bands: Bands, transform: Transform) -> Any:
     """Return what of a luminance, shape (..., height, width), is above the threshold; its mean stays the same."""
-    xp, spectrum = transform.xp, transform.forward(luminance)
-    squared = luminance.mean((-2, -1))[..., None, None] ** 2
+    height, width = luminance.shape[-2:]
+    spectrum, fine = transform.forward(luminance), 0.0
+    squared = (spectrum[..., :1, :1] / math.sqrt(height * width)) ** 2
     total = spectrum * bands.rest
-    for band in bands.bands:
-        rows, columns = band.analysis.shape[-2:]
-        value = transform.inverse(spectrum[..., :rows, :columns] * band.analysis)
-        seen = xp.copysign(xp.sqrt((value * value - squared).clip(0)), value)
-        total[..., :rows, :columns] += transform.forward(seen) * band.synthesis
-    return transform.inverse(total)
+    for weights in bands.bands:
+        rows, columns = weights.shape[-2:]
+        values = transform.inverse(spectrum[..., None, :rows, :columns] * weights)
+        weighted, seen = values[..., 0, :, :], values[..., 1, :, :]
+        weighted *= weighted
+        weighted += TINY
+        seen *= transform.xp.sqrt((1 - squared / weighted).clip(0))
+        if (rows, columns) == (height, width):
+            fine = seen
+        else:
+            total[..., :rows, :columns] += transform.forward(seen) * math.sqrt(height * width / (rows * columns))
+    total[..., :1, :1] = spectrum[..., :1, :1] - _total(fine) / math.sqrt(height * width)
+    return transform.inverse(total) + fine
+
+
+def _total(planes: Any) -> Any:
+    """Return the sum of each plane, shape (..., 1, 1)."""
+    return planes.reshape(*planes.shape[:-2], -1).sum(-1)[..., None, None]
 
 
 def sensitivity_at(frequencies_cpd: FloatArray, peak: float, peak_cpd: float) -> FloatArray:
@@ -123,15 +131,13 @@ def threshold_bands(
     weights = [_weight(steps + number) for number in range(count)]
     weights[0][steps > 0] = 1.0
     sensitivity = sensitivity_at(frequencies_cpd, peak, peak_cpd) / np.maximum(np.max(weights, axis=0), 0.5)
-    is_seen = frequencies_cpd < (acuity_cpd or np.inf)
-    bands = []
+    left = np.ones_like(sensitivity) if acuity_cpd is None else (1 - frequencies_cpd / acuity_cpd).clip(0)
+    pairs = []
     for weight in weights:
         rows, columns = (_grid_size(reach) for reach in (weight.any(axis=1), weight.any(axis=0)))
-        scale, part = np.sqrt(rows * columns / (height * width)), np.s_[:rows, :columns]
-        shown = ((weight > 0) & is_seen)[part]
-        analysis, synthesis = (weight * sensitivity)[part] * shown * scale, shown / sensitivity[part] / scale
-        bands.append(Band(_kept(analysis), _kept(synthesis)))
-    return Bands(_kept((1 - np.sum(weights, axis=0)).clip(0) * is_seen), tuple(bands))
+        scale = np.sqrt(rows * columns / (height * width))
+        pairs.append(_kept(scale * np.stack([weight * sensitivity * (left > 0), weight * left])[:, :rows, :columns]))
+    return Bands(_kept((1 - np.sum(weights, axis=0)).clip(0) * left), tuple(pairs))
 
 
 def stacked_bands(of_eyes: tuple[Bands, ...]) -> Bands:
@@ -139,11 +145,8 @@ def stacked_bands(of_eyes: tuple[Bands, ...]) -> Bands:
     first = of_eyes[0]
     if all(bands is first for bands in of_eyes):
         return first
-    bands = [
-        Band(np.stack([band.analysis for band in same]), np.stack([band.synthesis for band in same]))
-        for same in zip(*(bands.bands for bands in of_eyes), strict=True)
-    ]
-    return Bands(np.stack([bands.rest for bands in of_eyes]), tuple(bands))
+    pairs = tuple(np.stack(pair) for pair in zip(*(bands.bands for bands in of_eyes), strict=True))
+    return Bands(np.stack([bands.rest for bands in of_eyes]), pairs)
 
 
 def _weight(steps: FloatArray) -> FloatArray:

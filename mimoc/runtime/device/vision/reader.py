@@ -19,6 +19,7 @@ from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.colours import Limits, limit_colours, limits_of
+from mimoc.senses.vision.flicker import filter_of
 from mimoc.senses.vision.foveation import contrast_gain, source_weights, visual_field
 from mimoc.senses.vision.noticing import fade, noticed_share
 from mimoc.senses.vision.thresholds import Transform, cosine_matrix
@@ -179,6 +180,7 @@ class NoVision(Sense):
             return False
         shape = entry.height_px, entry.width_px, 3
         self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
+        self.filter = filter_of(entry)
         ids = [model.camera(name).id for name in entry.cameras]
         self.bodies = model.cam_bodyid[ids].astype(np.intp)
         return True
