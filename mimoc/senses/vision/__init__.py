@@ -47,7 +47,9 @@ OLDEST_MONTHS = 36.0
 
 
 def _kind_of_maturity(value: Any) -> str | None:
-    return "word" if isinstance(value, str) else None if isinstance(value, bool) else "months"
+    if isinstance(value, str):
+        return "word"
+    return "months" if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 MaturityMonths: TypeAlias = Annotated[Annotated[Months, Field(le=OLDEST_MONTHS)], Tag("months")]

@@ -62,34 +62,41 @@ def compare_ages(
     for kind, name, known in (("side", side, SIDES), ("profile of acuity", profile, PROFILES)):
         if name not in known:
             raise UnknownNameError(kind, name, known)
-
-    def entry(acuity_cpd: float | None, foveation: float) -> VisionEntry:
-        return VisionEntry(
-            cameras=(f"eye_{side}",),
-            width_px=size_px,
-            height_px=size_px,
-            supersample=SUPERSAMPLE,
-            acuity_cpd=acuity_cpd,
-            foveation=float(foveation),
-            foveation_radius=vision.foveation_radius,
-            unseen=UNSEEN,
-        )
-
-    acuities_cpd: list[float | None] = [acuity_at(age_months, profile) for age_months in ages_months]
+    sharp = _sharp(vision, side, size_px)
+    acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
     captions = [
         f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"
         for age_months, acuity_cpd in zip(ages_months, acuities_cpd, strict=True)
     ]
-    entries = tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation))
-    rows = ROWS
+    rows = {
+        name: tuple(
+            sharp.model_copy(update={"acuity_cpd": acuity_cpd, "foveation": float(strength)})
+            for acuity_cpd in (*acuities_cpd, None)
+        )
+        for name, strength in zip(ROWS, (0, foveation), strict=True)
+    }
     if any(is_given(vision, key) for key in SHOWN):
-        asked = vision.model_copy(update={"acuity": "age", "acuity_profile": profile})
+        wanted = vision.model_copy(update={"acuity": "age", "acuity_profile": profile})
         matured = [
-            entry(cpd, vision.foveation).model_copy(update=maturity_of(asked, age_months))
-            for cpd, age_months in zip(acuities_cpd, ages_months, strict=True)
+            {"acuity_cpd": acuity_cpd, "foveation": vision.foveation, **maturity_of(wanted, age_months)}
+            for acuity_cpd, age_months in zip(acuities_cpd, ages_months, strict=True)
         ]
-        entries, rows = (*entries, (*matured, entry(None, 0))), (*ROWS, MATURED)
-    return Comparison(entries, rows, (*captions, AS_DRAWN))
+        rows[MATURED] = (*(sharp.model_copy(update=fields) for fields in matured), sharp)
+    return Comparison(tuple(rows.values()), tuple(rows), (*captions, AS_DRAWN))
+
+
+def _sharp(vision: VisionSpec, side: str, size_px: int) -> VisionEntry:
+    """Return an eye that sees all that is drawn."""
+    return VisionEntry(
+        cameras=(f"eye_{side}",),
+        width_px=size_px,
+        height_px=size_px,
+        supersample=SUPERSAMPLE,
+        acuity_cpd=None,
+        foveation=0.0,
+        foveation_radius=vision.foveation_radius,
+        unseen=UNSEEN,
+    )
 
 
 def read_ages(text: str) -> tuple[float, ...]:

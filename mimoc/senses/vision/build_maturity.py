@@ -23,6 +23,7 @@ class AgeCurve:
 
     by_month: Mapping[float, float]
     adult: float
+    """What it comes to in adults; of most, no entry says so, as nothing is limited then."""
     source: str
     """Where it is from, for `mimoc explain`."""
     is_logarithmic: bool = False
@@ -81,7 +82,7 @@ VERGENCE = AgeCurve(
 )
 FLICKER_HZ = AgeCurve(
     {2: 2.0, 3: 5.0, 4: 10.0, 6: 15.0},
-    15.0,
+    50.0,
     "derived: a low-pass filter whose limit is near the frequency that infants see best (Rasengane et al. 1997, Hartmann "
     "& Banks 1992)",
 )
@@ -194,5 +195,5 @@ UNITS = {
     "flicker_hz": "Hz",
 }
 """Units of those that have one."""
-LIMITED_IN_ADULTS = ("purity_threshold", "chroma_gain", "flicker_hz")
-"""What is limited in adults, too."""
+LIMITED_IN_ADULTS = ("purity_threshold", "chroma_gain")
+"""What has an entry for adults, too; their flicker fusion, at 50 Hz and more, is beyond what 100 pictures a second show."""

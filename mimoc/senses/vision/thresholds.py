@@ -9,7 +9,7 @@ mean luminance m there, wherever between the middles of two bands its frequency 
     seen = sum of B sqrt(1 - m² / A²) over the bands, where |A| > m
 
 So a contrast c at one frequency is lost below 1 / S, and of more than that is left what acuity leaves, but for
-1 / (2 c S²): what is well above the threshold looks as if there was none (Georgeson & Sullivan 1975). The mean of a
+1 / (c S²): what is well above the threshold looks as if there was none (Georgeson & Sullivan 1975). The mean of a
 picture stays. Contrast is that to the mean of the whole picture, and brightness counts as if it were luminance.
 """
 
@@ -36,8 +36,9 @@ OCTAVES = 1.5
 """Distance of the middles of two bands, and their width at half of their height: as channels of adults, 1 to 2."""
 LEAST_HALF_CYCLES = 4
 """Of the middle of the lowest band, across the picture's shorter side; what is slower has no threshold."""
-GRID_PX = 4
-"""Bands are worked out in pictures that have a multiple of so many pixels either way."""
+GRID_PX, SPARE = 4, 1.5
+"""Bands are worked out in pictures that have a multiple of so many pixels either way, and so many for each cosine, as
+the peaks of gratings lie between pixels where these are few."""
 TINY = 1e-6
 """Added to squares of levels that something is divided by."""
 PRODUCT_PX = 64
@@ -81,7 +82,7 @@ def above_threshold(luminance: Any, bands: Bands, transform: Transform) -> Any:
         weighted += TINY
         seen *= transform.xp.sqrt((1 - squared / weighted).clip(0))
         if (rows, columns) == (height, width):
-            fine = seen
+            fine = fine + seen
         else:
             total[..., :rows, :columns] += transform.forward(seen) * math.sqrt(height * width / (rows * columns))
     total[..., :1, :1] = spectrum[..., :1, :1] - _total(fine) / math.sqrt(height * width)
@@ -156,8 +157,8 @@ def _weight(steps: FloatArray) -> FloatArray:
 
 def _grid_size(reach: npt.NDArray[np.bool_]) -> int:
     """Return how many of the lowest cosines a band takes, of those with a weight and no more than there are."""
-    last = int(np.flatnonzero(reach)[-1]) + 1
-    return min(-(-last // GRID_PX) * GRID_PX, len(reach))
+    wanted = SPARE * (np.flatnonzero(reach).max(initial=0) + 1)
+    return min(math.ceil(wanted / GRID_PX) * GRID_PX, len(reach))
 
 
 def _kept(values: FloatArray) -> Planes:
