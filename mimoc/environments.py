@@ -21,7 +21,7 @@ from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.yaml_document import dump
 from mimoc.tasks import TASKS
 
-OPTIONS = ("render_mode", "width", "height", "task", "senses")
+OPTIONS = ("render_mode", "width", "height", "task", "senses", "companions")
 """What can be said of an environment, besides which infant it is of."""
 NO_INFANT = "mimoc/Infant-v0 needs an infant: give it as bundle=, a bundle or a spec, or the path of one"
 
@@ -37,7 +37,8 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
             of a recording, such as `mimoc retarget` writes, stands for the infant that was recorded.
         options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
             the infant's task (see `mimoc.tasks.task`); `senses`, a dictionary of objects to sense with besides the
-            infant's senses (see `mimoc.senses.custom`); and `max_episode_steps` for Gymnasium.
+            infant's senses (see `mimoc.senses.custom`); `companions`, a dictionary of objects that act in its world
+            besides the infant (see `mimoc.companions.companion`); and `max_episode_steps` for Gymnasium.
 
     Raises:
         SpecError: If a spec cannot be built.

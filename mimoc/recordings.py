@@ -24,6 +24,7 @@ def replay_recording(
     episode: int | None = None,
     task: Any = None,
     senses: Mapping[str, Any] = NONE,
+    companions: Mapping[str, Any] = NONE,
     watch: Watch = lambda env, observation: None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Replayed]:
@@ -37,11 +38,12 @@ def replay_recording(
         episode: Only the episode of this number of each infant.
         task: A task of the script's own that was recorded, as for `mimoc.make`.
         senses: Likewise senses, by name.
+        companions: Likewise companions, by name.
         watch: Called with environment and observation after each reset and each control step.
         progress: Called with the number of control steps done and their total.
 
     Raises:
-        RecordingError: If this is no recording, it is damaged, has no such episodes, or needs a task or senses.
+        RecordingError: If this is no recording, it is damaged, has no such episodes, or needs such objects.
         RenderingError: If the infant has vision, and there is no OpenGL here.
 
     Example:
@@ -51,14 +53,16 @@ def replay_recording(
     """
     opened = recording if isinstance(recording, ReadRecording) else read_recording(recording)
     episodes = chosen_episodes(opened, infant, episode)
-    given = {f"senses.{name}" for name in senses} | ({"task"} if task is not None else set())
+    given = {f"senses.{name}" for name in senses} | {f"companions.{name}" for name in companions}
+    given |= {"task"} if task is not None else set()
     for one in episodes:
         for what, name in one.objects.items():
             if what not in given:
                 raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
     def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
-        return open_bundle(bundle, other_scenes, task=deepcopy(task), senses=deepcopy(dict(senses)))
+        objects = deepcopy({"task": task, "senses": dict(senses), "companions": dict(companions)})
+        return open_bundle(bundle, other_scenes, **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
 

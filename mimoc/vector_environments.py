@@ -67,9 +67,9 @@ def make_vec(
         render_mode: `rgb_array` for pictures of all infants from `render()`, on the CPU.
         autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
             same one (`SameStep`), or by the caller (`Disabled`).
-        options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task` and `senses`, of
-            which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides `task` and
-            the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `DeviceEnv`.
+        options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task`, `senses` and
+            `companions`, of which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides
+            `task` and the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `DeviceEnv`.
 
     Raises:
         SpecError: If a spec cannot be built.

@@ -44,8 +44,10 @@ KIND_FOLDERS = {
     "actuation": "run",
     "delays": "run",
     "noise": "run",
+    "companions": "run",
     "scenes": "build",
     "toys": "build",
+    "objects": "build",
     "policies": "policies",
     "exporters": "recording",
     "columns": "reading",
@@ -95,7 +97,9 @@ LAYERS = {
         "errors",
         "mujoco torch array_api_compat array_api_strict",
     ),
-    "run": layer("base.model_fields base.state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
+    "run": layer(
+        "base.model_fields base.state_form base.sound", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"
+    ),
     "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.device",

@@ -15,6 +15,7 @@ from mimoc.actuation.binding import Actuation
 from mimoc.base.state_form import checked_list, demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import out_of_memory
+from mimoc.companions.companion import Companions
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.timing import Commands, Samples, Timing, within
@@ -103,14 +104,17 @@ class Schedule:
         model: mujoco.MjModel,
         timing: Timing,
         streams: NoiseStreams | None = None,
+        companions: Companions | None = None,
     ):
-        """Plan the control step, once, for senses and an actuation that are bound to the model.
+        """Plan the control step, once, for senses, an actuation and companions that are bound to the model.
 
         Raises:
             ValueError: If a delay, its jitter or the control step is not a whole number of physics steps.
         """
         streams = streams or NoiseStreams(0)
         self._model, self._senses, self._actuation, self._period = model, senses, actuation, timing.period
+        self.companions = companions or Companions({}, streams)
+        """What else acts; with any, a control step is cut at every physics step."""
         self._samples = {
             name: timing.samples(name, None if sense.bodies is None else within(model, sense.bodies), streams)
             for name, sense in senses.items()
@@ -156,6 +160,8 @@ class Schedule:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
+            if self.companions:
+                self.companions.after_step(data)
             for name, delayed in segment.samples:
                 sample = self.disturb(name, self._senses[name](data), data)
                 for line in delayed:
@@ -170,12 +176,14 @@ class Schedule:
         return self._segments or self._cut()
 
     def command(self, segment: Segment, data: mujoco.MjData) -> None:
-        """Apply the commands that arrive at the start of a segment, before its physics steps."""
+        """Apply the commands that arrive at the start of a segment, and let companions act, before physics steps."""
         noise = self._motor_noise
         for commands in segment.commands:
             commands.apply(noise.commanded if noise else data.ctrl)
         if noise:
             noise(data)
+        if self.companions:
+            self.companions.before_step(data)
 
     @property
     def samples(self) -> Mapping[str, Sequence[Samples]]:
@@ -251,11 +259,11 @@ class Schedule:
             self._motor_noise.reset(data)
 
     def _cut(self) -> tuple[Segment, ...]:
-        """Return the segments of a control step; noise of commands is drawn for each physics step."""
+        """Return the segments of a control step; noise of commands and companions need each physics step."""
         sampled = {after for delayed in self._samples.values() for line in delayed for after in line.sampled_after}
         applied = {after for commands in self._commands for after in commands.applied_after}
-        noisy = range(self._period) if self._motor_noise else ()
-        cuts = sorted({0, self._period, *sampled, *applied, *noisy})
+        single = range(self._period) if self._motor_noise or self.companions else ()
+        cuts = sorted({0, self._period, *sampled, *applied, *single})
         return tuple(
             Segment(
                 commands=tuple(commands for commands in self._commands if start in commands.applied_after),

@@ -41,10 +41,11 @@ SEEDS = 2**128
 class NoiseStreams:
     """The streams of an environment, one for each channel, so that no channel changes what another draws.
 
-    Each begins when its channel first draws from it.
+    Each begins when its channel first draws from it, and is one and the same generator for good.
     """
 
     def __init__(self, seed: int):
+        self._generators: dict[str, np.random.Generator] = {}
         self.restart(seed)
 
     def restart(self, seed: int) -> None:
@@ -55,7 +56,9 @@ class NoiseStreams:
     def __getitem__(self, channel: str) -> np.random.Generator:
         """Return the stream of a channel, such as `motor`."""
         if channel not in self._streams:
-            self._streams[channel] = stream(self._seed, f"noise.{channel}")
+            begun = stream(self._seed, f"noise.{channel}")
+            self._streams[channel] = self._generators.setdefault(channel, begun)
+            self._streams[channel].bit_generator.state = begun.bit_generator.state
         return self._streams[channel]
 
     @property

@@ -222,5 +222,7 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
 def _objects(infant: InfantEnv) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
     objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
+    classes = {name: type(companion) for name, companion in infant.companions.items()}
+    companions = {f"companions.{name}": f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
     task = {"task": infant.task} if isinstance(infant.task, CustomTask) else {}
-    return {what: item.class_name for what, item in {**task, **objects}.items()}
+    return {what: item.class_name for what, item in {**task, **objects}.items()} | companions

@@ -5,21 +5,20 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import gymnasium
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import Actuation, bind_actuation
-from mimoc.base.errors import check_name
+from mimoc.actuation.binding import bind_actuation
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import bounded, is_unstable, pose_of
 from mimoc.bundle.variants import Variant, Variants, open_variant
+from mimoc.companions.companion import bind_companions
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams
@@ -27,20 +26,18 @@ from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.expression import set_expression
+from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.task import NO_REWARD, Task, bind_task
-
-if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
-    from mimoc.senses.touch.run import SkinState
+from mimoc.tasks.task import NO_REWARD, bind_task
 
 
-@closable("layout")
-class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
+@closable()
+class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """An infant in its scene.
 
     Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch, and one
@@ -63,6 +60,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         variants: Variants | None = None,
         task: Any = None,
         senses: Mapping[str, Any] = MappingProxyType({}),
+        companions: Mapping[str, Any] = MappingProxyType({}),
     ):
         """Open a bundle.
 
@@ -74,6 +72,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
             task: Object that replaces the bundle's task; see `tasks.binding.CustomTask`.
             senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
+            companions: Objects that act in its world as well, by name; see `companions.companion.Companion`.
 
         Raises:
             BundleError: If the folder is not an intact bundle.
@@ -81,85 +80,21 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
             ValueError: If the images have no size that images can have.
-            KindError: If the task or a sense is no such object, or has the name of an existing sense.
+            KindError: If the task, a sense or a companion is no such object, or has the name of an existing one.
         """
         check_rendering(render_mode, width, height)
         self.render_mode, self._picture_size, self._infant = render_mode, (width, height), open_variant(bundle)
         self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
-        self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
+        self._draws = bool(render_mode or senses or companions) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
+        self._custom_companions = dict(companions)
         self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
         self.observation_space = observation_space(self._senses, self._task)
-
-    @property
-    def model(self) -> mujoco.MjModel:
-        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
-        return self._infant.model
-
-    @property
-    def manifest(self) -> Manifest:
-        """Everything the compiler tells the runtime about this infant."""
-        return self.bundle.manifest
-
-    @property
-    def actuation(self) -> Actuation:
-        """The mapping from actions to controls: actuators in the order of the action, and their limits."""
-        return self._act
-
-    @property
-    def senses(self) -> Mapping[str, Sense]:
-        """What it senses with, by name."""
-        return self._senses
-
-    @property
-    def task(self) -> Task:
-        """What starts its episodes and judges its steps."""
-        return self._task
-
-    @property
-    def schedule(self) -> Schedule:
-        """Its control step, with all signals on their way."""
-        return self._schedule
-
-    @property
-    def steps(self) -> int:
-        """Control steps of this episode so far."""
-        return self._steps
-
-    @property
-    def max_steps(self) -> int | None:
-        """Control steps after which an episode is truncated; None is never."""
-        return self._task.steps
-
-    @property
-    def age_months(self) -> float:
-        """The infant's age."""
-        return self.manifest.child.age_months
-
-    def layout(self, sense: str) -> tuple[str, ...]:
-        """Return the name and unit of each element of a sense's observation, in order.
-
-        Raises:
-            UnknownNameError: If this infant has no such sense.
-        """
-        check_name("sense of this infant", sense, self._senses)
-        return self._senses[sense].layout
-
-    @property
-    def skin(self) -> "SkinState":
-        """The current positions, bodies and forces of all skin points, without delay.
-
-        Raises:
-            UnknownNameError: If this infant has no sense of touch.
-        """
-        check_name("sense of this infant", "touch", self._senses)
-        touch: Any = self._senses["touch"]
-        return touch.skin_state(self.data)
 
     def set_expression(self, expression: str) -> None:
         """Change the facial expression.
@@ -170,11 +105,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         set_expression(expression, self.manifest, self._infant.bare)
         self.observer.expressed(expression)
 
-    @property
-    def arousal(self) -> float:
-        """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
-        return self._living.arousal.level
-
     def set_arousal(self, level: float) -> None:
         """Change the arousal for the rest of the episode, from the next physics step on.
 
@@ -183,20 +113,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         self._living.arousal.level = level
         self.observer.aroused(level)
-
-    def effort(self) -> float:
-        """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
-
-        This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
-        activation of a muscle, or the fraction of the peak torque in use, muscle tone included (docs/own_reward.md).
-        """
-        return self._act.cost(self.data)
-
-    def keypoints(self) -> npt.NDArray[np.float64]:
-        """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
-        names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
-        sites = np.array([mujoco.mj_name2id(self._infant.bare, site, name) for name in names], int)
-        return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -246,9 +162,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
         if variant:
             growing.check_same_body(self._infant.bare, variant.bare)
-            former = self._living
+            former, remembered = self._living, copy.deepcopy(self.companions.state)
             self._become(variant)
             growing.carry_on(former, self._living)
+            self.companions.state = remembered
             self._renderer.set_model(self._infant.bare, self.data)
             self._renderer.show()
             self.observer.grew(self.age_months)
@@ -352,7 +269,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._task = bind_task(self.bundle, model, self._custom_task)
-        self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
+        timing = timing_of(self.manifest, self._senses)
+        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions)
+        self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions)
+        for sense in self._senses.values():
+            sense.listen_to(companions)
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:

@@ -51,6 +51,7 @@ class SimulationState:
         """Find in a model, in which no episode has changed anything yet, what episodes change."""
         constraints, arousal = Constraints(manifest.constraints, model), Arousal(manifest.actuation, model)
         changed = *constraints.model_fields, *task.model_fields, *expression_fields(manifest, model)
+        changed += tuple(schedule.companions.model_fields)
         return cls(manifest, model, data, constraints, ModelFields(model, changed), task, schedule, noise, arousal)
 
     def start(self, pose: str, chance: np.random.Generator) -> None:
@@ -64,11 +65,13 @@ class SimulationState:
         self.constraints.keep(self.data)
         begin(self.model, self.data)
         self.task.start(self.data, chance)
+        self.schedule.companions.reset(self.data)
         self.schedule.reset(self.data)
 
     @property
     def state(self) -> dict[str, Any]:
         """All that its next steps depend on, but for what the environment counts and draws."""
+        companions = {"companions": self.schedule.companions.state} if self.schedule.companions else {}
         return {
             "physics": physics_of(self.model, self.data),
             "signals": self.schedule.state,
@@ -76,6 +79,7 @@ class SimulationState:
             "task": self.task.state,
             "noise": self.noise.state,
             "arousal": self.arousal.level,
+            **companions,
         }
 
     def model_as_built(self) -> mujoco.MjModel:
@@ -105,13 +109,16 @@ class SimulationState:
         self.arousal.level = state["arousal"]
         set_physics(self.model, self.data, state["physics"])
         self.schedule.state, self.noise.state = state["signals"], state["noise"]
+        if self.schedule.companions:
+            self.schedule.companions.state = state["companions"]
 
 
 def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what has the same form in all states of an infant: not tasks, signals on their way, nor streams."""
+    """Return what has the same form in all states of an infant: not tasks, companions, signals, nor streams."""
     signals = {name: state["signals"][name] for name in ("noise", "motor_noise")}
     noise = {"seed": state["noise"]["seed"]}
-    return {name: state[name] for name in state if name != "task"} | {"signals": signals, "noise": noise}
+    lasting = {name: state[name] for name in state if name not in ("task", "companions")}
+    return lasting | {"signals": signals, "noise": noise}
 
 
 def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:

@@ -30,6 +30,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
+from mimoc.base.sound import SoundSources
 from mimoc.runtime.filter import Filter
 from mimoc.runtime.term import Term
 
@@ -81,6 +82,10 @@ class Sense(ABC):
             model: The infant's model there.
         """
         return False
+
+    def listen_to(self, sources: SoundSources) -> None:
+        """Hear these sources besides what sounds by itself, from now on; most senses hear nothing."""
+        return
 
     def close(self) -> None:
         """Free what the sense holds, such as an OpenGL context; nothing is read from it afterwards."""

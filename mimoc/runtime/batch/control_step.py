@@ -55,6 +55,7 @@ class ControlStep:
         """Join the schedules of all infants, which have the same senses and the same control step."""
         self._schedules = [infant.schedule for infant in infants]
         self._actuations = [infant.actuation for infant in infants]
+        self._accompanied = {index for index, schedule in enumerate(self._schedules) if schedule.companions}
         self._is_plain = all(actuation.command is None for actuation in self._actuations)
         self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
@@ -71,7 +72,9 @@ class ControlStep:
             for infant, segment in merged.begun:
                 schedules[infant].command(segment, datas[infant])
             with closing(self._physics.step(merged.groups, merged.physics_steps)) as stepped:
-                for samplings, _ in zip(merged.samplings, stepped, strict=True):
+                for samplings, group in zip(merged.samplings, stepped, strict=True):
+                    for infant in self._accompanied.intersection(group) if self._accompanied else ():
+                        schedules[infant].companions.after_step(datas[infant])
                     self._sample(samplings)
 
     def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:

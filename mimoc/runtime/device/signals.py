@@ -178,6 +178,8 @@ def check_infant(infant: InfantEnv) -> None:
     Raises:
         DeviceError: If something cannot.
     """
+    for name in infant.companions:
+        raise DeviceError(f"companion '{name}' acts on the CPU only: leave it out, or leave out device")
     for sense, bound in infant.senses.items():
         if bound.term is None and not device_part(sense, bound):
             raise DeviceError(

@@ -1,0 +1,1 @@
+"""Companions: what acts in an infant's world besides the infant."""

@@ -1,0 +1,165 @@
+"""What a companion is, and the companions of one infant: they act before each physics step and see what comes of it.
+
+    time   0            1            2            physics steps
+           |before_step |before_step |before_step
+           |            |after_step  |after_step
+           reset
+
+Before each physics step, `before_step` moves bodies, and after it, `after_step` sees the state. With a companion, a
+control step is cut at every physics step; without any, nothing is done.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import check_custom_object
+from mimoc.base.model_fields import ModelField
+from mimoc.base.sound import Sound
+from mimoc.noise.noise import NoiseStreams
+
+
+class Companion:
+    """Something that acts in the world of an infant; this one does nothing.
+
+    A script passes its own by name: `mimoc.make(spec, companions={"wind": Wind()})`. It moves bodies by what belongs to
+    the state of a simulation, `mocap_pos`, `mocap_quat`, `xfrc_applied` or `ctrl`, or by `model_fields`.
+
+    Example:
+        >>> import mimoc
+        >>> class Wind(mimoc.Companion):
+        ...     def bind(self, model, bundle, generator):
+        ...         self.root = model.body(bundle.manifest.root_body).id
+        ...     def before_step(self, data):
+        ...         data.xfrc_applied[self.root, 0] = 2.0
+        >>> env = mimoc.make("nine_months.yaml", companions={"wind": Wind()})
+        >>> _ = env.reset(seed=0)
+        >>> _ = env.step(0 * env.action_space.sample())
+    """
+
+    model_fields: Sequence[ModelField] = ()
+    """What it changes in the model, once it is bound; all else in the model must stay as it is."""
+
+    def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
+        """Look up names in a model: at the start, and whenever the infant has another one.
+
+        Args:
+            model: The infant and its world.
+            bundle: The `mimoc.Bundle` it comes from; `bundle.manifest` names what is in it.
+            generator: Source of all random numbers of this companion, whose state is part of the environment's.
+        """
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Start an episode, when the infant is in its pose and its task has started.
+
+        Args:
+            data: The state, with all that follows from it. Whoever changes it calls `mj_forward` afterwards.
+        """
+
+    def before_step(self, data: mujoco.MjData) -> None:
+        """Act in the physics step that is about to be made; commands that arrive now are in `data.ctrl` already."""
+
+    def after_step(self, data: mujoco.MjData) -> None:
+        """See the state after a physics step.
+
+        Positions of bodies and contacts are those from which the step was made, as MuJoCo leaves them; `time`, `qpos`
+        and `qvel` are those after it.
+        """
+
+    def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
+        """Return what it has let sound and can still be heard: nothing, or what ended within `SILENT_AFTER_MS`."""
+        return ()
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it remembers within an episode and is not in `data`, to be copied and pickled; it can be set."""
+        return {}
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        return
+
+
+class Companions(Mapping[str, Companion]):
+    """The companions of one infant, by name."""
+
+    def __init__(self, companions: Mapping[str, Companion], streams: NoiseStreams):
+        """Keep companions that are bound to the infant's model, and draw from the streams of its environment."""
+        self._companions, self._streams = dict(companions), streams
+
+    def __getitem__(self, name: str) -> Companion:
+        """Return the companion of a name."""
+        return self._companions[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(self._companions)
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._companions)
+
+    @property
+    def model_fields(self) -> list[ModelField]:
+        """What they change in the model."""
+        return [field for companion in self._companions.values() for field in companion.model_fields]
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Start an episode of all of them, in which their streams begin again if the environment's have."""
+        for name, companion in self._companions.items():
+            _ = self._streams[channel_of(name)]
+            companion.reset(data)
+
+    def before_step(self, data: mujoco.MjData) -> None:
+        """Let them act before a physics step."""
+        for companion in self._companions.values():
+            companion.before_step(data)
+
+    def after_step(self, data: mujoco.MjData) -> None:
+        """Let them see the state after a physics step."""
+        for companion in self._companions.values():
+            companion.after_step(data)
+
+    def sounds(self, data: mujoco.MjData) -> list[Sound]:
+        """Return what they have let sound and can still be heard."""
+        return [sound for companion in self._companions.values() for sound in companion.sounds(data)]
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """What each remembers within an episode."""
+        return {name: companion.state for name, companion in self._companions.items()}
+
+    @state.setter
+    def state(self, state: Mapping[str, Any]) -> None:
+        for name, companion in self._companions.items():
+            companion.state = state[name]
+
+
+def channel_of(name: str) -> str:
+    """Return the channel of an environment's random numbers that a companion draws from."""
+    return f"companion.{name}"
+
+
+def bind_companions(
+    model: mujoco.MjModel, bundle: Any, streams: NoiseStreams, custom: Mapping[str, Companion]
+) -> Companions:
+    """Return the companions of an infant, bound to its model.
+
+    Args:
+        model: The infant and its world.
+        bundle: The `mimoc.Bundle` it comes from.
+        streams: Random numbers of the environment, by channel.
+        custom: Objects of a script's own, by name.
+
+    Raises:
+        KindError: If one of them is none.
+    """
+    for name, companion in custom.items():
+        check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
+        if not isinstance(companion, Companion):
+            raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
+        companion.bind(model, bundle, streams[channel_of(name)])
+    return Companions(custom, streams)

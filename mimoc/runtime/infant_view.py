@@ -1,0 +1,128 @@
+"""What can be read of the infant in an environment."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.actuation.binding import Actuation
+from mimoc.base.errors import check_name
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.variants import Variant
+from mimoc.companions.companion import Companions
+from mimoc.delays.schedule import Schedule
+from mimoc.runtime.closing import closable
+from mimoc.runtime.simulation_state import SimulationState
+from mimoc.senses.sense import Sense
+from mimoc.tasks.task import Task
+
+if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
+    from mimoc.senses.touch.run import SkinState
+
+
+@closable("layout")
+class InfantView:
+    """An infant as it is bound to its model, to be read."""
+
+    closed: bool
+    bundle: Bundle
+    data: mujoco.MjData
+    _infant: Variant
+    _act: Actuation
+    _senses: Mapping[str, Sense]
+    _task: Task
+    _schedule: Schedule
+    _living: SimulationState
+    _steps: int
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
+        return self._infant.model
+
+    @property
+    def manifest(self) -> Manifest:
+        """Everything the compiler tells the runtime about this infant."""
+        return self.bundle.manifest
+
+    @property
+    def actuation(self) -> Actuation:
+        """The mapping from actions to controls: actuators in the order of the action, and their limits."""
+        return self._act
+
+    @property
+    def senses(self) -> Mapping[str, Sense]:
+        """What it senses with, by name."""
+        return self._senses
+
+    @property
+    def companions(self) -> Companions:
+        """What else acts in its world, by name."""
+        return self._schedule.companions
+
+    @property
+    def task(self) -> Task:
+        """What starts its episodes and judges its steps."""
+        return self._task
+
+    @property
+    def schedule(self) -> Schedule:
+        """Its control step, with all signals on their way."""
+        return self._schedule
+
+    @property
+    def steps(self) -> int:
+        """Control steps of this episode so far."""
+        return self._steps
+
+    @property
+    def max_steps(self) -> int | None:
+        """Control steps after which an episode is truncated; None is never."""
+        return self._task.steps
+
+    @property
+    def age_months(self) -> float:
+        """The infant's age."""
+        return self.manifest.child.age_months
+
+    def layout(self, sense: str) -> tuple[str, ...]:
+        """Return the name and unit of each element of a sense's observation, in order.
+
+        Raises:
+            UnknownNameError: If this infant has no such sense.
+        """
+        check_name("sense of this infant", sense, self._senses)
+        return self._senses[sense].layout
+
+    @property
+    def skin(self) -> "SkinState":
+        """The current positions, bodies and forces of all skin points, without delay.
+
+        Raises:
+            UnknownNameError: If this infant has no sense of touch.
+        """
+        check_name("sense of this infant", "touch", self._senses)
+        touch: Any = self._senses["touch"]
+        return touch.skin_state(self.data)
+
+    @property
+    def arousal(self) -> float:
+        """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
+        return self._living.arousal.level
+
+    def effort(self) -> float:
+        """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
+
+        This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
+        activation of a muscle, or the fraction of the peak torque in use, muscle tone included (docs/own_reward.md).
+        """
+        return self._act.cost(self.data)
+
+    def keypoints(self) -> npt.NDArray[np.float64]:
+        """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
+        names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
+        sites = np.array([mujoco.mj_name2id(self._infant.bare, site, name) for name in names], int)
+        return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
