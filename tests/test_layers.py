@@ -93,7 +93,7 @@ LAYERS = {
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} quantities schema fits body", "matplotlib"),
     "terms": layer(
-        "runtime.worlds runtime.term runtime.array_library runtime.term_contract",
+        "runtime.worlds runtime.term runtime.filter runtime.array_library runtime.term_contract",
         "errors",
         "mujoco torch array_api_compat array_api_strict",
     ),

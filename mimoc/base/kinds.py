@@ -51,6 +51,14 @@ class NoiseOption:
     """Largest number that makes sense."""
     run: Code
     """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples; see `mimoc/noise/noise.py`."""
+    by_age: tuple[tuple[float, float], ...] = ()
+    """Amounts by age in months, between which it is interpolated, where a spec can say `age`, or `adult`."""
+    adult: float = 0.0
+    """Amount of adults, where it can."""
+    source: str = ""
+    """Where these come from."""
+    low_pass_ms: float | None = None
+    """Time constant of amounts by age, where it is not that of all noise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,13 +41,7 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
         if toys.root is not None and not TOY_SOURCES[toys.source].needs_root:
             yield "scene.toys.root", f"scene.toys.source is '{toys.source}', which needs no folder"
     if vision := spec.senses.vision:
-        usual, follows_age = VisionSpec(), isinstance(vision.acuity, float) or vision.acuity == "age"
-        if vision.acuity_profile != usual.acuity_profile and not follows_age:
-            yield "senses.vision.acuity_profile", "senses.vision.acuity follows no age"
-        if vision.contrast != usual.contrast and vision.acuity == "off":
-            yield "senses.vision.contrast", "senses.vision.acuity is off"
-        if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
-            yield "senses.vision.foveation_radius", "senses.vision.foveation is 0"
+        yield from _unused_of_vision(vision)
     if (impairments := spec.impairments) and spec.senses.vision is None:
         for key in ("acuity", "field_deg"):
             if getattr(impairments, key):
@@ -65,6 +59,19 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
         for key, files in spec.scene.textures:
             if files is not None:
                 yield f"scene.textures.{key}", f"scene.kind '{spec.scene.kind}' has no wallpaper"
+
+
+def _unused_of_vision(vision: VisionSpec) -> Iterator[tuple[str, str]]:
+    usual, is_off = VisionSpec(), vision.acuity == "off"
+    is_plain = vision.contrast in ("linear", "mimo3", "off")
+    follows_age = isinstance(vision.acuity, float) or vision.acuity == "age" or (is_off and not is_plain)
+    if vision.acuity_profile != usual.acuity_profile and not follows_age:
+        yield "senses.vision.acuity_profile", "senses.vision.acuity follows no age"
+    if vision.contrast == "mimo3" and is_off:
+        yield "senses.vision.contrast", "senses.vision.acuity is off"
+    for key in ("foveation_radius", "fovea"):
+        if getattr(vision, key) != getattr(usual, key) and not vision.foveation:
+            yield f"senses.vision.{key}", "senses.vision.foveation is 0"
 
 
 def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> Iterator[tuple[str, str]]:

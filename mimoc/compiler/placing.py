@@ -211,7 +211,7 @@ def place_in_scene(
 def surroundings(
     spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, place: Placement, folder: Path
 ) -> Surroundings:
-    """Return what objects are placed among: an infant that starts in a pose at a place; and the folder of their files."""
+    """Return what objects are placed among, an infant that starts in a pose at a place, and where their files are."""
     return Surroundings(tree, start.qpos, place, built.half_size_m, SCENES[spec.kind].has_floor, folder)
 
 

@@ -2,9 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
+from mimoc.base.kinds import NoiseOption
 from mimoc.body.maturation import Decay
 from mimoc.body.origins import Entry, Origin
-from mimoc.noise.spec import NoiseEntry, noise_keys
+from mimoc.noise.spec import NoiseEntry, low_pass_key, noise_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.regions import in_regions
 from mimoc.senses import SENSES
@@ -18,11 +21,29 @@ MATURING = Decay(tau_months=8.0, power=1.0)
 
 def noise(spec: InfantSpec, joints: Sequence[str]) -> NoiseEntry:
     """Return the noise of commands, senses and delays; *joints* are those that the numbers of an action move."""
-    given = {key: getattr(spec.noise, key) for key in ("delay_jitter_ms", *noise_keys().values())}
+    given = {"delay_jitter_ms": spec.noise.delay_jitter_ms}
+    for name, key in noise_keys().items():
+        option, amount = _option(name), getattr(spec.noise, key)
+        given[key] = _by_age(option, amount, spec.corrected_age_months)
+        if isinstance(amount, str) and option.low_pass_ms:
+            given[low_pass_key(name)] = option.low_pass_ms
     motor = motor_share(spec.corrected_age_months) if spec.noise.motor == "maturing" else spec.noise.motor
     noisy = in_regions(spec.impairments.complete.noise, joints) if spec.impairments else {}
     of_commands = tuple(noisy[joint][1] if joint in noisy else motor for joint in joints) if noisy else ()
     return NoiseEntry(motor=motor, of_commands=of_commands, **given)
+
+
+def _option(sense: str) -> NoiseOption:
+    option = SENSES[sense].noise
+    assert option is not None, "senses with a key of noise have noise"
+    return option
+
+
+def _by_age(option: NoiseOption, amount: float | str, age_months: float) -> float:
+    """Return an amount of noise as it is given, or that of the infant's age or of adults."""
+    if amount == "age":
+        return float(np.interp(age_months, *zip(*option.by_age, strict=True)))
+    return option.adult if isinstance(amount, str) else amount
 
 
 def motor_share(age_months: float) -> float:
@@ -39,16 +60,17 @@ LOW_PASS = "assumed time constant of an infant's muscles (half-relaxation is 90 
 
 def trace_noise(spec: InfantSpec, noise: NoiseEntry) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each noise in the manifest."""
-    units = {"motor": "1", "delay_jitter_ms": "ms"}
+    units, rules = {"motor": "1", "delay_jitter_ms": "ms"}, {"motor": BY_AGE}
     for name, key in noise_keys().items():
-        option = SENSES[name].noise
-        units[key] = option.unit if option else ""
+        units[key], rules[key] = _option(name).unit, _option(name).source
+        if (low_pass_ms := getattr(noise, low_pass_key(name), None)) is not None:
+            yield f"noise.{low_pass_key(name)}", Origin("assumed (D)", (f"spec.noise.{key}",), "ms").entry(low_pass_ms)
     for key, unit in units.items():
         if key not in noise.model_dump():
             continue
-        rule, sources = "given by the spec", [f"spec.noise.{key}"]
-        if getattr(spec.noise, key) == "maturing":
-            rule, sources = BY_AGE, [*sources, "spec.age_months"]
+        rule, sources, given = "given by the spec", [f"spec.noise.{key}"], getattr(spec.noise, key)
+        if isinstance(given, str):
+            rule, sources = rules[key], [*sources, *(["spec.age_months"] if given != "adult" else [])]
         yield f"noise.{key}", Origin(rule, tuple(sources), unit).entry(getattr(noise, key))
     if noise.of_commands:
         rule = "given by the spec, by region of the body; elsewhere as noise.motor"

@@ -27,8 +27,9 @@ from mimoc.actuation.binding import Actuation
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.base.units import ms_to_s
-from mimoc.noise.spec import NoiseEntry, noise_keys
+from mimoc.noise.spec import NoiseEntry, low_pass_key, noise_keys
 from mimoc.runtime.array_library import NUMPY
+from mimoc.runtime.filter import Filter
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.senses import SENSES
 from mimoc.senses.sense import FloatArray, Sample, Sense
@@ -145,12 +146,39 @@ def noise_amount(sense: str, entry: NoiseEntry) -> float:
 def bind_noise(name: str, sense: Sense, entry: NoiseEntry) -> Noise:
     """Return the noise of a sense that can have one; its amount may be 0."""
     option: Any = SENSES[name].noise
-    return function_of(option.run, "bind")(noise_amount(name, entry), sense, ms_to_s(entry.low_pass_ms))
+    low_pass_ms = getattr(entry, low_pass_key(name), None) or entry.low_pass_ms
+    return function_of(option.run, "bind")(noise_amount(name, entry), sense, ms_to_s(low_pass_ms))
+
+
+@dataclass(frozen=True)
+class Filtered(Noise):
+    """What a sense organ makes of a signal, and the noise of that, if it has any."""
+
+    filter: Filter
+    noise: Noise | None
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return the response with noise, and the states of the filter and of the noise, one after the other."""
+        size = self.filter.size(sample.shape[1])
+        former, noisy = (None, None) if state is None else (state[:, :size], state[:, size:])
+        response, kept = self.filter(draw.xp, draw.elapsed_s, sample, former)
+        if self.noise is None:
+            return response, kept
+        noisy = noisy if noisy is not None and noisy.shape[1] else None
+        response, noise = self.noise(draw, response, noisy)
+        return response, kept if noise is None else draw.xp.concat([kept, noise], axis=1)
+
+
+def processing_of(name: str, sense: Sense, entry: NoiseEntry, force: bool = False) -> Noise | None:
+    """Return the filter and the noise of a sense, or None if it has neither; with *force*, its noise can be 0."""
+    noise = bind_noise(name, sense, entry) if noise_amount(name, entry) or (force and name in noise_keys()) else None
+    return noise if sense.filter is None else Filtered(sense.filter, noise)
 
 
 def noise_of(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> SignalNoise | None:
-    """Return the noise of a sense of one infant, drawn by the stream of its name, or None if it has none."""
-    return SignalNoise(bind_noise(name, sense, entry), name, streams) if noise_amount(name, entry) else None
+    """Return what disturbs a sense of one infant, drawn by the stream of its name, or None if nothing does."""
+    noise = processing_of(name, sense, entry)
+    return SignalNoise(noise, name, streams) if noise else None
 
 
 FORGOTTEN = 700.0

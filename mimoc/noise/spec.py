@@ -20,17 +20,26 @@ LOW_PASS_MS = 60.0
 (derived, for want of a measurement; half-relaxation takes 90 ms at 3 years and 40 ms at 10, Lin et al. 1994)."""
 
 
-def _kind_of_motor_noise(value: Any) -> str | None:
+def _kind_of_amount(value: Any) -> str | None:
     if isinstance(value, str):
         return "word" if value.isalpha() else None
-    return "share" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+    return "number" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-MotorNoise: TypeAlias = Annotated[
-    Annotated[Literal["maturing"], Tag("word")] | Annotated[Annotated[Real, Field(ge=0, le=1)], Tag("share")],
-    Discriminator(_kind_of_motor_noise),
-    Field(json_schema_extra={"wanted": "a share of the command; write a number from 0 to 1, or maturing"}),
-]
+def _number_or_word(number: Any, words: Any, wanted: str) -> Any:
+    """Return the type of an amount that a number gives, or a word; *wanted* is what errors ask for."""
+    return Annotated[
+        Annotated[words, Tag("word")] | Annotated[number, Tag("number")],
+        Discriminator(_kind_of_amount),
+        Field(json_schema_extra={"wanted": wanted}),
+    ]
+
+
+MotorNoise: TypeAlias = _number_or_word(
+    Annotated[Real, Field(ge=0, le=1)],
+    Literal["maturing"],
+    "a share of the command; write a number from 0 to 1, or maturing",
+)
 """A share of the command, or that of the infant's age."""
 
 
@@ -43,7 +52,10 @@ def _spec_fields() -> dict[str, FieldInfo]:
     fields = {}
     for name, key in noise_keys().items():
         noise: Any = SENSES[name].noise
-        amount = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
+        amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
+        if noise.by_age:
+            wanted = f"an amount of noise; write a number from 0 to {noise.most:g}, age or adult"
+            amount = _number_or_word(amount, Literal["age", "adult"], wanted)
         fields[key] = described_field(amount, 0.0, noise.about)
     return fields
 
@@ -51,6 +63,20 @@ def _spec_fields() -> dict[str, FieldInfo]:
 def _recent_keys() -> list[str]:
     """Return the keys of recent senses, which are left out where they say nothing."""
     return [key for name, key in noise_keys().items() if SENSES[name].is_recent]
+
+
+def low_pass_key(sense: str) -> str:
+    """Return the key of the time constant of the noise of a sense, where it has one of its own."""
+    return f"{sense}_low_pass_ms"
+
+
+def _entry_fields() -> dict[str, FieldInfo]:
+    fields = {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()}
+    for kind in SENSES.values():
+        if kind.noise and kind.noise.low_pass_ms:
+            about = f"Time constant of the noise of {kind.name}, if it differs."
+            fields[low_pass_key(kind.name)] = described_field(Annotated[Duration, Field(ge=0.1)] | None, None, about)
+    return fields
 
 
 @composed(_spec_fields)
@@ -67,7 +93,7 @@ class NoiseSpec(ComposedModel):
     _serialized = omitting(*_recent_keys())
 
 
-@composed(lambda: {key: described_field(Amount, 0.0, f"Noise of {name}.") for name, key in noise_keys().items()})
+@composed(_entry_fields)
 class NoiseEntry(ComposedModel):
     """The noise of commands, senses and delays; 0 is none."""
 
@@ -80,7 +106,7 @@ class NoiseEntry(ComposedModel):
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
-    _serialized = omitting("of_commands", *_recent_keys())
+    _serialized = omitting("of_commands", "vestibular_thresholds", "proprioception_low_pass_ms", *_recent_keys())
 
 
 def check_noise(

@@ -146,6 +146,16 @@ class Renderer:
         mujoco.mjr_readPixels(pixels, None, self.buffer, self.context)
         return pixels
 
+    def read_with_depths(self) -> tuple[Picture, npt.NDArray[np.float32]]:
+        """Return new arrays with the pixels of the buffer and their depths, the lowest row first, while in use.
+
+        A depth, shape (height, width), is 0 at the near and 1 at the far plane, as OpenGL has it.
+        """
+        pixels = np.empty((self.buffer.height, self.buffer.width, 3), np.uint8)
+        depths = np.empty((self.buffer.height, self.buffer.width), np.float32)
+        mujoco.mjr_readPixels(pixels, depths, self.buffer, self.context)
+        return pixels, depths
+
     def read_drawn(self) -> npt.NDArray[np.bool_]:
         """Return where anything is drawn, shape (height, width), the lowest row first, while in use."""
         depth = np.empty((self.buffer.height, self.buffer.width), np.float32)

@@ -31,6 +31,7 @@ import numpy.typing as npt
 from gymnasium.spaces import Box
 
 from mimoc.base.sound import SoundSources
+from mimoc.runtime.filter import Filter
 from mimoc.runtime.term import Term
 
 FloatArray = npt.NDArray[np.float64]
@@ -52,6 +53,8 @@ class Sense(ABC):
     """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
     companion: Any = None
     """The `Companion` that sees each physics step for it and has its state, if it senses what is between samples."""
+    filter: Filter | None = None
+    """What its organ makes of samples over time, before noise and delay; their first axis is then that of `bodies`."""
     reads_in_threads: bool = False
     """Whether samples of several infants can be taken at the same time, in any threads."""
 

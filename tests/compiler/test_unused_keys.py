@@ -21,6 +21,7 @@ NOTED = {
     "senses.vision.acuity follows no age",
     "senses: {vision: {foveation_radius: edge}}": "'senses.vision.foveation_radius' has no effect: "
     "senses.vision.foveation is 0",
+    "senses: {vision: {fovea: age}}": "'senses.vision.fovea' has no effect: senses.vision.foveation is 0",
     "senses: {vision: {acuity: off, contrast: mimo3}}": "'senses.vision.contrast' has no effect: "
     "senses.vision.acuity is off",
     "senses: {touch: {density: 2, spacing_cm: {head: 1}}}": "'senses.touch.density' has no effect: "

@@ -17,8 +17,18 @@ from mimoc.runtime.term import stack_terms
 from mimoc.senses.proprioception.noise import ProprioceptionNoise
 from mimoc.senses.touch.noise import TouchNoise
 
-SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {}, "touch": {"density": 0.1}}
-ALL = {"motor": 0.2, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10.0}
+SENSES = {
+    "proprioception": {"include": ["velocity", "torque"]},
+    "vestibular": {"canals": "age"},
+    "touch": {"density": 0.1},
+}
+ALL = {
+    "motor": 0.2,
+    "proprioception_deg": 1.0,
+    "vestibular_thresholds": 1.0,
+    "touch_n": 0.05,
+    "delay_jitter_ms": 10.0,
+}
 STEPS = 8
 
 

@@ -20,8 +20,27 @@ from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
-UNITS = ("cm", "m", "kg", "deg", "ms", "px", "weeks", "months", "percentile", "percent", "cpd", "n", "hz", "db")
+UNITS = (
+    "cm",
+    "m",
+    "kg",
+    "deg",
+    "ms",
+    "px",
+    "weeks",
+    "months",
+    "percentile",
+    "percent",
+    "cpd",
+    "n",
+    "hz",
+    "db",
+    "thresholds",
+)
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
+OF_AN_AGE = {"acuity", "contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"}
+"""Keys of which one kind of value has a unit, months."""
+NO_UNIT |= OF_AN_AGE
 WRONG = [
     "a word",
     "9 apples",
@@ -73,7 +92,7 @@ def test_units_are_those_in_the_names(path):
     suffix = next((end for end in UNITS if re.search(f"(^|_){end}$", path[-1])), None)
     if path[-1] not in NO_UNIT:
         assert unit == suffix
-    elif path[-1] != "acuity":
+    elif path[-1] not in OF_AN_AGE:
         assert unit is None
 
 

@@ -85,6 +85,7 @@ SPECS = {
     + "senses: {vision: {width_px: 0, fovy_deg: 180, acuity: 48}, touch: {density: 0}}\n"
     + "delays: {motor_ms: -5}\nscene: {seed: -1, toys: {count: [0, 51]}}\ncontrol: {timestep_ms: 0}\n",
     "an acuity that is none": HEAD + "senses: {vision: {acuity: true}}\n",
+    "eyes of no age": HEAD + "senses: {vision: {contrast: agee, colour: 40, field: true, focus: [1], flicker: 3 Hz}}\n",
     "an acuity without its number": HEAD + "senses: {vision: {acuity: {}}}\n",
     "ranges": HEAD + "scene: {room: {size_m: [[5, 2.5], [2.5, 5]]}, toys: {count: [3], size_cm: [12, 4]}}\n",
     "ranges of rooms": HEAD + "scene: {room: {size_m: [2.5, 2.5, 2.2]}}\n",

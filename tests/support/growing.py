@@ -9,7 +9,7 @@ import mimoc
 
 DEEPEST_M = 2e-4
 """Wanted just after growth, of all contacts of the infant."""
-SENSES = {"proprioception": {}, "vestibular": {}}
+SENSES = {"proprioception": {}, "vestibular": {"canals": "age"}}
 
 
 def spec(age_months: float = 6, **keys: Any) -> mimoc.InfantSpec:

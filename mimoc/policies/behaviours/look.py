@@ -23,7 +23,11 @@ NECK_WEIGHT, DAMPING = 0.05, 0.1
 
 
 class Look(Behaviour):
-    """Turns eyes and head to a target, such that the eyes rest in the middle of their ranges."""
+    """Turns eyes and head to a target, such that the eyes rest in the middle of their ranges.
+
+    With a vergence v below 1 (`senses.vision.vergence`), an eye at p turns as one at v p + (1 - v) q would, with q midway
+    between the eyes: with 0, both are parallel.
+    """
 
     def __init__(self, subject: Subject, target: Target):
         """Bind it to an infant.
@@ -39,6 +43,8 @@ class Look(Behaviour):
         is_eye = np.isin(self.joints, subject.moved_by(("eyes",)))
         self._aim = Aim(infant, self.joints, np.where(is_eye, 1.0, NECK_WEIGHT), DAMPING)
         self._model, self._named, self._is_eye = model, target, is_eye
+        vision = subject.manifest.senses.vision
+        self._vergence = 1.0 if vision is None else vision.vergence
 
     def begin(self, data: mujoco.MjData) -> None:
         """Choose the nearest of several targets; see `Behaviour`."""
@@ -49,7 +55,7 @@ class Look(Behaviour):
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angles of eyes and neck; see `Behaviour`."""
-        turns = [self._turn(ahead, camera) for camera in self._cameras]
+        turns = [self._turn(ahead, camera, self._vergence) for camera in self._cameras]
         jacobians = [np.empty((3, self._model.nv)) for _ in turns]
         for camera, jacobian in zip(self._cameras, jacobians, strict=True):
             mujoco.mj_jacBody(self._model, ahead, None, jacobian, int(self._model.cam_bodyid[camera]))
@@ -67,9 +73,10 @@ class Look(Behaviour):
         """Return the median error of the worse eye; see `Behaviour`."""
         return {"gaze_error_deg": float(np.degrees(np.median(self._errors_rad)))} if self._errors_rad else {}
 
-    def _turn(self, data: mujoco.MjData, camera: int) -> FloatArray:
-        """Return the rotation, shape (3,), [rad], that turns an eye to the target."""
-        away_m = self._target.place_m(data) - data.cam_xpos[camera]
+    def _turn(self, data: mujoco.MjData, camera: int, vergence: float = 1.0) -> FloatArray:
+        """Return the rotation, shape (3,), [rad], that turns an eye to the target, or as far as it converges."""
+        between_m = np.mean(data.cam_xpos[self._cameras], axis=0)
+        away_m = self._target.place_m(data) - (vergence * data.cam_xpos[camera] + (1 - vergence) * between_m)
         return turn_towards(data.cam_xmat[camera].reshape(3, 3) @ VIEW, away_m / max(np.linalg.norm(away_m), 1e-9))
 
 

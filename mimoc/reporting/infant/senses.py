@@ -1,6 +1,6 @@
 """What an infant senses, how late, and with how much noise."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -92,7 +92,25 @@ def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
         snellen = f"about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20"
         sharp = f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree ({snellen})"
     fovea = ", sharpest in the middle" if entry.foveation else ""
-    return f"Sees with {words.count(len(entry.cameras), 'eye')}: {seen}, {sharp}{fovea}."
+    eyes = words.count(len(entry.cameras), "eye")
+    return " ".join((f"Sees with {eyes}: {seen}, {sharp}{fovea}.", *_immaturities(entry)))
+
+
+def _immaturities(entry: Any) -> Iterator[str]:
+    """Yield what else limits sight, a sentence each."""
+    if entry.sensitivity:
+        yield (
+            f"Sees contrasts from {100 / entry.sensitivity:.2g} % on, at {entry.sensitivity_peak_cpd:.2g} stripes in a "
+            "degree."
+        )
+    if entry.purity_threshold is not None:
+        yield f"Sees colours of a purity from {100 * entry.purity_threshold:.2g} % on, {entry.chroma_gain:.0%} as strong."
+    if entry.noticed_deg is not None:
+        yield f"Notices what is within {entry.noticed_deg:.0f}° of where it looks."
+    if entry.unfocused:
+        yield "Is focused on what is at 25 cm."
+    if entry.flicker_hz is not None:
+        yield f"Sees changes of up to {entry.flicker_hz:.2g} Hz."
 
 
 ABOUT_SENSES: Mapping[str, Callable[[Any, mujoco.MjModel], str]] = {

@@ -12,8 +12,9 @@ import torch
 import warp as wp
 
 from mimoc.delays.spec import MOTOR
-from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, is_disturbed, noise_amount
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, is_disturbed, processing_of
 from mimoc.noise.spec import noise_keys
+from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import term_of_worlds, where_worlds
 from mimoc.runtime.device.lines import Uniforms
 from mimoc.runtime.env import InfantEnv
@@ -65,8 +66,9 @@ class DeviceNoise:
     def __init__(self, signal: str, noises: Sequence[Noise], body: torch.Tensor, chance: CounterRandom):
         """Disturb a signal by the noise of the body in each world; each signal draws random numbers of its own."""
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
-        chance.is_used = True
-        self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES
+        draws = [*noise_keys(), MOTOR]
+        chance.is_used = chance.is_used or signal in draws
+        self._first = draws.index(signal) * 2 * PLACES if signal in draws else 0  # Others only have filters.
         self.state: torch.Tensor | None = None
         """The state of the noise in each world, shape (worlds, ...), if it has any."""
 
@@ -95,11 +97,16 @@ def noise_of(
         entry = infant.manifest.noise
         if signal == MOTOR:
             return bind_motor_noise(entry, infant.actuation)
-        return bind_noise(signal, infant.senses[signal], entry)
+        noise = processing_of(signal, infant.senses[signal], entry, force=True)
+        if noise is None:
+            raise mixture_error("some", f"whether sense '{signal}' has a filter")
+        return noise
 
     def is_noisy(infant: InfantEnv) -> bool:
         entry = infant.manifest.noise
-        return is_disturbed(entry, infant.actuation) if signal == MOTOR else bool(noise_amount(signal, entry))
+        if signal == MOTOR:
+            return is_disturbed(entry, infant.actuation)
+        return processing_of(signal, infant.senses[signal], entry) is not None
 
     if not any(map(is_noisy, infants)):
         return None

@@ -40,8 +40,14 @@ KIND = SenseKind(
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
     noise=NoiseOption(
         unit="deg",
-        about="Standard deviation of each sensed joint angle; sensed velocities have the noise that follows from it.",
+        about="Standard deviation of each sensed joint angle, or that of the infant's age (`age`) or of adults "
+        "(`adult`); sensed velocities have the noise that follows from it.",
         most=45.0,
         run="mimoc.senses.proprioception.noise",
+        by_age=((0.0, 8.0), (3.0, 8.0), (6.0, 6.0), (12.0, 5.0), (24.0, 4.0)),
+        adult=2.0,
+        source="a guess (D) from adults, 1 to 3 deg, and children of 5 to 10 years, two to three times as much (from "
+        "memory); no infant was measured",
+        low_pass_ms=500.0,
     ),
 )

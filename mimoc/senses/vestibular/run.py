@@ -4,9 +4,10 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.runtime.filter import Lags, lags_of
 from mimoc.runtime.term import Field
 from mimoc.senses.custom import TermSense
-from mimoc.senses.vestibular import VestibularEntry
+from mimoc.senses.vestibular import CanalsEntry, VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
 """Bound of the observation; hard knocks of the head reach some hundreds."""
@@ -22,7 +23,7 @@ def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermS
         bundle.manifest.of_infant,
     )
     high = np.repeat([high for _, high, _ in sensors], 3)
-    return TermSense(
+    sense = TermSense(
         "vestibular",
         Field("sensordata", np.concatenate([sensor.adr[0] + np.arange(3) for sensor, *_ in sensors])),
         [f"{of_infant(sensor.name)}.{axis} [{unit}]" for sensor, _, unit in sensors for axis in "xyz"],
@@ -30,3 +31,17 @@ def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermS
         high,
         np.repeat(model.site_bodyid[[sensor.objid[0] for sensor, *_ in sensors]], 3),
     )
+    if entry.canals and entry.gyro:
+        sense.filter = _canals(entry.canals, len(high))
+    return sense
+
+
+def _canals(canals: CanalsEntry, count: int) -> Lags:
+    """Return the dynamics of the canals, through which the last three of *count* numbers pass; others stay as they are.
+
+    H(s) = A s / (1 + A s) · T s / (1 + T s) · (1 + L s) / (1 + l s), with adaptation A, time constant T, lead L, lag l.
+    """
+    leads_s, lags_s = ((canals.lead_s,), (canals.lag_s,)) if canals.lag_s else ((), ())
+    lags = lags_of(count, (canals.adaptation_s, canals.time_constant_s), leads_s, lags_s)
+    is_canal = np.arange(count) >= count - 3
+    return Lags(np.where(is_canal, lags.direct, 1.0), lags.weights * is_canal[:, None], lags.time_constants_s)

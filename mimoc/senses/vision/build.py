@@ -7,6 +7,7 @@ from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
 from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import resolve_acuity
+from mimoc.senses.vision.build_maturity import UNITS, maturity_of, rules_of
 
 PROFILES = {
     "tac2": "log2 of acuity = -.1839 ln²t + 1.8235 ln t - .5889 at t months, fitted to Mayer et al. 1995 and Salomão & "
@@ -20,6 +21,7 @@ PROFILES = {
 def build(spec: VisionSpec, body: BodyTree) -> Placed:
     """Return the entry, and the cameras of the eyes with the field of view that is asked for."""
     cameras = sensor_sites.cameras(body, spec.fovy_deg)
+    fields = {"contrast": "linear", "foveation": spec.foveation} | maturity_of(spec, body.age_months)
     entry = VisionEntry(
         cameras=tuple(camera.name for eye in cameras.values() for camera in eye),
         width_px=spec.width_px,
@@ -28,11 +30,10 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         acuity_cpd=resolve_acuity(spec, body.age_months),
         acuity_shares=_shares(body, cameras),
         field_deg=dict(body.field_deg),
-        contrast=spec.contrast,
-        foveation=spec.foveation,
         foveation_radius=spec.foveation_radius,
         unseen=sensor_sites.UNSEEN,
         body=spec.body,
+        **fields,
     )
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
 
@@ -44,7 +45,7 @@ def _shares(body: BodyTree, eyes: Iterable[str]) -> tuple[float, ...]:
 
 
 def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object]]:
-    origins = dict(_impaired(entry))
+    origins = dict(_impaired(entry)) | dict(_matured(spec, entry))
     if entry.acuity_cpd is None:
         return origins
     if isinstance(spec.acuity, (int, float, str)):
@@ -54,6 +55,16 @@ def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object
         rule, sources = "given by the spec", ["spec.senses.vision.acuity.cpd"]
     origin = {"value": entry.acuity_cpd, "unit": "cycles/deg", "rule": rule, "from": sources}
     return {"vision.acuity_cpd": origin, **origins}
+
+
+def _matured(spec: VisionSpec, entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
+    """Yield the origins of what is as mature as at some age."""
+    for name, rule, keys in rules_of(spec):
+        unit, sources = UNITS.get(name, "1"), [f"spec.senses.vision.{key}" for key in keys]
+        yield (
+            f"vision.{name}",
+            {"value": getattr(entry, name), "unit": unit, "rule": rule, "from": [*sources, "spec.age_months"]},
+        )
 
 
 def _impaired(entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:

@@ -1,4 +1,4 @@
-"""Vision at several ages side by side: as drawn, blurred by acuity, and foveated."""
+"""Vision at several ages side by side: as drawn, blurred by acuity, foveated, and with all else that matures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,12 +7,16 @@ from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
 from mimoc.senses.vision import VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
+from mimoc.senses.vision.build_maturity import is_given, maturity_of
 
 SIDES = ("left", "right")
 LAST_MONTH = 36.0
 """Last age with known acuity."""
 ROWS = ("acuity", "acuity and foveation")
 """What is compared, as in the paper (López et al. 2025, figure 3)."""
+SHOWN = ("contrast", "colour", "field", "focus", "fovea")
+"""What else of a sense can be seen in still pictures, if the sense has it."""
+MATURED = "all that matures"
 AS_DRAWN = "not blurred"
 DEFAULT_FOVEATION = 5.0
 """Foveation to show where the infant's own eyes have none."""
@@ -40,6 +44,8 @@ def compare_ages(
 ) -> Comparison:
     """Return the vision of one eye, with a column for each age and one that is not blurred.
 
+    Where the sense has contrast, colour, field, focus or fovea of an age, a row shows all of them together.
+
     Args:
         vision: Gives the profile of acuity and the foveation, unless others are given.
         side: left or right.
@@ -56,26 +62,41 @@ def compare_ages(
     for kind, name, known in (("side", side, SIDES), ("profile of acuity", profile, PROFILES)):
         if name not in known:
             raise UnknownNameError(kind, name, known)
-
-    def entry(acuity_cpd: float | None, foveation: float) -> VisionEntry:
-        return VisionEntry(
-            cameras=(f"eye_{side}",),
-            width_px=size_px,
-            height_px=size_px,
-            supersample=SUPERSAMPLE,
-            acuity_cpd=acuity_cpd,
-            foveation=foveation,
-            foveation_radius=vision.foveation_radius,
-            unseen=UNSEEN,
-        )
-
+    sharp = _sharp(vision, side, size_px)
     acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
     captions = [
         f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"
         for age_months, acuity_cpd in zip(ages_months, acuities_cpd, strict=True)
     ]
-    entries = tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation))
-    return Comparison(entries, ROWS, (*captions, AS_DRAWN))
+    rows = {
+        name: tuple(
+            sharp.model_copy(update={"acuity_cpd": acuity_cpd, "foveation": float(strength)})
+            for acuity_cpd in (*acuities_cpd, None)
+        )
+        for name, strength in zip(ROWS, (0, foveation), strict=True)
+    }
+    if any(is_given(vision, key) for key in SHOWN):
+        wanted = vision.model_copy(update={"acuity": "age", "acuity_profile": profile})
+        matured = [
+            {"acuity_cpd": acuity_cpd, "foveation": vision.foveation, **maturity_of(wanted, age_months)}
+            for acuity_cpd, age_months in zip(acuities_cpd, ages_months, strict=True)
+        ]
+        rows[MATURED] = (*(sharp.model_copy(update=fields) for fields in matured), sharp)
+    return Comparison(tuple(rows.values()), tuple(rows), (*captions, AS_DRAWN))
+
+
+def _sharp(vision: VisionSpec, side: str, size_px: int) -> VisionEntry:
+    """Return an eye that sees all that is drawn."""
+    return VisionEntry(
+        cameras=(f"eye_{side}",),
+        width_px=size_px,
+        height_px=size_px,
+        supersample=SUPERSAMPLE,
+        acuity_cpd=None,
+        foveation=0.0,
+        foveation_radius=vision.foveation_radius,
+        unseen=UNSEEN,
+    )
 
 
 def read_ages(text: str) -> tuple[float, ...]:

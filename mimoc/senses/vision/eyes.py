@@ -1,7 +1,9 @@
 """The cameras of an infant's eyes."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 
 import mujoco
@@ -9,9 +11,20 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.render.renderer import SHARED, Renderer, Setting, Shown, assets_of
+from mimoc.senses.vision.defocus import distances
 
 Drawn = npt.NDArray[np.uint8]
 """Shape (cameras, height, width, 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What some cameras draw, and how far away it is."""
+
+    drawn: Drawn
+    distances_m: npt.NDArray[np.float32]
+    """Along the line of sight, shape (cameras, height, width)."""
+
 
 LEAST_SLICES = 12
 SLICES_PER_ROOT_PX = 2.0
@@ -65,6 +78,20 @@ class Eyes:
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
         """Return what the cameras draw."""
+        with self._drawn(data) as renderer:
+            return renderer.read().reshape(self._shape)[:, ::-1]
+
+    def view(self, data: mujoco.MjData) -> View:
+        """Return what the cameras draw, and how far away it is."""
+        with self._drawn(data) as renderer:
+            pixels, depths = renderer.read_with_depths()
+        extent_m, planes = self._model.stat.extent, self._model.vis.map
+        distances_m = distances(depths, planes.znear * extent_m, planes.zfar * extent_m)
+        return View(pixels.reshape(self._shape)[:, ::-1], distances_m.reshape(self._shape[:-1])[:, ::-1])
+
+    @contextmanager
+    def _drawn(self, data: mujoco.MjData) -> Iterator[Renderer]:
+        """Draw what all cameras see, and yield what it can be read from."""
         renderer = self._renderer
         if self._shared is not None:
             renderer = self._open()
@@ -73,7 +100,7 @@ class Eyes:
             for camera, part in zip(self._cameras, self._parts, strict=True):
                 self._compose(renderer, camera, data)
                 renderer.draw(part)
-            return renderer.read().reshape(self._shape)[:, ::-1]
+            yield renderer
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in which cameras and bodies have the same names.

@@ -12,7 +12,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
 from mimoc.senses.vision import VisionEntry
 from mimoc.senses.vision.eyes import Eyes
-from mimoc.senses.vision.run import filters, perceive
+from mimoc.senses.vision.run import perceive_view
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -68,8 +68,8 @@ def preview(
         model.camera(name).fovy = fovy_deg
     size_px = first.supersample * first.width_px, first.supersample * first.height_px
     with closing(Eyes(model, first.cameras, *size_px, first.unseen, first.body)) as eyes:
-        drawn = eyes(data)
-    return [[perceive(drawn, filters(entry, eyes.fovy_deg))[0] for entry in row] for row in entries]
+        view = eyes.view(data)
+    return [[perceive_view(view, entry, eyes.fovy_deg)[0] for entry in row] for row in entries]
 
 
 def is_blank(picture: npt.NDArray[np.uint8]) -> bool:

@@ -17,7 +17,13 @@ CONFIGS = sorted((Path(mimoc.__file__).parents[1] / "configs").glob("*.yaml"))
 NEXT_STEP, SAME_STEP = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
 LONG = [path for path in CONFIGS if path.stem in ("catch", "five_finger")]
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
-NOISY = {"motor": 0.1, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10}
+NOISY = {
+    "motor": 0.1,
+    "proprioception_deg": "age",
+    "vestibular_thresholds": "age",
+    "touch_n": 0.05,
+    "delay_jitter_ms": 10,
+}
 
 
 def live_alike(
@@ -72,7 +78,7 @@ def test_so_it_does_for_300_steps(config):
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_seven_ages_live_side_by_side_with_delays_noise_and_touch(threads):
-    senses = {"proprioception": {}, "vestibular": {}, "touch": {}}
+    senses = {"proprioception": {}, "vestibular": {"canals": "age"}, "touch": {}}
     infants = at_ages(AGES_MONTHS, senses=senses, delays={"preset": "physiological"}, noise=NOISY)
     live_alike(infants, 9, 12, threads=threads)
 

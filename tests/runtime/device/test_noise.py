@@ -19,7 +19,7 @@ from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
 from mimoc.senses.custom import TermSense
 
-NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "touch_n": 0.5}
+NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "vestibular_thresholds": 1.0, "touch_n": 0.5}
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
 
 

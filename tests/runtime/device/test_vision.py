@@ -6,10 +6,14 @@ import warp as wp
 from support.devices import DEVICE
 
 import mimoc
+from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
+from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.device.vision.eyes import flat_picture
 from mimoc.runtime.device.vision.reader import Filters, NoVision
+from mimoc.runtime.term import stack_terms
 from mimoc.senses.vision import VisionEntry
+from mimoc.senses.vision.flicker import Persistence
 from mimoc.senses.vision.run import filters, perceive
 
 EYES = ("eye_left", "eye_right")
@@ -114,10 +118,13 @@ def test_an_infant_whose_simulation_breaks_down_is_not_in_the_way_of_what_others
     assert np.ptp(seen["eye_left"], axis=(1, 2, 3)).min() > 100
 
 
+IMMATURE = (0.9, 2.0, "corner")
+
+
 @pytest.mark.parametrize("supersample", [1, 2])
 def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_picture(supersample):
     """Of 256 levels each is the nearest, but for rounding of numbers midway between two."""
-    kinds = [(None, 0.0, "corner"), (1.2, 3.0, "corner"), (0.3, 0.0, "border"), (None, 5.0, "edge")]
+    kinds = [(None, 0.0, "corner"), (1.2, 3.0, "corner"), (0.3, 0.0, "border"), (None, 5.0, "edge"), *[IMMATURE] * 3]
     entries = [
         VisionEntry(
             cameras=EYES,
@@ -131,7 +138,13 @@ def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_pictu
         for acuity_cpd, foveation, radius in kinds
     ]
     entries[1] = entries[1].model_copy(update={"acuity_shares": (0.3, 1.0), "field_deg": {"right": 5.0}})
-    fovy_deg, drawn = (60.0, 40.0, 60.0, 90.0), (HEIGHT * supersample, WIDTH * supersample)
+    threshold = {"contrast": "threshold", "sensitivity": 8.0, "sensitivity_peak_cpd": 0.2}
+    entries[4:] = [
+        entries[4].model_copy(update=threshold),
+        entries[5].model_copy(update={**threshold, "acuity_shares": (0.5, 1.0), "noticed_deg": 20.0}),
+        entries[6].model_copy(update={"purity_threshold": 0.2, "chroma_gain": 0.5}),
+    ]
+    fovy_deg, drawn = (60.0, 40.0, 60.0, 90.0, 60.0, 60.0, 50.0), (HEIGHT * supersample, WIDTH * supersample)
     pictures = np.random.default_rng(0).integers(0, 256, (len(kinds), len(EYES), *drawn, 3), dtype=np.uint8)
     packed = (pictures.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=-1, dtype=np.uint32)
     perceive_all = Filters(entries, fovy_deg, np.arange(len(kinds)))
@@ -175,3 +188,25 @@ def test_a_cubes_texture_becomes_a_picture_by_longitude_and_latitude():
 def test_eyes_of_different_sizes_cannot_share_a_batch():
     with pytest.raises(BatchMismatchError, match=r"vision.supersample \(1, 2\)"):
         mimoc.make_vec([build(12), build(12, supersample=2)], device=DEVICE)
+
+
+def test_eyes_out_of_focus_are_refused_in_one_line():
+    with pytest.raises(
+        DeviceError, match=r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on"
+    ):
+        mimoc.make_vec([build(1, focus="age")], device=DEVICE)
+
+
+@pytest.mark.slow
+def test_pictures_of_a_newborn_lag_behind_by_the_filter_of_the_cpu():
+    """What flickers is seen as by the CPU's filter of what an infant sees that has none."""
+    slow, fast = (mimoc.make_vec([build(1, acuity="off", **keys)], device=DEVICE) for keys in ({"flicker": 1}, {}))
+    slow.reset(seed=0), fast.reset(seed=0)
+    persist, state = stack_terms([Persistence(np.array([2.0]))]), None
+    command = np.ones(slow.action_space.shape, np.float32)
+    for step in range(6):
+        lagging, sharp = slow.step(command)[0]["eye_left"], fast.step(command)[0]["eye_left"]
+        seen, state = persist(NUMPY, slow.infants[0].manifest.step_ms / 1000 if step else np.inf, sharp, state)
+    apart = [np.abs(lagging.astype(int) - other).mean() for other in (seen, sharp)]
+    assert apart[0] < 0.3 * apart[1]
+    slow.close(), fast.close()

@@ -1,10 +1,17 @@
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
+from pydantic import ValidationError
 
-from mimoc.senses.vestibular import VestibularEntry
+from mimoc.noise.noise import NoiseStreams, SignalNoise, processing_of
+from mimoc.noise.spec import NoiseEntry
+from mimoc.senses.vestibular import CanalsEntry, VestibularEntry, VestibularSpec
+from mimoc.senses.vestibular.build import build
+from mimoc.senses.vestibular.noise import bind as bind_noise
 from mimoc.senses.vestibular.run import bind
 
 GRAVITY_M_S2 = 9.81
@@ -105,3 +112,99 @@ def test_an_infant_that_turns_in_the_air_feels_how_fast(open_env, axis):
     turning = env.step(np.zeros(44))[0]["vestibular"][3:]
     assert turning == pytest.approx(2.0 * head.T @ hip[:, axis], abs=0.3)
     assert np.linalg.norm(turning) == pytest.approx(2.0, abs=0.3)
+
+
+def canals(months=None, word="age"):
+    """Return the entry of canals as built at an age."""
+    body = SimpleNamespace(age_months=months)
+    return build(VestibularSpec(canals=word), body).entry.canals
+
+
+def felt(dynamics, times_s, rates_rad_s):
+    """Return what is felt of a head that is turned at some rates, [rad/s], by a sense that goes through a schedule."""
+    model, data, _ = bound(held=True)
+    sense = bind(ENTRY.model_copy(update={"canals": dynamics}), bundle=None, model=model)
+    organ = SignalNoise(processing_of("vestibular", sense, NoiseEntry()), "vestibular", NoiseStreams(0))
+    result = []
+    for time_s, rate_rad_s in zip(times_s, rates_rad_s, strict=True):
+        data.qvel[5] = rate_rad_s
+        mujoco.mj_forward(model, data)
+        result.append(organ.at(time_s, sense(data)))
+    return np.array(result)
+
+
+def transfer(dynamics, frequency_hz):
+    """Return H at a frequency, as the reference has it."""
+    s = 2j * np.pi * frequency_hz
+    whole, adaptation = (time_s * s / (1 + time_s * s) for time_s in (dynamics.time_constant_s, dynamics.adaptation_s))
+    return whole * adaptation * (1 + dynamics.lead_s * s) / (1 + dynamics.lag_s * s)
+
+
+@pytest.mark.parametrize("dynamics", [canals(0), canals(24), canals(word="afferent")], ids=["0", "24", "afferent"])
+@pytest.mark.parametrize("frequency_hz", [0.01, 0.1, 0.5, 2.0])
+def test_the_canals_have_the_gain_and_the_phase_of_their_transfer_function(dynamics, frequency_hz):
+    """Within 2 %, once the start is forgotten: over the last of whole periods, sampled every 10 ms."""
+    step_s = max(0.01, 1 / frequency_hz / 400)
+    count = round(1 / frequency_hz / step_s)
+    times_s = np.arange(5 * count + round(30 / step_s)) * step_s
+    response = felt(dynamics, times_s, np.sin(2 * np.pi * frequency_hz * times_s))
+    measured = 2j * (response[-count:, 5] * np.exp(-2j * np.pi * frequency_hz * times_s[-count:])).mean()
+    assert abs(measured / transfer(dynamics, frequency_hz) - 1) < 0.02
+
+
+@pytest.mark.parametrize("months", [0, 1, 2, 4, 6, 12, 24])
+def test_a_constant_rotation_is_no_longer_felt_after_a_minute(months):
+    """Its own direction is not; what adaptation leaves in the other one is less than a tenth."""
+    times_s = np.arange(0, 60.01, 0.01)
+    response = felt(canals(months), times_s, np.full(len(times_s), np.deg2rad(60)))[:, 5] / np.deg2rad(60)
+    assert response[0] == pytest.approx(1)
+    assert -0.1 < response[-1] < 0.05
+    assert response[-1] > -0.05 or months > 2
+
+
+def test_after_a_rotation_stops_it_feels_as_if_it_turned_back():
+    times_s = np.arange(0, 61, 0.01)
+    response = felt(canals(0), times_s, np.where(times_s < 30, 1.0, 0.0))[:, 5]
+    assert response[3002] == pytest.approx(-1, abs=0.1)
+
+
+@pytest.mark.parametrize("dynamics", [canals(24), canals(word="adult")])
+@pytest.mark.parametrize(("frequency_hz", "phase_deg"), [(0.1, 8), (0.5, 1.5), (2.0, 0.4)])
+def test_fast_rotations_are_felt_as_they_are_by_the_oldest_and_by_adults(dynamics, frequency_hz, phase_deg):
+    gain = transfer(dynamics, frequency_hz)
+    assert abs(gain) == pytest.approx(1, rel=0.01)
+    assert 0 < np.rad2deg(np.angle(gain)) < phase_deg
+
+
+@given(st.floats(0, 24), st.floats(0, 24))
+def test_rotation_is_felt_for_longer_by_the_older(one, other):
+    young, old = (canals(age).time_constant_s for age in sorted((one, other)))
+    assert 4 <= young <= old <= 15
+
+
+def test_a_leading_canal_begins_an_episode_as_if_it_had_always_turned():
+    response = felt(canals(word="afferent"), np.arange(0, 0.1, 0.01), np.ones(10))[:, 5]
+    assert response == pytest.approx(np.ones(10), abs=0.03)
+
+
+def test_otoliths_are_as_they_are_whatever_canals_do():
+    times_s = np.arange(0, 30, 0.1)
+    assert felt(canals(0), times_s, np.ones(300))[:, :3] == pytest.approx(np.tile([0, 0, GRAVITY_M_S2], (300, 1)))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"time_constant_s": 5.0, "adaptation_s": 5.0},
+        {"time_constant_s": 5.0, "adaptation_s": 80.0, "lead_s": 0.1},
+        {"time_constant_s": 0.0, "adaptation_s": 80.0},
+    ],
+)
+def test_time_constants_that_make_no_filter_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        CanalsEntry(**wrong)
+
+
+def test_noise_is_in_thresholds_of_rotation_and_of_acceleration():
+    sense = bound(held=True)[2]
+    assert bind_noise(2.0, sense, 0.06).deviation == pytest.approx([0.06] * 3 + [np.deg2rad(2)] * 3)

@@ -47,3 +47,14 @@ def test_unknown_sides_and_profiles_are_refused():
         compare_ages(VisionSpec(), "up", (1,), 64)
     with pytest.raises(UnknownNameError, match="'mimo_v1' is not a profile of acuity; did you mean 'mimo_v2'"):
         compare_ages(VisionSpec(), "left", (1,), 64, profile="mimo_v1")
+
+
+def test_what_matures_has_a_row_of_its_own():
+    compared = compare_ages(VisionSpec(contrast="age", colour="age", field=1, flicker="age"), "left", (1, 12), 64)
+    assert compared.rows[-1] == "all that matures"
+    young, old, sharp = compared.entries[-1]
+    assert (young.sensitivity, old.sensitivity) == pytest.approx((5, 50))
+    assert sharp.sensitivity is None
+    assert young.noticed_deg == old.noticed_deg == 28
+    assert young.acuity_cpd == pytest.approx(acuity_at(1, "tac2"))
+    assert len(compare_ages(VisionSpec(flicker="age"), "left", (1,), 64).rows) == 2, "flicker is in no still picture"

@@ -1,6 +1,7 @@
 """The sense of vision of all infants on a device: what the eyes draw, with the acuity and foveation of each."""
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import mujoco
@@ -13,11 +14,15 @@ from gymnasium.spaces import Box
 from mimoc.render.renderer import average_down
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.signals import DeviceSetup
+from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.runtime.device.vision.eyes import Eyes
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.vision import VisionEntry
+from mimoc.senses.vision.colours import Limits, limit_colours, limits_of
+from mimoc.senses.vision.flicker import filter_of
 from mimoc.senses.vision.foveation import contrast_gain, source_weights, visual_field
+from mimoc.senses.vision.noticing import fade, noticed_share
+from mimoc.senses.vision.thresholds import Transform, cosine_matrix
 
 
 class Filters:
@@ -32,14 +37,12 @@ class Filters:
             eyes = self._eyes if any(entry.acuity_shares for entry in entries) else 1
             gains = np.stack([_gain(*self._size, *of_eyes, eyes) for of_eyes in zip(entries, fovy_deg, strict=True)])
             self._gain = put(gains[body_of_world][..., None])
-            self._cosines = [put(cosines(size_px)) for size_px in self._size]
-        self._field = None
-        if any(entry.field_deg for entry in entries):
-            fields = [
-                visual_field(*self._size[::-1], at_deg, entry.field_deg)
-                for entry, at_deg in zip(entries, fovy_deg, strict=True)
-            ]
-            self._field = put(np.stack(fields)[body_of_world][:, None, :, :, None])
+            self._cosines = [put(cosine_matrix(size_px)) for size_px in self._size]
+        self._field, self._noticed = (
+            put(np.stack(shares)[body_of_world][:, None, :, :, None]) if min(map(np.min, shares)) < 1 else None
+            for shares in zip(*map(self._fields, entries, fovy_deg), strict=True)
+        )
+        self._colours = list(self._limits(entries, fovy_deg, body_of_world))
         kinds = [(entry.foveation, entry.foveation_radius) for entry in entries]
         self._warps = [
             (put(np.flatnonzero([kinds[body] == kind for body in body_of_world])), _weights(first, *kind))
@@ -55,8 +58,12 @@ class Filters:
         if self._gain is not None:  # The cosine transform of `blur`, as products, for torch has none.
             spectrum = torch.einsum("rh,cw,kehwx->kercx", *self._cosines, pictures) * self._gain
             pictures = torch.einsum("rh,cw,kercx->kehwx", *self._cosines, spectrum)
+        for worlds, limits in self._colours:
+            pictures[worlds] = limit_colours(pictures[worlds], limits, TORCH)
         if self._field is not None:
             pictures = pictures * self._field
+        if self._noticed is not None:
+            pictures = fade(pictures, self._noticed)
         pictures = average_down(pictures, self._times)
         for worlds, weights in self._warps:
             planes = pictures[worlds].permute(2, 3, 0, 1, 4)
@@ -64,24 +71,49 @@ class Filters:
             pictures[worlds] = warped.permute(2, 3, 0, 1, 4)
         return pictures.clamp(0, 255).round().to(torch.uint8).reshape(len(pictures), -1)
 
+    def _fields(self, entry: VisionEntry, fovy_deg: float) -> tuple[FloatArray, FloatArray]:
+        """Return where an infant sees, and how much it notices, shape (height, width) each."""
+        size = *self._size[::-1], fovy_deg
+        noticed = np.ones(self._size) if entry.noticed_deg is None else noticed_share(*size, entry.noticed_deg)
+        return visual_field(*size, entry.field_deg), noticed
 
-def cosines(size: int) -> FloatArray:
-    """Return the matrix of the cosine transform, shape (frequencies, points), whose transpose is its inverse."""
-    frequencies, points = np.arange(size)[:, None], np.arange(size) + 0.5
-    rows = np.cos(np.pi * frequencies * points / size) * np.sqrt(2 / size)
-    rows[0] /= np.sqrt(2)
-    return rows
+    def _limits(
+        self, entries: Sequence[VisionEntry], fovy_deg: Sequence[float], body_of_world: IntArray
+    ) -> Iterator[tuple[torch.Tensor, Limits]]:
+        """Yield the worlds of each body whose luminance is limited apart from chroma, with what limits it."""
+        for body, (entry, at_deg) in enumerate(zip(entries, fovy_deg, strict=True)):
+            if (limits := limits_of(entry, self._size[::-1], at_deg)) is not None:
+                yield put(np.flatnonzero(body_of_world == body)), limits.mapped(put)
+
+
+@functools.lru_cache(maxsize=64)
+def _cosines(size: int, device: torch.device) -> torch.Tensor:
+    return torch.tensor(cosine_matrix(size), dtype=torch.float32, device=device)
+
+
+def _forward(planes: torch.Tensor) -> torch.Tensor:
+    rows, columns = (_cosines(size, planes.device) for size in planes.shape[-2:])
+    return rows @ planes @ columns.mT
+
+
+def _inverse(spectrum: torch.Tensor) -> torch.Tensor:
+    rows, columns = (_cosines(size, spectrum.device) for size in spectrum.shape[-2:])
+    return rows.mT @ spectrum @ columns
+
+
+TORCH = Transform(_forward, _inverse, torch)
+"""The cosine transform by torch, which has none, as products."""
 
 
 def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float, eyes: int) -> FloatArray:
     """Return how much contrast is left of each cosine, shape (eyes, height, width), of one for both if they are equal.
 
-    That is all of it where acuity is not limited.
+    That is all of it where acuity is not limited, or limits luminance apart from chroma.
     """
     shares = entry.acuity_shares or (1.0,) * eyes
-    if entry.acuity_cpd is None:
-        return np.ones((len(shares), height_px, width_px))
     size = width_px, height_px, fovy_deg
+    if entry.acuity_cpd is None or limits_of(entry, (width_px, height_px), fovy_deg) is not None:
+        return np.ones((len(shares), height_px, width_px))
     return np.stack([contrast_gain(*size, share * entry.acuity_cpd, entry.contrast) for share in shares]).astype(float)
 
 
@@ -107,6 +139,7 @@ class VisionReader:
 
         Raises:
             MixtureError: If their eyes have pictures of different sizes.
+            DeviceError: If they are out of focus, which takes distances that are not drawn here.
         """
         entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]
         _check(entries)
@@ -146,6 +179,7 @@ class NoVision(Sense):
             return False
         shape = entry.height_px, entry.width_px, 3
         self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
+        self.filter = filter_of(entry)
         ids = [model.camera(name).id for name in entry.cameras]
         self.bodies = model.cam_bodyid[ids].astype(np.intp)
         return True
@@ -153,6 +187,11 @@ class NoVision(Sense):
 
 def _check(entries: Sequence[VisionEntry]) -> None:
     for number, entry in enumerate(entries):
+        if entry.unfocused:
+            raise DeviceError(
+                f"infant {number}: eyes that are out of focus ('senses.vision.focus') do not run on a device; leave it "
+                "out, or leave out device"
+            )
         for name in SHARED:
             ours, theirs = getattr(entries[0], name), getattr(entry, name)
             if ours != theirs:
