@@ -59,6 +59,8 @@ class NoiseOption:
     """Where these come from."""
     low_pass_ms: float | None = None
     """Time constant of amounts by age, where it is not that of all noise."""
+    is_recent: bool = False
+    """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +88,8 @@ class SenseKind:
     many: Code | None = None
     """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
     it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
+    is_recent: bool = False
+    """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
     device: Code | None = None
     """`bind(setup) -> DeviceReader` (`mimoc/runtime/device/signals.py`): what reads it on a device if it is no term."""
 

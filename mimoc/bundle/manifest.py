@@ -269,12 +269,13 @@ MOST_MANIFEST_BYTES = 2**22
 
 
 def to_data(manifest: Manifest) -> dict[str, Any]:
-    """Return what is written of a manifest; a sense from outside that the infant has not is left out.
+    """Return what is written of a manifest; a sense from outside, or a recent one, that the infant has not is left out.
 
     So a bundle can be read where that sense is unknown.
     """
     data = manifest.model_dump()
-    unused = {name for name, entry in data["senses"].items() if entry is None and SENSES.distribution(name) != "mimoc"}
+    left_out = {name for name in SENSES if SENSES.distribution(name) != "mimoc" or SENSES[name].is_recent}
+    unused = {name for name in left_out if data["senses"][name] is None}
     for section in ("senses", "delays"):
         data[section] = {name: entry for name, entry in data[section].items() if name not in unused}
     return data

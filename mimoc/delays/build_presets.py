@@ -112,6 +112,8 @@ RULES = {
 def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each delay in the manifest."""
     for signal in signals():
+        if signal in SENSES and SENSES[signal].is_recent and getattr(spec.senses, signal) is None:
+            continue
         keys = given_keys(spec.delays, signal)[:1]
         rule = "given by the spec" if keys else RULES[spec.delays.preset]
         usual = ("spec.delays.preset", "spec.age_months", "spec.control.timestep_ms")

@@ -39,11 +39,11 @@ def _option(sense: str) -> NoiseOption:
     return option
 
 
-def _by_age(option: NoiseOption, amount: float | str, age_months: float) -> float:
+def _by_age(option: NoiseOption, amount: float | str | None, age_months: float) -> float:
     """Return an amount of noise as it is given, or that of the infant's age or of adults."""
     if amount == "age":
         return float(np.interp(age_months, *zip(*option.by_age, strict=True)))
-    return option.adult if isinstance(amount, str) else amount
+    return option.adult if isinstance(amount, str) else amount or 0.0
 
 
 def motor_share(age_months: float) -> float:
@@ -66,6 +66,8 @@ def trace_noise(spec: InfantSpec, noise: NoiseEntry) -> Iterator[tuple[str, Entr
         if (low_pass_ms := getattr(noise, low_pass_key(name), None)) is not None:
             yield f"noise.{low_pass_key(name)}", Origin("assumed (D)", (f"spec.noise.{key}",), "ms").entry(low_pass_ms)
     for key, unit in units.items():
+        if key not in noise.model_dump():
+            continue
         rule, sources, given = "given by the spec", [f"spec.noise.{key}"], getattr(spec.noise, key)
         if isinstance(given, str):
             rule, sources = rules[key], [*sources, *(["spec.age_months"] if given != "adult" else [])]

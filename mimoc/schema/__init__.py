@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         validated as validated,
     )
     from mimoc.schema.spec import ControlSpec as ControlSpec
+    from mimoc.senses.pain import PainSpec as PainSpec
     from mimoc.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
     from mimoc.senses.spec import SensesSpec as SensesSpec
     from mimoc.senses.touch import TouchSpec as TouchSpec

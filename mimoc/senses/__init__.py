@@ -9,6 +9,7 @@ SENSES: Kinds[SenseKind] = Kinds(
         "vestibular": "mimoc.senses.vestibular",
         "touch": "mimoc.senses.touch",
         "vision": "mimoc.senses.vision",
+        "pain": "mimoc.senses.pain",
     },
 )
 """In the order of the observation."""
