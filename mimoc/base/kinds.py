@@ -59,6 +59,8 @@ class NoiseOption:
     """Where these come from."""
     low_pass_ms: float | None = None
     """Time constant of amounts by age, where it is not that of all noise."""
+    is_recent: bool = False
+    """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
 
 
 @dataclass(frozen=True, slots=True)

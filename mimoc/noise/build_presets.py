@@ -39,11 +39,11 @@ def _option(sense: str) -> NoiseOption:
     return option
 
 
-def _by_age(option: NoiseOption, amount: float | str, age_months: float) -> float:
+def _by_age(option: NoiseOption, amount: float | str | None, age_months: float) -> float:
     """Return an amount of noise as it is given, or that of the infant's age or of adults."""
     if amount == "age":
         return float(np.interp(age_months, *zip(*option.by_age, strict=True)))
-    return option.adult if isinstance(amount, str) else amount
+    return option.adult if isinstance(amount, str) else amount or 0.0
 
 
 def motor_share(age_months: float) -> float:

@@ -117,15 +117,15 @@ class SignalNoise:
 
     def at(self, time_s: float, sample: Sample) -> Sample:
         """Return the sample of some time with noise, as a new array."""
-        noisy = self(time_s - self.state[0], sample)
-        self.state = [time_s, self.state[1]]
-        return noisy
+        former_s, state = self.state
+        noisy, state = self._noise(Draw(NUMPY, time_s - former_s, self._normals), sample[None], state)
+        self.state = [time_s, state]
+        return noisy[0]
 
     def __call__(self, elapsed_s: float, sample: Sample) -> Sample:
         """Return a sample with noise, as a new array, some time after the last one; infinite begins an episode."""
-        former_s, state = self.state
-        draw = Draw(NUMPY, elapsed_s, self._normals)
-        noisy, state = self._noise(draw, sample[None], None if elapsed_s == math.inf else state)
+        former_s, state = self.state if elapsed_s < math.inf else (self.state[0], None)
+        noisy, state = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
         self.state = [former_s, state]
         return noisy[0]
 
@@ -159,12 +159,11 @@ class Filtered(Noise):
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the response with noise, and the states of the filter and of the noise, one after the other."""
+        if self.noise is None:
+            return self.filter(draw.xp, draw.elapsed_s, sample, state)
         size = self.filter.size(sample.shape[1])
         former, noisy = (None, None) if state is None else (state[:, :size], state[:, size:])
         response, kept = self.filter(draw.xp, draw.elapsed_s, sample, former)
-        if self.noise is None:
-            return response, kept
-        noisy = noisy if noisy is not None and noisy.shape[1] else None
         response, noise = self.noise(draw, response, noisy)
         return response, kept if noise is None else draw.xp.concat([kept, noise], axis=1)
 

@@ -56,13 +56,15 @@ def _spec_fields() -> dict[str, FieldInfo]:
         if noise.by_age:
             wanted = f"an amount of noise; write a number from 0 to {noise.most:g}, age or adult"
             amount = _number_or_word(amount, Literal["age", "adult"], wanted)
-        fields[key] = described_field(amount, 0.0, noise.about)
+        recent = noise.is_recent
+        fields[key] = described_field(amount | None if recent else amount, None if recent else 0.0, noise.about)
     return fields
 
 
 def _recent_keys() -> list[str]:
-    """Return the keys of recent senses, which are left out where they say nothing."""
-    return [key for name, key in noise_keys().items() if SENSES[name].is_recent]
+    """Return the keys of recent senses and noise, which are left out where they say nothing."""
+    kinds = {key: SENSES[name] for name, key in noise_keys().items()}
+    return [key for key, kind in kinds.items() if kind.noise and (kind.is_recent or kind.noise.is_recent)]
 
 
 def low_pass_key(sense: str) -> str:
@@ -106,7 +108,7 @@ class NoiseEntry(ComposedModel):
     delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
-    _serialized = omitting("of_commands", "vestibular_thresholds", "proprioception_low_pass_ms", *_recent_keys())
+    _serialized = omitting("of_commands", "proprioception_low_pass_ms", *_recent_keys())
 
 
 def check_noise(

@@ -20,6 +20,7 @@ linearly from one sample to the next (a first-order hold), so that they add no d
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,8 @@ FloatArray = npt.NDArray[np.float64]
 
 INSTANT_S = 1e-9
 """Least time between samples."""
+MOST_INTERVALS = 64
+"""Between samples, for which filters remember what they do."""
 SLOW_S = 1.0
 """From this time constant on, a lag has seen nothing yet when an episode begins; others have settled."""
 
@@ -67,49 +70,86 @@ def held(xp: Any, elapsed_s: float, time_constants_s: Any) -> tuple[Any, Any]:
 
 @dataclass(frozen=True)
 class Lags(Filter):
-    """A linear filter of each of n numbers: H(s) = d + Σ w / (1 + T s) over p lags, the partial fractions of H."""
+    """A linear filter of numbers, H(s) = d + Σ w / (1 + T s) over p lags: the partial fractions of H.
+
+    State and sample, one after the other, become response and state by a matrix that depends on the time between samples
+    alone: of few calls of NumPy, as a single infant pays for each.
+    """
 
     direct: FloatArray
-    """What passes at once, d, shape (n,)."""
+    """What passes at once, d, shape (1,)."""
     weights: FloatArray
-    """w, shape (n, p)."""
+    """w, shape (p,)."""
     time_constants_s: FloatArray
-    """T, shape (p,)."""
+    """T, shape (p,); they differ."""
+    identity: FloatArray
+    """The identity matrix of the n numbers of a sample, shape (n, n)."""
+    first: int = 0
+    """The first number of a sample that is filtered; those before it stay as they are."""
+
+    @cached_property
+    def matrices(self) -> dict[float, Any]:
+        """The matrix of each interval so far; no field, so that infants never share it."""
+        return {}
 
     def size(self, count: int) -> int:
-        """Return how many numbers of state there are: the lags of each number, and its input; see `Filter`."""
-        return count * (self.weights.shape[-1] + 1)
+        """Return how many numbers of state there are: each lag of all numbers, then their inputs; see `Filter`."""
+        return (count - self.first) * (self.weights.shape[-1] + 1)
 
     def __call__(self, xp: Any, elapsed_s: float, sample: Any, state: Any) -> tuple[Any, Any]:
-        """Return the response, shape (k, n), and the state, number by number; see `Filter`."""
-        now, rows = sample[..., None], sample.shape[0]
-        times_s = self.time_constants_s[:, None, :]
+        """Return the response, shape (k, n), and the lags and inputs; see `Filter`."""
         if state is None:
-            lags = now * xp.where(times_s < SLOW_S, 1.0, 0.0)
-        else:
-            kept = xp.reshape(state, (rows, sample.shape[1], -1))
-            left, ramp = held(xp, elapsed_s, times_s)
-            former = kept[..., -1:]
-            lags = left * kept[..., :-1] + (1.0 - left) * former + ramp * (now - former)
-        response = self.direct * sample + xp.sum(self.weights * lags, axis=-1)
-        return response, xp.reshape(xp.concat([lags, now], axis=-1), (rows, -1))
+            return self._begun(xp, sample)
+        interval_s, count = round(elapsed_s, 9), sample.shape[1]
+        matrix = self.matrices.get(interval_s)
+        if matrix is None:
+            if len(self.matrices) == MOST_INTERVALS:
+                self.matrices.clear()
+            matrix = self.matrices[interval_s] = self._matrix(xp, interval_s)
+        changed = xp.matmul(matrix, xp.concat([state, sample], axis=1)[:, :, None])
+        return changed[:, :count, 0], changed[:, count:, 0]
+
+    def _begun(self, xp: Any, sample: Any) -> tuple[Any, Any]:
+        """Return response and state at the start of an episode."""
+        filtered = sample[:, self.first :]
+        has_settled = xp.where(self.time_constants_s < SLOW_S, 1.0, 0.0)
+        gain = self.direct + xp.sum(self.weights * has_settled, axis=1)[:, None]
+        lags = xp.reshape(has_settled[:, :, None] * filtered[:, None], (sample.shape[0], -1))
+        return xp.concat([sample[:, : self.first], gain * filtered], axis=1), xp.concat([lags, filtered], axis=1)
+
+    def _matrix(self, xp: Any, interval_s: float) -> Any:
+        """Return the matrix of all numbers of a sample: rows are response and state, columns state and sample."""
+        times_s, lags, first = self.time_constants_s, self.weights.shape[-1], self.first
+        left, ramp = held(xp, interval_s, times_s)
+        of_lags = xp.where(times_s[:, :, None] == times_s[:, None, :], left[:, :, None], 0.0)
+        rows = xp.concat([of_lags, (1.0 - left - ramp)[:, :, None], ramp[:, :, None]], axis=2)
+        now = xp.concat([xp.zeros_like(rows[:, :1, :-1]), xp.ones_like(rows[:, :1, :1])], axis=2)
+        response = xp.sum(self.weights[:, :, None] * rows, axis=1)[:, None] + self.direct[:, :, None] * now
+        of_one, same = xp.concat([response, rows, now], axis=1), self.identity[:, first:, first:]
+        side = (lags + 2) * same.shape[1]
+        of_all = xp.reshape(of_one[:, :, None, :, None] * same[:, None, :, None, :], (-1, side, side))
+        kept = side - same.shape[1]
+        passed = xp.concat([self.identity[:, :first, :1] * xp.zeros_like(of_all[:, :1, :kept]), self.identity[:, :first]], 2)
+        nothing = xp.zeros_like(of_all[:, :, :1]) * self.identity[:, :1, :first]
+        return xp.concat([passed, xp.concat([of_all[:, :, :kept], nothing, of_all[:, :, kept:]], axis=2)], axis=1)
 
 
 def lags_of(
-    count: int, high_passes_s: Sequence[float], leads_s: Sequence[float] = (), lags_s: Sequence[float] = ()
+    count: int, high_passes_s: Sequence[float], leads_s: Sequence[float] = (), lags_s: Sequence[float] = (), first: int = 0
 ) -> Lags:
-    """Return the filter of *count* numbers with H(s) = Π T s / (1 + T s) · Π (1 + L s) / Π (1 + l s).
+    """Return the filter H(s) = Π T s / (1 + T s) · Π (1 + L s) / Π (1 + l s).
 
     Args:
-        count: n.
+        count: Numbers of a sample.
         high_passes_s: Each T.
         leads_s: Each L, as many as there are l.
         lags_s: Each l; all T and l differ.
+        first: The first number of a sample that is filtered.
     """
     poles_s = np.array([*high_passes_s, *lags_s])
     at = -1.0 / poles_s
     numerators = np.prod([at * time_s for time_s in high_passes_s] + [1.0 + at * lead_s for lead_s in leads_s], axis=0)
     others = 1.0 + at[:, None] * poles_s
     np.fill_diagonal(others, 1.0)
-    direct = float(np.prod(leads_s) / np.prod(lags_s))
-    return Lags(np.full(count, direct), np.tile(numerators / others.prod(axis=1), (count, 1)), poles_s)
+    direct = np.prod(leads_s) / np.prod(lags_s)
+    return Lags(np.array([direct]), numerators / others.prod(axis=1), poles_s, np.eye(count), first)

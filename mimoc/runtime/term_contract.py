@@ -135,7 +135,12 @@ def _worlds_in(
 ) -> Worlds:
     """Return the worlds of some states in an array library; *numbers* returns what was put there."""
     worlds = _stacked_worlds(datas)
-    return Worlds(xp, lambda field: put(getattr(worlds, field)), lambda groups: put(worlds.pressing(numbers(groups))))
+    return Worlds(
+        xp,
+        lambda field: put(getattr(worlds, field)),
+        lambda groups: put(worlds.pressing(numbers(groups))),
+        lambda groups: put(worlds.loads(numbers(groups))),
+    )
 
 
 def _varied(term: Any, index: int) -> Any:

@@ -34,6 +34,7 @@ class Worlds:
         xp: Any,
         read: Callable[[str], Any],
         pressing: Callable[[Any], Any],
+        loads: Callable[[Any], Any],
         datas: Sequence[mujoco.MjData] = (),
     ):
         """Say how to read worlds.
@@ -42,10 +43,11 @@ class Worlds:
             xp: The array library.
             read: Returns a field by its name, shape (k, ...).
             pressing: See `pressing`.
+            loads: See `loads`.
             datas: The simulations themselves, on the CPU, for what is no term.
         """
         self.datas = datas
-        self.xp, self._read, self._pressing = xp, read, pressing
+        self.xp, self._read, self._pressing, self._loads = xp, read, pressing, loads
 
     def __getattr__(self, field: str) -> Any:
         """Return a field of `MjData`, which is read once.
@@ -67,11 +69,24 @@ class Worlds:
         """
         return self._pressing(group_of_geom)
 
+    def loads(self, group_of_geom: Any) -> Any:
+        """Return the largest normal force of a contact on each group of geoms, shape (k, g), [N].
+
+        Args:
+            group_of_geom: See `pressing`.
+        """
+        return self._loads(group_of_geom)
+
 
 def worlds_of_one(data: mujoco.MjData) -> Worlds:
     """Return the world of one infant: its arrays are views, which show every later state of the same data."""
     read = _reader(data, lambda field: getattr(data, field)[None])
-    return Worlds(NUMPY, read, lambda group_of_geom: pressing_groups(data, group_of_geom)[None])
+    return Worlds(
+        NUMPY,
+        read,
+        lambda group_of_geom: pressing_groups(data, group_of_geom)[None],
+        lambda group_of_geom: largest_loads(data, group_of_geom)[None],
+    )
 
 
 def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -> Worlds:
@@ -80,7 +95,10 @@ def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -
     def pressing(group_of_geom: Any) -> Any:
         return np.stack([pressing_groups(data, group_of_geom) for data in datas])
 
-    return Worlds(NUMPY, _reader(datas[0], read), pressing, datas)
+    def loads(group_of_geom: Any) -> Any:
+        return np.stack([largest_loads(data, group_of_geom) for data in datas])
+
+    return Worlds(NUMPY, _reader(datas[0], read), pressing, loads, datas)
 
 
 def _reader(data: mujoco.MjData, read: Callable[[str], np.ndarray]) -> Callable[[str], np.ndarray]:
@@ -106,3 +124,13 @@ def pressing_groups(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarra
     both = (first >= 0) & (second >= 0)
     pressing[first[both], second[both]] = pressing[second[both], first[both]] = True
     return pressing
+
+
+def largest_loads(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarray:
+    """Return the largest normal force of a contact on each group of geoms in one world, shape (g,), [N]."""
+    loads, addresses = np.zeros(int(group_of_geom.max(initial=-1)) + 2), data.contact.efc_address
+    touching = addresses >= 0
+    if touching.any():
+        forces_n = data.efc_force.take(addresses[touching])
+        np.maximum.at(loads, group_of_geom.take(data.contact.geom[touching]), forces_n[:, None])
+    return loads[:-1]

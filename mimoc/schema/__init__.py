@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     )
     from mimoc.schema.spec import ControlSpec as ControlSpec
     from mimoc.senses.hearing import HearingSpec as HearingSpec
+    from mimoc.senses.pain import PainSpec as PainSpec
     from mimoc.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
     from mimoc.senses.spec import SensesSpec as SensesSpec
     from mimoc.senses.touch import TouchSpec as TouchSpec

@@ -10,6 +10,7 @@ SENSES: Kinds[SenseKind] = Kinds(
         "touch": "mimoc.senses.touch",
         "vision": "mimoc.senses.vision",
         "hearing": "mimoc.senses.hearing",
+        "pain": "mimoc.senses.pain",
     },
 )
 """In the order of the observation."""

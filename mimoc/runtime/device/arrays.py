@@ -46,21 +46,41 @@ def device_worlds(data: mjw.Data) -> Worlds:
     """Return the worlds of some data, for as long as its arrays keep their places in memory."""
     counts: dict[torch.Tensor, int] = {}
 
-    def pressing(group_of_geom: torch.Tensor) -> torch.Tensor:
+    def count_of(group_of_geom: torch.Tensor) -> int:
         if group_of_geom not in counts:  # To count them, the CPU waits for the device.
             counts[group_of_geom] = int(group_of_geom.max()) + 1
-        count, contact = counts[group_of_geom], data.contact
+        return counts[group_of_geom]
+
+    def contacts(group_of_geom: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        """Return the world of each contact, its groups, its rows of constraints, and whether there is such a contact."""
+        contact = data.contact
         world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
-        groups = group_of_geom[geoms.long().clamp(min=0)]
         is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(data.nacon)
-        presses = is_listed & (rows[:, 0] >= 0) & (groups >= 0).all(dim=1)  # Near misses have no rows of constraints.
+        groups = group_of_geom[geoms.long().clamp(min=0)]
+        return world, groups, rows, is_listed & (rows[:, 0] >= 0)  # Near misses have no rows of constraints.
+
+    def loads(group_of_geom: torch.Tensor) -> torch.Tensor:
+        count, forces_n = count_of(group_of_geom), wp.to_torch(data.efc.force)
+        world, groups, rows, touches = contacts(group_of_geom)
+        worlds, first = world.long().clamp(min=0), rows[:, 0].long().clamp(min=0, max=forces_n.shape[1] - 1)
+        normal_n = torch.where(touches, forces_n[worlds, first], 0.0)
+        largest = forces_n.new_zeros(data.nworld * count + 1)  # The last one is of those in no group.
+        for side in range(2):
+            place = torch.where(touches & (groups[:, side] >= 0), worlds * count + groups[:, side], len(largest) - 1)
+            largest.scatter_reduce_(0, place, normal_n, "amax")
+        return largest[:-1].view(-1, count)
+
+    def pressing(group_of_geom: torch.Tensor) -> torch.Tensor:
+        count = count_of(group_of_geom)
+        world, groups, _, touches = contacts(group_of_geom)
+        presses = touches & (groups >= 0).all(dim=1)
         pairs = torch.zeros(data.nworld * count**2 + 1, dtype=torch.bool, device=world.device)
         place = (world.long() * count + groups[:, 0]) * count + groups[:, 1]
         pairs[torch.where(presses, place, len(pairs) - 1)] = True  # The last one is of those that do not press.
         pairs = pairs[:-1].view(-1, count, count)
         return pairs | pairs.mT
 
-    return Worlds(array_library, lambda field: wp.to_torch(getattr(data, field)), pressing, (data,))
+    return Worlds(array_library, lambda field: wp.to_torch(getattr(data, field)), pressing, loads, (data,))
 
 
 def term_of_worlds(what: str, terms: Sequence[Term], body: torch.Tensor) -> Any:

@@ -21,9 +21,9 @@ class VestibularSpec(Model):
     include: Annotated[tuple[VestibularQuantity, ...], *Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
     """Measured quantities: specific force (`accelerometer`, the otoliths), angular velocity (`gyro`, the semicircular
     canals), or both."""
-    canals: Canals = "off"
-    """Rotation that is felt: as fast as the head turns (`off`), with slow rotations lost as at the infant's age (`age`)
-    or in adults (`adult`), or what the nerve alone says of it (`afferent`)."""
+    canals: Canals | None = None
+    """Rotation that is felt: as fast as the head turns (`off`, the default), with slow rotations lost as at the
+    infant's age (`age`) or in adults (`adult`), or what the nerve alone says of it (`afferent`)."""
 
 
 class CanalsEntry(Model):
@@ -77,5 +77,6 @@ KIND = SenseKind(
         by_age=((0.0, 1.0), (24.0, 0.5)),
         adult=0.5,
         source="half the threshold in adults, twice as much in newborns: a guess, as no infant was measured (D)",
+        is_recent=True,
     ),
 )

@@ -32,12 +32,12 @@ def build(spec: VestibularSpec, body: BodyTree) -> Placed:
     names = {sensor.kind: sensor.name for sensor in sensor_sites.VESTIBULAR_SENSORS if sensor.kind in spec.include}
     canals = _canals(spec.canals, body.age_months) if "gyro" in spec.include else None
     entry = VestibularEntry(accelerometer=names.get("accelerometer"), gyro=names.get("gyro"), canals=canals)
-    return Placed(entry, origins=dict(_origins(spec.canals, canals)) if canals else {})
+    return Placed(entry, origins=dict(_origins(str(spec.canals), canals)) if canals else {})
 
 
-def _canals(canals: str, age_months: float) -> CanalsEntry | None:
+def _canals(canals: str | None, age_months: float) -> CanalsEntry | None:
     """Return the dynamics of the canals, if rotation is not felt as it is."""
-    if canals == "off":
+    if canals is None or canals == "off":
         return None
     if canals == "afferent":
         return CanalsEntry(time_constant_s=CUPULA_S, adaptation_s=ADAPTATION_S, lead_s=LEAD_S, lag_s=LAG_S)

@@ -37,11 +37,9 @@ def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermS
 
 
 def _canals(canals: CanalsEntry, count: int) -> Lags:
-    """Return the dynamics of the canals, through which the last three of *count* numbers pass; others stay as they are.
+    """Return the dynamics of the canals, through which the last three of *count* numbers pass.
 
     H(s) = A s / (1 + A s) · T s / (1 + T s) · (1 + L s) / (1 + l s), with adaptation A, time constant T, lead L, lag l.
     """
     leads_s, lags_s = ((canals.lead_s,), (canals.lag_s,)) if canals.lag_s else ((), ())
-    lags = lags_of(count, (canals.adaptation_s, canals.time_constant_s), leads_s, lags_s)
-    is_canal = np.arange(count) >= count - 3
-    return Lags(np.where(is_canal, lags.direct, 1.0), lags.weights * is_canal[:, None], lags.time_constants_s)
+    return lags_of(count, (canals.adaptation_s, canals.time_constant_s), leads_s, lags_s, first=count - 3)
