@@ -10,6 +10,7 @@ from mimoc.body.kinematics import FloatArray, Posed, frames_in_world, hip_in_wor
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.furniture import BARE, Furniture
 from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject, Ribbon, WorldMaterial
 from mimoc.objects.spec_base import Material, Motion, ObjectEntry
 from mimoc.scenes.built_scene import Placement
@@ -36,6 +37,8 @@ class BuiltObject:
     surface_m: tuple[float, float] | None = None
     """Half lengths along x and y of the level surface on top of it, on which other objects can lie; None for none."""
     meshes: tuple[MeshFile, ...] = ()
+    pictures: Furniture = BARE
+    """Textures, and materials with textures."""
     bells: tuple[str, ...] = ()
     """Names of the geoms that ring."""
     tied_to: str | None = None
@@ -83,6 +86,8 @@ class Surroundings:
     half_size_m: tuple[float, float]
     """Of the floor, from its middle at the origin."""
     has_floor: bool
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    """The PNGs of the user's pictures, by their paths in the spec."""
     things: tuple[PlacedThing, ...] = ()
     """The objects that are placed already."""
 

@@ -52,6 +52,11 @@ class ShapeSpec(ObjectSpec):
     tether_cm: Distance = 15.0
     """Of a hanging object, the length of its tether, from its highest point up to where it is tied."""
 
+    @property
+    def carries(self) -> bool:
+        """Whether other things can stand on it."""
+        return self.shape in ("box", "cylinder")
+
     @model_validator(mode="after")
     def _has_its_size(self) -> Self:
         for key in ("radius_cm", "length_cm", "sides_cm"):

@@ -1,0 +1,62 @@
+"""Pictures on furniture: files of the user's, and gratings."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from mimoc.base.units import cm_to_m
+from mimoc.geometry.rotations import Vec3, matrix_from_euler, quaternion_from_matrix
+from mimoc.looks.pictures import encode_png
+from mimoc.mjcf.furniture import BARE, UNTINTED, Furniture, WorldMaterial, WorldTexture
+from mimoc.mjcf.world import ObjectGeom
+from mimoc.objects.pieces import piece, seen
+from mimoc.objects.spec_picture import MOST_CYCLES, GratingSpec, PicturedSpec
+
+TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))
+"""Of a plane whose front looks along -x, its top up."""
+BEFORE_M = 0.002
+"""Gap between a picture and the board behind it, so that this does not show through."""
+FACETS = 16
+"""Along a side: MuJoCo computes light at their corners only."""
+CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
+"""Texels of a cycle, most of all cycles together, and texels along the stripes, where nothing changes."""
+
+
+def show(
+    name: str, spec: PicturedSpec, pictures: Mapping[str, bytes], front_m: Vec3, emission: float
+) -> tuple[tuple[ObjectGeom, ...], Furniture]:
+    """Return the picture of a piece of furniture, with its texture and material; nothing if it has none.
+
+    Args:
+        name: Of the furniture in the model.
+        spec: What it shows.
+        pictures: The PNGs of the user's files, by their paths in the spec.
+        front_m: The middle of the front of the board behind it.
+        emission: 1 for a picture that looks the same in every light, 0 for one that takes the light of the room.
+    """
+    half_m = cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2
+    if spec.picture is None and spec.grating is None:
+        return (), BARE
+    png = grating(spec.grating, spec.width_cm, spec.tall_cm) if spec.grating else pictures[spec.picture or ""]
+    looks = WorldMaterial(
+        f"{name}_picture", UNTINTED, f"{name}_picture", specular=0.0, shininess=0.0, emission=emission
+    )
+    x, y, z = front_m
+    size_m = (*half_m, 2 * max(half_m) / FACETS)
+    plane = seen(piece(looks.name, "plane", size_m, (x - BEFORE_M, y, z), TO_INFANT, looks))
+    return (plane,), Furniture((), (looks,), (WorldTexture(looks.name, f"assets/{looks.name}.png", png),))
+
+
+def grating(spec: GratingSpec, width_cm: float, tall_cm: float) -> bytes:
+    """Return the PNG of a grating over all of a picture, symmetric about its middle.
+
+    Its brightness at a distance s from the middle, across the stripes, is (1 + c cos(2 pi s / l)) / 2, with contrast c
+    and the length l of a cycle, which is one degree at the viewing distance over the spatial frequency.
+    """
+    is_vertical = spec.stripes == "vertical"
+    cycles = (width_cm if is_vertical else tall_cm) / spec.cycle_cm
+    count = int(min(MOST_PX, max(CYCLE_PX * np.ceil(cycles), CYCLE_PX)))
+    places = (np.arange(count) + 0.5) / count - 0.5
+    shades = 255 / 2 * (1 + spec.contrast * np.cos(2 * np.pi * cycles * places))
+    stripes = np.broadcast_to(shades[None, :, None], (ALONG_PX, count, 3))
+    return encode_png(stripes if is_vertical else stripes.swapaxes(0, 1))
