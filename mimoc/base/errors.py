@@ -83,7 +83,7 @@ class NoSpaceError(MimocError):
 class ObjectError(MimocError):
     """An object of the spec cannot be built, or cannot be where it is to be."""
 
-    def __init__(self, number: int, key: str, message: str):
+    def __init__(self, key: str, message: str, number: int = 0):
         super().__init__(message)
         self.number = number
         """Its number in the spec, from 0."""

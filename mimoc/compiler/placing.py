@@ -1,7 +1,7 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +15,12 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
-from mimoc.looks.user_textures import read_picture_file, read_textures
+from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import FreeObject, barrier_pairs
 from mimoc.objects.built_object import PlacedThing, Surroundings
 from mimoc.objects.placing import place_objects, trace_objects
-from mimoc.objects.spec_picture import PicturedSpec
 from mimoc.objects.starts import place_furniture, start_at
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
@@ -44,38 +43,23 @@ class SceneAssets:
 
     wallpapers: Wallpapers = OWN_WALLPAPERS
     toybox: Toybox = BUILTIN_TOYS
-    pictures: Mapping[str, bytes] = field(default_factory=dict)
-    """PNGs that objects show, by their paths in the spec."""
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
-    """Return what the scenes of a spec need of files, whose paths are relative to the folder of its file.
+    """Return the toys and wallpapers for the scenes of a spec, whose paths are relative to the folder of its file.
 
     Raises:
-        SpecError: If a toy, a texture or a picture is missing or cannot be read.
+        SpecError: If a toy or a texture is missing or cannot be read.
     """
+    if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
+        return SceneAssets()
     written, toys = as_written(spec), spec.scene.toys
-    pictures = _pictures(spec, written)
-    if toys is None and not any(path for _, path in spec.scene.textures):
-        return SceneAssets(pictures=pictures)
     wallpapers = Wallpapers(
         floors=(*FLOORS.values(), *_own("floor", spec, written)),
         ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written)),
         walls=(*WALLS.values(), *_own("wall", spec, written)),
     )
-    return SceneAssets(wallpapers, BUILTIN_TOYS if toys is None else _toybox(toys, written), pictures)
-
-
-def _pictures(spec: InfantSpec, written: Source) -> Mapping[str, bytes]:
-    """Return the PNGs of the pictures on furniture, by their paths in the spec."""
-    pictures = dict[str, bytes]()
-    for number, item in enumerate(spec.scene.objects):
-        if isinstance(item, PicturedSpec) and item.picture is not None:
-            try:
-                pictures[item.picture] = read_picture_file(written.folder / Path(item.picture).expanduser())
-            except TextureError as error:
-                raise SpecError([written.problem(("scene", "objects", number, "picture"), str(error))]) from None
-    return pictures
+    return SceneAssets(wallpapers, BUILTIN_TOYS if toys is None else _toybox(toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:
@@ -202,7 +186,7 @@ def place_in_scene(
     built = replace(built, start=place)
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
-    things = place_objects(objects, _surroundings(spec.scene, built, tree, start, assets))
+    things = place_objects(objects, _surroundings(spec, built, tree, start))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
@@ -224,11 +208,9 @@ def place_in_scene(
     return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
 
 
-def _surroundings(
-    spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, assets: SceneAssets
-) -> Surroundings:
-    has_floor = SCENES[spec.kind].has_floor
-    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor, assets.pictures)
+def _surroundings(spec: InfantSpec, built: BuiltScene, tree: BodyTree, start: Keyframe) -> Surroundings:
+    has_floor, folder = SCENES[spec.scene.kind].has_floor, spec.source.folder if spec.source else Path()
+    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor, folder)
 
 
 def _toys(

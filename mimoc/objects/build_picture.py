@@ -1,12 +1,14 @@
 """Pictures on furniture: files of the user's, and gratings."""
 
-from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.errors import ObjectError, TextureError
 from mimoc.base.units import cm_to_m
 from mimoc.geometry.rotations import Vec3, matrix_from_euler, quaternion_from_matrix
 from mimoc.looks.pictures import encode_png
+from mimoc.looks.user_textures import read_picture_file
 from mimoc.mjcf.furniture import BARE, UNTINTED, Furniture, WorldMaterial, WorldTexture
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.objects.pieces import piece, seen
@@ -23,21 +25,27 @@ CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
 
 
 def show(
-    name: str, spec: PicturedSpec, pictures: Mapping[str, bytes], front_m: Vec3, emission: float
+    name: str, spec: PicturedSpec, folder: Path, front_m: Vec3, emission: float
 ) -> tuple[tuple[ObjectGeom, ...], Furniture]:
     """Return the picture of a piece of furniture, with its texture and material; nothing if it has none.
 
     Args:
         name: Of the furniture in the model.
         spec: What it shows.
-        pictures: The PNGs of the user's files, by their paths in the spec.
+        folder: What its path is relative to.
         front_m: The middle of the front of the board behind it.
         emission: 1 for a picture that looks the same in every light, 0 for one that takes the light of the room.
+
+    Raises:
+        ObjectError: If the file cannot be read.
     """
     half_m = cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2
-    if spec.picture is None and spec.grating is None:
+    if spec.grating:
+        png = grating(spec.grating, spec.width_cm, spec.tall_cm)
+    elif spec.picture:
+        png = _read(folder / Path(spec.picture).expanduser())
+    else:
         return (), BARE
-    png = grating(spec.grating, spec.width_cm, spec.tall_cm) if spec.grating else pictures[spec.picture or ""]
     looks = WorldMaterial(
         f"{name}_picture", UNTINTED, f"{name}_picture", specular=0.0, shininess=0.0, emission=emission
     )
@@ -45,6 +53,13 @@ def show(
     size_m = (*half_m, 2 * max(half_m) / FACETS)
     plane = seen(piece(looks.name, "plane", size_m, (x - BEFORE_M, y, z), TO_INFANT, looks))
     return (plane,), Furniture((), (looks,), (WorldTexture(looks.name, f"assets/{looks.name}.png", png),))
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return read_picture_file(path)
+    except TextureError as error:
+        raise ObjectError("picture", str(error)) from None
 
 
 def grating(spec: GratingSpec, width_cm: float, tall_cm: float) -> bytes:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -86,8 +87,8 @@ class Surroundings:
     half_size_m: tuple[float, float]
     """Of the floor, from its middle at the origin."""
     has_floor: bool
-    pictures: Mapping[str, bytes] = field(default_factory=dict)
-    """The PNGs of the user's pictures, by their paths in the spec."""
+    folder: Path
+    """That paths in the spec are relative to."""
     things: tuple[PlacedThing, ...] = ()
     """The objects that are placed already."""
 

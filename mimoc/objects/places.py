@@ -47,8 +47,6 @@ class Spot:
 class Search:
     """An object that needs a place, and what it is placed among."""
 
-    number: int
-    """Of the object in the spec, from 0."""
     spec: ObjectSpec
     built: BuiltObject
     around: Surroundings
@@ -60,7 +58,7 @@ class Search:
 
     def refusal(self, key: str, message: str) -> ObjectError:
         """Return the error that says why it cannot be there."""
-        return ObjectError(self.number, key, message)
+        return ObjectError(key, message)
 
     def thing(self, name: str) -> PlacedThing | None:
         """Return the object of some name that is placed already."""
@@ -101,13 +99,13 @@ class Search:
         return bool((gaps_m >= GAP_M).all() and is_inside.all())
 
 
-def find_place(number: int, spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Spot:
+def find_place(spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Spot:
     """Return the place of an object.
 
     Raises:
         ObjectError: If there is none, such as in the air for something that lies.
     """
-    search = Search(number, spec, built, around)
+    search = Search(spec, built, around)
     if spec.above is not None:
         return _above(search, spec.above)
     if isinstance(spec.at, PointSpec):
@@ -155,19 +153,18 @@ def _within_reach(search: Search, name: str) -> Spot:
     arm = arm_of(search.around.tree, search.around.qpos, side) if limb == "hand" else None
     if arm is None:
         raise search.refusal("at", f"'{name}' is no hand of this infant; write left_hand or right_hand")
-    shoulder_m, length_m = arm
     if not search.rests:
         ahead = search.around.frames[search.part(MIDDLE, "at")][1][:, 0]
-        x_m, y_m, z_m = (shoulder_m + STRETCHED * length_m * ahead).tolist()
+        x_m, y_m, z_m = (arm.shoulder_m + STRETCHED * arm.length_m * ahead).tolist()
         return Spot((x_m, y_m, z_m - search.built.height_m / 2), f"within reach of {name}")
     hand_m = search.around.part(name).centres.mean(axis=0)
     outwards = math.atan2(*(hand_m - search.around.posed.centre_of_mass)[1::-1])
     turns = [outwards + (-1) ** turn * ((turn + 1) // 2) * math.tau / DIRECTIONS for turn in range(DIRECTIONS)]
-    for away_m in np.arange(0.0, 2 * length_m, STEP_M):
+    for away_m in np.arange(0.0, 2 * arm.length_m, STEP_M):
         for turn in turns:
             x_m, y_m = (hand_m[:2] + away_m * np.array([math.cos(turn), math.sin(turn)])).tolist()
-            middle_m = np.array([x_m, y_m, search.built.height_m / 2])
-            if np.linalg.norm(middle_m - shoulder_m) <= length_m and search.is_free(x_m, y_m):
+            is_near = math.hypot(x_m - arm.shoulder_m[0], y_m - arm.shoulder_m[1]) <= arm.on_floor_m
+            if is_near and search.is_free(x_m, y_m):
                 return Spot((x_m, y_m, search.support_m(x_m, y_m, "at")), f"within reach of {name}")
     raise search.refusal(
         "at", f"there is no free place on the floor within reach of {name}; give coordinates, or hang it"

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from mimoc.base.errors import ObjectError
 from mimoc.base.kinds import function_of
 from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis, quaternion_product
@@ -23,8 +24,11 @@ def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> 
         ObjectError: If one cannot be built or placed.
     """
     for number, spec in enumerate(objects):
-        built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
-        place = find_place(number, spec, built, surroundings)
+        try:
+            built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
+            place = find_place(spec, built, surroundings)
+        except ObjectError as error:
+            raise ObjectError(error.key, str(error), number) from None
         thing = _placed(spec, built, place.pos_m, math.radians(spec.yaw_deg) + place.yaw_rad, place.where)
         surroundings = replace(surroundings, things=(*surroundings.things, thing))
     return surroundings.things

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,12 +44,25 @@ def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | 
     return ReachableFloor((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
 
 
-def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> tuple[FloatArray, float] | None:
-    """Return where an infant's arm begins in a state (qpos), shape (3,), and its length to the tip; None without it."""
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """An arm in a pose."""
+
+    shoulder_m: FloatArray
+    """Where it begins in the world, shape (3,)."""
+    length_m: float
+    """From there to the tip of the hand."""
+    on_floor_m: float
+    """How far from below the shoulder the hand reaches the floor, if the infant leans over."""
+
+
+def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> Arm | None:
+    """Return an arm of an infant in a state (qpos); None without it."""
     upper_arm = f"{side}_uarm1"
     if upper_arm not in tree.geoms:
         return None
-    return _shoulder(_placed(tree, state), upper_arm), _arm_length(pose(tree, {}), upper_arm, side)
+    shoulder_m, length_m = _shoulder(_placed(tree, state), upper_arm), _arm_length(pose(tree, {}), upper_arm, side)
+    return Arm(shoulder_m, length_m, _leaning(length_m, float(shoulder_m[2]), state[2]))
 
 
 def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:

@@ -53,8 +53,7 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor, at x and y; *number* is its number in the scene, from 1."""
     name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
-    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
-    pieces = [*_looks(toy, name, number), *_solids(toy, name, number)]
+    pieces = pieces_of(toy, name, f"toy{number}")
     return FreeObject(
         name=name,
         object=toy.model.name,
@@ -67,9 +66,20 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
         mass_kg=toy.mass_kg,
         density_kg_m3=toy.model.density_kg_m3,
         geoms=tuple(geom for geom, _ in pieces),
-        materials=tuple(materials.values()),
+        materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
     )
+
+
+def materials_of(toy: Toy, name: str) -> tuple[WorldMaterial, ...]:
+    """Return the materials of a toy whose elements' names begin with *name*."""
+    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
+    return tuple(materials.values())
+
+
+def pieces_of(toy: Toy, name: str, meshes: str) -> list[tuple[ObjectGeom, MeshFile | None]]:
+    """Return the geoms of a toy, whose names begin with *name*, each with its mesh, whose names begin with *meshes*."""
+    return [*_looks(toy, name, meshes), *_solids(toy, name, meshes)]
 
 
 def mjcf_name(text: str) -> str:
@@ -78,15 +88,15 @@ def mjcf_name(text: str) -> str:
     return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
-def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
+def _looks(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, MeshFile]]:
     """Yield the visual geoms of a toy, and their meshes."""
     for part in toy.model.parts:
-        mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
+        mesh = _mesh(f"{meshes}_{part.tint}", part.mesh, toy.size_m, "shell")
         names, material = (("mesh", mesh.name),), f"{name}_{part.tint}"
         yield replace(LOOKS, name=f"{name}_looks_{part.tint}", names=names, material=material), mesh
 
 
-def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
+def _solids(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
     """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes.
 
     Ballast is an invisible geom without contacts that moves a toy's centre of mass slightly to one side.
@@ -96,7 +106,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
     volumes = [solid_volume(solid) for solid in solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in solids) else 0.0
     for index, (solid, volume) in enumerate(zip(solids, volumes, strict=True), start=1):
-        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
+        mesh = _mesh(f"{meshes}_solid{index}", solid.mesh, size_m, "convex") if solid.mesh else None
         x, y, z = (size_m * offset for offset in solid.pos)
         geom = replace(
             hidden,

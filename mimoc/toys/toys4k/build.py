@@ -1,5 +1,6 @@
 """Builds the set of toys from a folder of meshes, each of which is converted to a toy."""
 
+import os
 from functools import cache, partial
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from mimoc.toys.toys4k.processing import Shape, process
 
 DENSITY_KG_M3 = 300.0
 """Density of hollow plastic toys: between foam (30 kg/m³) and solid plastic or wood (500 to 1100 kg/m³)."""
-OWN_SOURCE = "the folder of toys"
+OWN_SOURCE, OWN_MESH = "the folder of toys", "a mesh of the user's own"
 SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
 
@@ -44,6 +45,25 @@ def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMode
         density_kg_m3=DENSITY_KG_M3,
         source=f"{file} of {SOURCE if dataset.is_named_as_toys4k(name) else OWN_SOURCE}",
     )
+
+
+def load_mesh(path: Path, cache: MeshCache | None = None) -> ToyModel:
+    """Return the toy that a mesh file is.
+
+    Raises:
+        ToyError: If it cannot be read or used.
+    """
+    file, kind = dataset.legible(path.name), path.suffix[1:].lower()
+    if kind not in dataset.FORMATS:
+        raise ToyError(
+            f"'{file}' is no mesh that can be read; give a file that ends with .{', .'.join(dataset.FORMATS)}"
+        )
+    try:
+        shape = _shape(dataset.read_mesh(path, Path(os.path.realpath(path.parent))), kind, cache)
+    except ToyError as error:
+        raise ToyError(f"'{file}' {error}; give another file, or repair it") from None
+    name = dataset.legible(path.stem)
+    return ToyModel(name, name, (Part(shape.looks),), shape.solids, shape.volume, DENSITY_KG_M3, f"{file}, {OWN_MESH}")
 
 
 def _shape(content: bytes, kind: str, cache: MeshCache | None) -> Shape:
