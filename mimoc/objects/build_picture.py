@@ -9,7 +9,7 @@ from mimoc.base.units import cm_to_m
 from mimoc.geometry.rotations import Vec3, matrix_from_euler, quaternion_from_matrix
 from mimoc.looks.pictures import encode_png
 from mimoc.looks.user_textures import read_picture_file
-from mimoc.mjcf.furniture import BARE, UNTINTED, Furniture, WorldMaterial, WorldTexture
+from mimoc.mjcf.furniture import BARE, UNTINTED, Furniture, Rgba, WorldMaterial, WorldTexture
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.objects.pieces import piece, seen
 from mimoc.objects.spec_picture import MOST_CYCLES, GratingSpec, PicturedSpec
@@ -18,6 +18,8 @@ TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))
 """Of a plane whose front looks along -x, its top up."""
 BEFORE_M = 0.002
 """Gap between a picture and the board behind it, so that this does not show through."""
+GLOWING: Rgba = (0.02, 0.02, 0.02, 1.0)
+"""Colour of a picture that glows: it reflects so much of other light, and as much more shines as makes it white."""
 FACETS = 16
 """Along a side: MuJoCo computes light at their corners only."""
 CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
@@ -25,7 +27,7 @@ CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
 
 
 def show(
-    name: str, spec: PicturedSpec, folder: Path, front_m: Vec3, emission: float
+    name: str, spec: PicturedSpec, folder: Path, front_m: Vec3, *, glows: bool
 ) -> tuple[tuple[ObjectGeom, ...], Furniture]:
     """Return the picture of a piece of furniture, with its texture and material; nothing if it has none.
 
@@ -34,7 +36,7 @@ def show(
         spec: What it shows.
         folder: What its path is relative to.
         front_m: The middle of the front of the board behind it.
-        emission: 1 for a picture that looks the same in every light, 0 for one that takes the light of the room.
+        glows: Whether it looks the same in every light.
 
     Raises:
         ObjectError: If the file cannot be read.
@@ -46,9 +48,8 @@ def show(
         png = _read(folder / Path(spec.picture).expanduser())
     else:
         return (), BARE
-    looks = WorldMaterial(
-        f"{name}_picture", UNTINTED, f"{name}_picture", specular=0.0, shininess=0.0, emission=emission
-    )
+    rgba, emission = (GLOWING, 1 / GLOWING[0]) if glows else (UNTINTED, 0.0)
+    looks = WorldMaterial(f"{name}_picture", rgba, f"{name}_picture", specular=0.0, shininess=0.0, emission=emission)
     x, y, z = front_m
     size_m = (*half_m, 2 * max(half_m) / FACETS)
     plane = seen(piece(looks.name, "plane", size_m, (x - BEFORE_M, y, z), TO_INFANT, looks))

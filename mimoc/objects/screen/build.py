@@ -17,7 +17,7 @@ def build(spec: ScreenSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a screen: a panel, its picture, and a stand."""
     name, paint = object_name(spec.name), finish(object_name(spec.name), spec.colour)
     half_y_m, half_z_m, z_m = cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2, cm_to_m(spec.middle_cm)
-    pictures, looks = show(name, spec, surroundings.folder, (-THICKNESS_M / 2, 0.0, z_m), emission=1.0)
+    pictures, looks = show(name, spec, surroundings.folder, (-THICKNESS_M / 2, 0.0, z_m), glows=True)
     half_post_m, half_foot_m = POST_M / 2, FOOT * half_y_m
     behind_m = THICKNESS_M / 2 + half_post_m
     pieces = (

@@ -12,6 +12,6 @@ def build(spec: WallSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a wall: a box, and its picture."""
     name, paint = object_name(spec.name), finish(object_name(spec.name), spec.colour)
     half_m = cm_to_m(spec.thickness_cm) / 2, cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2
-    pictures, looks = show(name, spec, surroundings.folder, (-half_m[0], 0.0, half_m[2]), emission=0.0)
+    pictures, looks = show(name, spec, surroundings.folder, (-half_m[0], 0.0, half_m[2]), glows=False)
     box = board(name, half_m, (0.0, 0.0, half_m[2]), paint)
     return fixed_object(name, (box, *pictures), (paint,), "wood", pictures=looks)
