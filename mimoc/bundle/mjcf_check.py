@@ -77,6 +77,7 @@ BY_ELEMENT: Mapping[tuple[str, str], Values] = {
     ("texture", "type"): _shaped("[a-zA-Z0-9]{1,20}"),
     ("joint", "type"): _words("hinge ball slide"),
     ("geom", "type"): _words("plane sphere capsule ellipsoid cylinder box mesh"),
+    ("spatial", "width"): _are_numbers,
     ("site", "type"): _words("sphere capsule ellipsoid cylinder box"),
 }
 """What attributes may be whose name means something else in each element."""

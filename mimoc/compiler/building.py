@@ -191,6 +191,7 @@ class Builder:
         """Return the manifest of a seed."""
         remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
         of_scene = {"toys": describe_toys(furnished.toys), "objects": describe_objects(furnished.things)}
+        of_scene["poses"] = tuple(pose.name for pose in furnished.scene.keyframes)
         return self.manifest.model_copy(update={"seed": seed, **of_scene, "notes": remarks})
 
 

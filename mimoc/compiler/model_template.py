@@ -70,7 +70,7 @@ class ModelTemplate:
         Raises:
             ModelError: If MuJoCo rejects it.
         """
-        self._model, self._spec = compile_model(files), _without_textures(files)
+        self._model, self._spec = compile_model(files), without_textures(files)
         self._numbers, self._rest = read(scene)
         self._slots = parameters(scene, self._spec)
         values = (getattr(*slot) for slot in self._slots)
@@ -97,7 +97,7 @@ class ModelTemplate:
         return instance
 
 
-def _without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
+def without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
     """Return MuJoCo's elements of a scene; decoding textures and skins takes longer than all else."""
     meshes = {name: content for name, content in files.items() if name.startswith("assets/") and name[-4:] != ".png"}
     include = {"infant.xml": files["infant.xml"]}

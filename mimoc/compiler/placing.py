@@ -14,6 +14,7 @@ from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
+from mimoc.compiler.object_check import free_poses
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
@@ -205,6 +206,7 @@ def place_in_scene(
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
         keyframes=tuple(replace(pose, qpos=(*pose.qpos, *world.resting)) for pose in starts.values()),
     )
+    placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
     return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
 
 

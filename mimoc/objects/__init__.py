@@ -6,6 +6,7 @@ OBJECTS: Kinds[ObjectKind] = Kinds(
     "kind of object",
     {
         "shape": "mimoc.objects.shape",
+        "mobile": "mimoc.objects.mobile",
         "mat": "mimoc.objects.mat",
         "seat": "mimoc.objects.seat",
         "rail": "mimoc.objects.rail",

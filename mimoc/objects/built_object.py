@@ -11,8 +11,8 @@ from mimoc.body.kinematics import FloatArray, Posed, frames_in_world, hip_in_wor
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import BARE, Furniture
-from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject, Ribbon, WorldMaterial
+from mimoc.mjcf.furniture import BARE, Furniture, Rgba, WorldMaterial
+from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject
 from mimoc.objects.spec_base import Material, Motion, ObjectEntry
 from mimoc.scenes.built_scene import Placement
 from mimoc.scenes.footprint import footprint
@@ -42,12 +42,23 @@ class BuiltObject:
     """Textures, and materials with textures."""
     bells: tuple[str, ...] = ()
     """Names of the geoms that ring."""
-    tied_to: str | None = None
-    """The part of the infant that its ribbon is tied to."""
-    ribbon: Ribbon | None = None
-    """Its ribbon; where it is not tied, its length is 0."""
+    tie: "Tie | None" = None
+    """Its ribbon, if it has one."""
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by the end of their keys in `provenance.json`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """A ribbon from an object to a limb of the infant."""
+
+    limb: str
+    """The hand or the foot; it is tied at the wrist or the ankle."""
+    site: str
+    """The site of the object's outermost body that it begins at."""
+    slack_m: float
+    """By how much it is longer than its way at the start."""
+    rgba: Rgba
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,8 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axi
 from mimoc.mjcf.world import ObjectBody, PlacedObject
 from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
-from mimoc.objects.places import find_place
+from mimoc.objects.places import Spot, find_place
+from mimoc.objects.ribbon import tie_ribbon
 from mimoc.objects.spec_base import ObjectEntry, ObjectSpec
 
 UP = (0.0, 0.0, 1.0)
@@ -27,15 +28,17 @@ def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> 
         try:
             built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
             place = find_place(spec, built, surroundings)
+            thing = _placed(spec, built, place, surroundings)
         except ObjectError as error:
             raise ObjectError(error.key, str(error), number) from None
-        thing = _placed(spec, built, place.pos_m, math.radians(spec.yaw_deg) + place.yaw_rad, place.where)
         surroundings = replace(surroundings, things=(*surroundings.things, thing))
     return surroundings.things
 
 
-def _placed(spec: ObjectSpec, built: BuiltObject, pos_m: Vec3, yaw_rad: float, where: str) -> PlacedThing:
+def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
+    pos_m, yaw_rad = spot.pos_m, math.radians(spec.yaw_deg) + spot.yaw_rad
     root = _moved(built.root, pos_m, yaw_rad)
+    ribbons = (tie_ribbon(built.tie, root, around),) if built.tie else ()
     bodies = tuple(root.subtree())
     entry = ObjectEntry(
         name=spec.name,
@@ -47,10 +50,12 @@ def _placed(spec: ObjectSpec, built: BuiltObject, pos_m: Vec3, yaw_rad: float, w
         material=built.material,
         size_m=built.size_m,
         mass_kg=built.mass_kg,
-        where=where,
+        where=spot.where,
         bells=built.bells,
+        ribbon=ribbons[0].name if ribbons else None,
+        tied_to=built.tie.limb if built.tie else None,
     )
-    elements = PlacedObject(root, built.materials, built.meshes)
+    elements = PlacedObject(root, built.materials, built.meshes, ribbons)
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
 
 

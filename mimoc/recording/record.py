@@ -15,7 +15,7 @@ from mimoc.base.errors import RenderingError
 from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.video import Video, check_video, open_video
-from mimoc.render.body_camera import BodyCamera
+from mimoc.render.body_camera import BodyCamera, objects_near
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
@@ -51,8 +51,8 @@ class VideoFrames:
         self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
         root = env.manifest.root_body
         view = view_of_body(FROM_THE_SIDE, env.data, root)
-        size_px = round(SHAPE * height_px), height_px
-        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
+        size_px, beside = (round(SHAPE * height_px), height_px), objects_near(env.manifest, env.data)
+        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown, beside=beside)
         """The camera outside."""
         self.camera.turn(env.data)
         self.shot: Shot | None = None

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.manifest import Manifest
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -40,6 +41,17 @@ FADES_BEHIND_M, FADES_WITHIN_M = 0.7, 4.5
 """How far behind the middle of a picture it begins to, and the distance that it takes."""
 
 
+NEAR_M, STRING_M = 1.0, 0.15
+"""Distance from an infant within which its objects are in its pictures, but for what is longer, such as strings."""
+
+
+def objects_near(manifest: Manifest, data: mujoco.MjData) -> list[str]:
+    """Return the outermost bodies of the spec's objects that are near the infant."""
+    root_m = data.body(manifest.root_body).xpos
+    names = (item.body for item in manifest.objects)
+    return [name for name in names if np.linalg.norm(data.body(name).subtree_com - root_m) < NEAR_M]
+
+
 def backdrop_m(
     model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str], view: View, aspect: float, fovy_deg: float
 ) -> float | None:
@@ -68,6 +80,7 @@ class BodyCamera:
         shown: Shown = "skin",
         fade_m: float | None = None,
         cut_out: bool = False,
+        beside: Sequence[str] = (),
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -83,6 +96,7 @@ class BodyCamera:
             shown: What is drawn of infants.
             fade_m: How far from the camera things begin to fade into a backdrop; by default, they do not.
             cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
+            beside: Names of other outermost bodies, that are to be in the picture as well.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -94,8 +108,11 @@ class BodyCamera:
         """Width of the pictures over their height."""
         larger = self._supersample * width_px, self._supersample * height_px
         self._fades, self._cut_out = fade_m is not None, cut_out
-        if cut_out:
+        if cut_out:  # What is beside them is not drawn then.
             model.geom_group[~self._seen] = HIDDEN_GROUP
+        else:
+            are_beside = np.isin(model.body_rootid[model.geom_bodyid], [model.body(name).id for name in beside])
+            self._seen |= are_beside & (model.geom_rbound < STRING_M)
         settings = partial(_settings, 0 if self._supersample > 1 else SAMPLES, fade_m, len(root_bodies) == 1)
         self._renderer = Renderer(model, *larger, settings, shown)
 

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import check_name
+from mimoc.bundle.manifest import Manifest
 from mimoc.render.opengl import has_screen
 from mimoc.render.renderer import Picture
 
@@ -41,16 +42,16 @@ class EnvRenderer:
     """Shows the state of one model in Gymnasium's render mode `human` or `rgb_array`; without a mode, nothing."""
 
     def __init__(
-        self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, root_body: str, size_px: tuple[int, int]
+        self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest, size_px: tuple[int, int]
     ):
-        """Look at a body and all that is attached to it, in a window if the mode is `human`.
+        """Look at an infant and the objects near it, in a window if the mode is `human`.
 
         What pictures of this width and height need is opened with the first one.
 
         Raises:
             RenderingError: If the mode needs a screen, and there is none.
         """
-        self._mode, self._root_body, self._size_px = mode, root_body, size_px
+        self._mode, self._manifest, self._size_px = mode, manifest, size_px
         self._camera: BodyCamera | None = None
         self._window: Window | None = None
         self._show_model(model, data)
@@ -84,11 +85,12 @@ class EnvRenderer:
         if self._mode != "rgb_array":
             return None
         if self._camera is None:
-            from mimoc.render.body_camera import BodyCamera
+            from mimoc.render.body_camera import BodyCamera, objects_near
             from mimoc.render.camera import FROM_THE_SIDE, view_of_body
 
-            view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
-            self._camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
+            root, beside = self._manifest.root_body, objects_near(self._manifest, self._data)
+            view = view_of_body(FROM_THE_SIDE, self._data, root)
+            self._camera = BodyCamera(self._model, [root], *self._size_px, view, beside=beside)
             self._camera.turn(self._data)
         return self._camera.render(self._data)
 
@@ -109,4 +111,4 @@ class EnvRenderer:
         if self._mode == "human":
             from mimoc.render.window import Window
 
-            self._window = Window(model, data, self._root_body)
+            self._window = Window(model, data, self._manifest.root_body)

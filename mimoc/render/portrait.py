@@ -11,7 +11,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
-from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
+from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m, objects_near
 from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
@@ -224,7 +224,8 @@ def portrait(
     root = bundle.manifest.root_body
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
     view = framing.view(view_of_body(FROM_THE_SIDE, data, root), front_deg)
-    return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing)
+    beside = objects_near(bundle.manifest, data)
+    return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing, beside)
 
 
 def lineup(
@@ -272,14 +273,17 @@ def _picture(
     markers: Markers | None,
     shown: Shown,
     framing: Framing,
+    beside: Sequence[str] = (),
 ) -> Picture:
-    """Return a picture of bodies, seen in a direction with a vertical field of view."""
+    """Return a picture of bodies and what is beside them, seen in a direction with a vertical field of view."""
     (width, height), (view, fovy_deg), distance_m = size_px, seen_from, framing.distance_m
     fade_m = None if framing.transparent else backdrop_m(model, data, roots, view, width / height, fovy_deg)
     if fade_m is not None and distance_m is not None:
         fade_m = distance_m + FADES_BEHIND_M
     options: Any = {"fovy_deg": fovy_deg, "supersample": STILL, "shown": shown, "fade_m": fade_m}
-    with closing(BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, **options)) as camera:
+    with closing(
+        BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, beside=beside, **options)
+    ) as camera:
         if len(roots) == 1 and framing.azimuth_deg is None:
             camera.turn(data)
         shot = camera.shot(data)
@@ -300,6 +304,7 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
     shown = [root, *(toy.body for toy in toys)]
     view = view_of_body(FROM_ABOVE, data, root)
-    with closing(BodyCamera(model, shown, width, height, view, supersample=STILL)) as camera:
+    beside = objects_near(bundle.manifest, data)
+    with closing(BodyCamera(model, shown, width, height, view, supersample=STILL, beside=beside)) as camera:
         camera.turn(data)
         return camera.render(data)

@@ -356,7 +356,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:
-        return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
+        return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest, self._picture_size)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""

@@ -3,16 +3,18 @@
 import math
 import re
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
-from mimoc.geometry.rotations import quaternion_from_axis
+from mimoc.geometry.rotations import FloatArray, quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.shape import UPRIGHT, Mesh, solid_volume
+from mimoc.toys.shape import UPRIGHT, Mesh, centre_of, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
@@ -80,6 +82,17 @@ def materials_of(toy: Toy, name: str) -> tuple[WorldMaterial, ...]:
 def pieces_of(toy: Toy, name: str, meshes: str) -> list[tuple[ObjectGeom, MeshFile | None]]:
     """Return the geoms of a toy, whose names begin with *name*, each with its mesh, whose names begin with *meshes*."""
     return [*_looks(toy, name, meshes), *_solids(toy, name, meshes)]
+
+
+def centre_of_mass(toy: Toy, geoms: Iterable[ObjectGeom]) -> FloatArray:
+    """Return the centre of mass of the geoms of a toy, shape (3,), in [m]."""
+    meshes = {f"solid{index}": solid.mesh for index, solid in enumerate(toy.model.solids, start=1)}
+    masses, places = list[float](), list[FloatArray]()
+    for geom in geoms:
+        mesh = meshes.get(geom.name.rpartition("_")[2])
+        masses.append(geom.mass_kg)
+        places.append(np.array(geom.pos_m) + (0.0 if mesh is None else toy.size_m * centre_of(mesh)))
+    return np.average(places, axis=0, weights=masses)
 
 
 def mjcf_name(text: str) -> str:

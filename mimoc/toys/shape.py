@@ -47,6 +47,14 @@ def join(meshes: Sequence[Mesh]) -> Mesh:
     return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
 
 
+def centre_of(mesh: Mesh) -> FloatArray:
+    """Return the centre of mass of the volume of a convex mesh, from tetrahedra between its faces and its middle."""
+    middle = mesh.vertices.mean(axis=0)
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] - middle for corner in range(3))
+    volumes = np.einsum("ij,ij->i", np.cross(a, b), c)
+    return middle + volumes @ (a + b + c) / (4 * volumes.sum())
+
+
 @dataclass(frozen=True, slots=True)
 class Part:
     """A visible part of a toy."""

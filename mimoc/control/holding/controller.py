@@ -219,6 +219,8 @@ def _loads(infant: DrivenInfant) -> _Loads:
     loads = [(joint, slot, 1.0) for joint, slot in slots.items()]
     for start, count in zip(model.tendon_adr, model.tendon_num, strict=True):
         wraps = slice(start, start + count)
+        if (model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_JOINT).any():
+            continue  # It is the ribbon of an object.
         factors = dict(zip(model.wrap_objid[wraps].tolist(), model.wrap_prm[wraps].tolist(), strict=True))
         driven, free = (
             [joint for joint in factors if joint in slots],

@@ -16,9 +16,10 @@ from mimoc.mjcf.furniture import SOLID, Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectGeom
 from mimoc.objects.shape.spec import ShapeSpec
 from mimoc.objects.spec_base import Material
+from mimoc.objects.strings import moved
 from mimoc.toys import builtin
 from mimoc.toys.choosing import DARK, LIGHT, Toy
-from mimoc.toys.objects import materials_of, pieces_of
+from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
 from mimoc.toys.shape import UPRIGHT, Tint, ToyModel
 from mimoc.toys.toys4k import build as toys4k, dataset
 from mimoc.toys.toys4k.cache import MeshCache
@@ -158,10 +159,14 @@ def _of_toy(spec: ShapeSpec, name: str, folder: Path) -> Solid:
         replace(model, density_kg_m3=mass_kg / volume_m3), size_m, 0.0, _colours(spec.colour or COLOURS[material])
     )
     pieces = pieces_of(toy, name, name)
+    geoms = [replace(geom, friction=(spec.friction, *TURNING)) if geom.contype else geom for geom, _ in pieces]
+    if spec.moves == "hanging":  # From above its centre of mass, so that it hangs straight.
+        x_m, y_m, _ = centre_of_mass(toy, geoms).tolist()
+        geoms = [moved(geom, (-x_m, -y_m, 0.0)) for geom in geoms]
     reach = np.abs(np.concatenate([part.mesh.vertices for part in model.parts])).max(axis=0) * size_m
     x_m, y_m, height_m = reach.tolist()
     return Solid(
-        geoms=tuple(replace(geom, friction=(spec.friction, *TURNING)) if geom.contype else geom for geom, _ in pieces),
+        geoms=tuple(geoms),
         materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
         half_m=(x_m, y_m, height_m / 2),

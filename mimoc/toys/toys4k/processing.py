@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
-from mimoc.toys.shape import Mesh, Solid, join
+from mimoc.toys.shape import Mesh, Solid, centre_of, join
 from mimoc.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
 from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
@@ -156,18 +156,10 @@ def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
 def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:
     """Return the rotation that places parts of equal density on a face of their common convex hull."""
     weights = np.array([part.volume for part in parts])
-    centre = weights @ np.stack([_centre(part) for part in parts]) / weights.sum()
+    centre = weights @ np.stack([centre_of(part) for part in parts]) / weights.sum()
     corners = np.concatenate([part.vertices for part in parts])
     around = parts[0] if len(parts) == 1 else hull(corners, len(corners))
     return set_down(*planes(around.vertices, around.faces, centre), top)
-
-
-def _centre(part: Mesh) -> FloatArray:
-    """Return the centre of mass of the volume of a convex mesh, from tetrahedra between its faces and its middle."""
-    middle = part.vertices.mean(axis=0)
-    a, b, c = (part.vertices[part.faces[:, corner]] - middle for corner in range(3))
-    volumes = np.einsum("ij,ij->i", np.cross(a, b), c)
-    return middle + volumes @ (a + b + c) / (4 * volumes.sum())
 
 
 def _placed(mesh: Mesh, rotation: FloatArray, origin: FloatArray, scale: float) -> Mesh:

@@ -1,0 +1,73 @@
+"""What objects hang from: strings and bars that are only seen, and the damping of a swing."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.body.kinematics import FloatArray
+from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_between
+from mimoc.mjcf.furniture import UNTOUCHED
+from mimoc.mjcf.world import ObjectGeom
+from mimoc.toys.shape import UPRIGHT
+
+GRAVITY_M_S2 = 9.81
+DAMPING_RATIO = 0.05
+"""Of what hangs: a swing falls to a third in about three and a half periods; an assumption."""
+STRING_M = 0.001
+"""Radius of a string."""
+SEEN_GROUP = 1
+"""Geom group of what is only seen."""
+
+
+def seen(
+    name: str, material: str, shape: str, size_m: tuple[float, ...], pos_m: Vec3, quat: Quaternion = UPRIGHT
+) -> ObjectGeom:
+    """Return a primitive without contacts or mass."""
+    return ObjectGeom(
+        name=name,
+        type=shape,
+        names=(),
+        sizes=(("size", size_m),),
+        pos_m=pos_m,
+        quat=quat,
+        mass_kg=0.0,
+        material=material,
+        contype=UNTOUCHED,
+        conaffinity=UNTOUCHED,
+        condim=3,
+        friction=(1.0, 0.005, 0.0005),
+        solmix=1.0,
+        group=SEEN_GROUP,
+    )
+
+
+def bar(name: str, material: str, radius_m: float, start_m: FloatArray, end_m: FloatArray) -> ObjectGeom:
+    """Return a capsule between two points, shape (3,) each."""
+    length_m = float(np.linalg.norm(end_m - start_m))
+    x_m, y_m, z_m = ((start_m + end_m) / 2).tolist()
+    quat = quaternion_between(np.array([0.0, 0.0, 1.0]), (end_m - start_m) / length_m)
+    return seen(name, material, "capsule", (radius_m, length_m / 2), (x_m, y_m, z_m), quat)
+
+
+def string(name: str, material: str, length_m: float) -> ObjectGeom:
+    """Return a string from the origin down."""
+    return seen(name, material, "capsule", (STRING_M, length_m / 2), (0.0, 0.0, -length_m / 2))
+
+
+def moved(geom: ObjectGeom, by_m: Vec3) -> ObjectGeom:
+    """Return a geom elsewhere in its body."""
+    x_m, y_m, z_m = np.add(geom.pos_m, by_m).tolist()
+    return replace(geom, pos_m=(x_m, y_m, z_m))
+
+
+def pendulum_damping(mass_kg: float, length_m: float, radius_m: float) -> float:
+    """Return the damping of a ball joint that a body hangs from, in [N m s/rad]: c = 2 z sqrt(m g l I).
+
+    Args:
+        mass_kg: m, of the body.
+        length_m: l, from the joint to its centre.
+        radius_m: r, about as large as the body is: its moment of inertia about the joint is I = m (l² + 2 r² / 5).
+    """
+    inertia_kgm2 = mass_kg * (length_m**2 + 0.4 * radius_m**2)
+    return 2 * DAMPING_RATIO * math.sqrt(mass_kg * GRAVITY_M_S2 * length_m * inertia_kgm2)
