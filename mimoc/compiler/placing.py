@@ -189,7 +189,7 @@ def place_in_scene(
     start = starts[start_pose(spec, setup)]
     things = place_objects(objects, _surroundings(spec, built, tree, start))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
-    taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
+    taken = np.concatenate([taken, np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))])
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(

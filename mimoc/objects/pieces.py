@@ -37,6 +37,8 @@ LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)
 """Of a bar along y."""
 DENSITIES_KG_M3: Mapping[str, float] = {"wood": 600.0, "cloth": 50.0}
 """Of beech and pine, and of foam; assumptions, which move nothing: furniture is fixed."""
+LEAST_DISC_M = 0.1
+"""Side of the squares into which long, thin furniture is divided to cover the floor below it with discs."""
 SOFT_IMPEDANCE = (0.7, 0.95)
 """Impedance of a soft contact without depth, and at full width: those of the crib's mattress."""
 SOFT_WIDTH = 4.0
@@ -147,8 +149,19 @@ def fixed_object(
         size_m=float(np.ptp(corners_m, axis=0).max()),
         mass_kg=DENSITIES_KG_M3[material] * math.fsum(volumes_m3),
         surface_m=surface.half_m if surface else None,
+        discs=_discs(corners_m[:, :2]),
         pictures=pictures,
     )
+
+
+def _discs(corners_m: FloatArray) -> tuple[Vec3, ...]:
+    """Return discs that cover the rectangle around some places, shape (n, 2): x, y and radius, in [m]."""
+    low, high = corners_m.min(axis=0), corners_m.max(axis=0)
+    sides = high - low
+    counts = np.ceil(sides / max(float(sides.min()), LEAST_DISC_M)).astype(int)
+    steps = sides / counts
+    places = itertools.product(*(low[axis] + steps[axis] * (np.arange(counts[axis]) + 0.5) for axis in range(2)))
+    return tuple((float(x), float(y), float(np.hypot(*steps)) / 2) for x, y in places)
 
 
 def _shape(piece: ObjectGeom) -> tuple[Any, tuple[float, ...]]:

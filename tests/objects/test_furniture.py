@@ -168,3 +168,25 @@ def test_what_cannot_be_is_one_line_with_its_key(item, message):
     with pytest.raises(SpecError) as caught:
         mimoc.build(spec_with([{"name": "thing", **item}]))
     assert [message in str(problem) for problem in caught.value.problems] == [True], str(caught.value)
+
+
+def test_what_is_within_reach_of_an_infant_on_a_mat_lies_on_the_mat():
+    scene = furnished([{"name": "mat", "kind": "mat"}, {**BALL, "at": "within reach of right_hand"}], start_at="mat")
+    x, y, z = scene.data.body("object_ball").xpos
+    assert z == pytest.approx(0.07)
+    assert np.hypot(x, y) < 0.5
+
+
+def test_toys_lie_beside_furniture():
+    """A screen covers a strip of the floor, not the disc around it."""
+    scene = {"kind": "flat", "objects": [{"name": "wall", "kind": "wall", "width_cm": 300, "at": {"x_cm": 60}}]}
+    toys = {"toys": {"count": [12, 12], "size_cm": [6, 6]}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": {"skin": False}, "scene": {**scene, **toys}}
+    model = load_model(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert data.contact.dist.min(initial=0.0) > -1e-3
+    places = np.array([data.body(index).xpos for index in range(model.nbody) if model.body(index).name[:3] == "toy"])
+    assert len(places) == 12
+    assert (np.hypot(*(places[:, :2] - (0.6, 0)).T) < 1.5).any()
