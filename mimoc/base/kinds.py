@@ -185,6 +185,10 @@ class ObjectKind:
     """What a user can ask of it: an `ObjectSpec` (`mimoc/objects/spec_base.py`) with `kind: Literal[name]`."""
     build: Code
     """`build(spec, surroundings) -> BuiltObject`: what it is made of, in a frame of its own, before it is placed."""
+    start: Code | None = None
+    """`start(spec, body, states) -> FurnitureStart`: how an infant starts on, in or at it; None if it never does."""
+    poses: tuple[str, ...] = ()
+    """Values of `scene.pose` in which it can start there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

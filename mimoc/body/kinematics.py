@@ -11,6 +11,7 @@ from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.geometry.primitives import Extents, extents, girth
 from mimoc.geometry.rotations import (
     FloatArray,
+    Vec3,
     matrices_from_axes,
     matrix_from_axis,
     matrix_from_euler,
@@ -140,6 +141,18 @@ def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
 def hip_in_world(state: Sequence[float]) -> Frame:
     """Return position and rotation of the hip, shapes (3,) and (3, 3), from a state (qpos)."""
     return np.array(state[:3]), matrix_from_quaternion(state[3:7])
+
+
+def body_reaches(tree: BodyTree, state: Sequence[float], direction: Vec3) -> dict[str, float]:
+    """Return how far each body reaches along a direction of the world in a state, from the world's origin, in [m]."""
+    origin_m, turn = hip_in_world(state)
+    posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
+    reaches_m = posed.reaches(turn.T @ np.array(direction)) + float(origin_m @ np.array(direction))
+    owners = [body.name for body in tree.bodies for _ in body.geoms]
+    return {
+        owner: max(reach for reach, other in zip(reaches_m.tolist(), owners, strict=True) if other == owner)
+        for owner in owners
+    }
 
 
 def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> dict[str, Frame]:

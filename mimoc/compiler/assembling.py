@@ -59,7 +59,11 @@ def assemble_infant(
     expression = spec.body.expression
     return SceneTree(
         name=spec.name,
-        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
+        solver=Solver(
+            timestep_s=ms_to_s(spec.control.timestep_ms),
+            integrator=actuation.integrator,
+            multiccd="enable" if any(item.carries for item in spec.scene.objects) else "disable",
+        ),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress_skin(expression, skin.names, round_head=round_head)
         if skin

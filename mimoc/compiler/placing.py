@@ -22,6 +22,7 @@ from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import FreeObject, barrier_pairs
 from mimoc.objects.built_object import PlacedThing, Surroundings
 from mimoc.objects.placing import place_objects, trace_objects
+from mimoc.objects.starts import place_furniture, start_at
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
@@ -140,6 +141,10 @@ def set_up_task(
     """
     setup = build_task(spec.task, tree, spec.control.step_ms)
     poses = scene.keyframes
+    if spec.scene.start_at is not None:
+        at = start_at(spec.scene, tree, {pose.name: pose.qpos for pose in poses})
+        poses = tuple(actuation.at_rest(Keyframe(name, state)) for name, state in at.states.items())
+        setup = replace(setup, holds=(*setup.holds, *at.holds), ahead_m=at.ahead_m)
     if spec.task and setup.start is not None:
         keyframe = Keyframe(spec.task.kind, setup.start)
         poses = (*poses, actuation.at_rest(keyframe))
@@ -182,17 +187,19 @@ def place_in_scene(
     discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
     build = function_of(SCENES[spec.scene.kind].build, "build")
     built: BuiltScene = build(spec.scene, Occupant(tree, discs), assets.wallpapers)
+    objects, place = place_furniture(spec.scene, built.start, setup.ahead_m)
+    built = replace(built, start=place)
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
     folder = spec.source.folder if spec.source else Path()
-    things = place_objects(spec.scene.objects, surroundings(spec.scene, built, tree, start, built.start, folder))
+    things = place_objects(objects, surroundings(spec.scene, built, tree, start, built.start, folder))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
-    taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
+    taken = np.concatenate([taken, np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))])
     toys = toys_around(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
         built.world,
-        furniture=built.world.furniture + setup.furniture,
+        furniture=sum((thing.built.pictures for thing in things), built.world.furniture + setup.furniture),
         gravity_m_s2=WEIGHTLESS if setup.weightless else built.world.gravity_m_s2,
         objects=(*toys, *task_objects),
         placed=tuple(thing.elements for thing in things),

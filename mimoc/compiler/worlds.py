@@ -184,7 +184,7 @@ def _toys(
 ) -> tuple[FreeObject, ...]:
     """Return the toys, around the first infant and outside of what all cover."""
     name, part = next(iter(parts.items()))
-    discs = np.reshape([thing.disc for thing in things], (-1, 3))
+    discs = np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))
     taken = np.concatenate([*(other.taken for other in parts.values()), discs])
     try:
         return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)

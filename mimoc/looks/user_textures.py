@@ -40,6 +40,15 @@ def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
     return tuple(textures)
 
 
+def read_picture_file(path: Path) -> bytes:
+    """Return the PNG of one picture, scaled down as textures are.
+
+    Raises:
+        TextureError: If it is no picture, or cannot be read.
+    """
+    return _texture(path, set()).png
+
+
 def _files(path: Path) -> list[Path]:
     """Return the file itself, or the PNGs of a folder, sorted by name."""
     try:

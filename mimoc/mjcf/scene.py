@@ -26,6 +26,8 @@ class Solver:
     iterations: int = 100
     ls_iterations: int = 50
     tolerance: float = 1e-13
+    multiccd: str = "disable"
+    """`enable` where things stand on others: else a cylinder on a box has one contact at a time, and trembles."""
 
 
 @dataclass(frozen=True, slots=True)

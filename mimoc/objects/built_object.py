@@ -1,5 +1,6 @@
 """What builders of objects take and return: an infant that starts in a pose, and an object before it is placed."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +12,7 @@ from mimoc.body.kinematics import FloatArray, Posed, frames_in_world, hip_in_wor
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import Rgba, WorldMaterial
+from mimoc.mjcf.furniture import BARE, Furniture, Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject
 from mimoc.objects.spec_base import Material, Motion, ObjectEntry
 from mimoc.scenes.built_scene import Placement
@@ -37,7 +38,11 @@ class BuiltObject:
     mass_kg: float
     surface_m: tuple[float, float] | None = None
     """Half lengths along x and y of the level surface on top of it, on which other objects can lie; None for none."""
+    discs: tuple[Vec3, ...] = ()
+    """The floor below it, as discs by x, y and radius, if the cylinder that encloses it is too wide for that."""
     meshes: tuple[MeshFile, ...] = ()
+    pictures: Furniture = BARE
+    """Textures, and materials with textures."""
     bells: tuple[str, ...] = ()
     """Names of the geoms that ring."""
     tie: "Tie | None" = None
@@ -73,9 +78,22 @@ class PlacedThing:
     yaw_rad: float
 
     @property
-    def disc(self) -> tuple[float, float, float]:
-        """The floor below it: x, y and radius, in [m]."""
-        return (*self.pos_m[:2], self.built.radius_m)
+    def discs(self) -> tuple[Vec3, ...]:
+        """The floor below it, as discs by x, y and radius, in [m]."""
+        (x_m, y_m, _), cosine, sine = self.pos_m, math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        return tuple(
+            (x_m + cosine * x - sine * y, y_m + sine * x + cosine * y, radius)
+            for x, y, radius in self.built.discs or ((0.0, 0.0, self.built.radius_m),)
+        )
+
+    def bears(self, x_m: float, y_m: float, radius_m: float = 0.0) -> bool:
+        """Return whether a place, with a disc around it, is over the level surface on top of it."""
+        if self.built.surface_m is None:
+            return False
+        x, y = x_m - self.pos_m[0], y_m - self.pos_m[1]
+        cosine, sine = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        half_x_m, half_y_m = (half - radius_m for half in self.built.surface_m)
+        return abs(cosine * x + sine * y) <= half_x_m and abs(cosine * y - sine * x) <= half_y_m
 
     @property
     def top_m(self) -> float:

@@ -84,7 +84,7 @@ class Search:
 
     def support_m(self, x_m: float, y_m: float, key: str) -> float:
         """Return the height of what is below a place: the level top of an object, or the floor."""
-        tops = [thing.top_m for thing in self.around.things if _is_over(thing, x_m, y_m)]
+        tops = [thing.top_m for thing in self.around.things if thing.bears(x_m, y_m)]
         if not tops and not self.around.has_floor:
             raise self.refusal(
                 key, "there is no floor that it could lie on; fix it or hang it, or give its height z_cm"
@@ -92,8 +92,9 @@ class Search:
         return max(tops, default=0.0)
 
     def is_free(self, x_m: float, y_m: float) -> bool:
-        """Return whether there is room on the floor."""
-        taken = np.array([*map(tuple, self.around.discs), *(thing.disc for thing in self.around.things)])
+        """Return whether there is room, on the floor or on what bears all of it there."""
+        others = (thing for thing in self.around.things if not thing.bears(x_m, y_m, self.built.radius_m))
+        taken = np.array([*map(tuple, self.around.discs), *(disc for thing in others for disc in thing.discs)])
         gaps_m = np.hypot(taken[:, 0] - x_m, taken[:, 1] - y_m) - taken[:, 2] - self.built.radius_m
         is_inside = np.abs((x_m, y_m)) + self.built.radius_m <= self.around.half_size_m
         return bool((gaps_m >= GAP_M).all() and is_inside.all())
@@ -222,13 +223,3 @@ def _facing(search: Search, part: str) -> str:
     """Return the part whose direction is meant: its own of head and trunk, the chest's of limbs."""
     region = next(body.region for body in search.around.tree.bodies if body.name == search.around.tree.home(part))
     return MIDDLE if region == "limb" else part
-
-
-def _is_over(thing: PlacedThing, x_m: float, y_m: float) -> bool:
-    """Return whether a place is over the level top of an object."""
-    if thing.built.surface_m is None:
-        return False
-    x, y = x_m - thing.pos_m[0], y_m - thing.pos_m[1]
-    cosine, sine = math.cos(thing.yaw_rad), math.sin(thing.yaw_rad)
-    half_x_m, half_y_m = thing.built.surface_m
-    return abs(cosine * x + sine * y) <= half_x_m and abs(cosine * y - sine * x) <= half_y_m

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
+from mimoc.base.errors import suggestion
 from mimoc.objects import OBJECTS
-from mimoc.objects.spec_base import ObjectSpec
+from mimoc.objects.spec_base import ObjectSpec, PointSpec
 from mimoc.schema.base import KeyedError
 from mimoc.schema.composition import described_field
 
@@ -45,3 +46,26 @@ def check_names(objects: Sequence[ObjectSpec]) -> None:
             message = f"there is another object '{item.name}'; give each a name of its own"
             raise KeyedError(("objects", number, "name"), message)
         taken.add(item.name)
+
+
+def check_start(objects: Sequence[ObjectSpec], name: str, pose: str) -> None:
+    """Check that an infant can start at the object of a name, in a pose.
+
+    Raises:
+        KeyedError: If it cannot.
+    """
+    number = next((number for number, item in enumerate(objects) if item.name == name), None)
+    if number is None:
+        message = f"there is no object '{name}'; {suggestion(name, [item.name for item in objects])}"
+        raise KeyedError(("start_at",), message, against=("objects",))
+    item, kind = objects[number], OBJECTS[objects[number].kind]
+    if not kind.poses:
+        kinds = " or ".join(kind.name for kind in OBJECTS.values() if kind.poses)
+        raise KeyedError(("start_at",), f"'{name}' is a {kind.name}; an infant starts at a {kinds}")
+    if pose not in kind.poses:
+        message = f"at a {kind.name}, an infant starts {' or '.join(kind.poses)}; change it"
+        raise KeyedError(("pose",), message, against=("start_at",))
+    at = item.at
+    if isinstance(at, str) or (isinstance(at, PointSpec) and (at.frame != "world" or at.z_cm is not None)):
+        message = "the infant starts at this; give only x_cm and y_cm in the world, or leave it out"
+        raise KeyedError(("objects", number, "at"), message, against=("start_at",))

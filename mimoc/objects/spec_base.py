@@ -92,6 +92,11 @@ class ObjectSpec(Model):
     yaw_deg: Annotated[Degrees, Field(ge=-360, le=360)] = 0.0
     """How far it is turned about the vertical, counterclockwise seen from above."""
 
+    @property
+    def carries(self) -> bool:
+        """Whether other things can stand on it."""
+        return False
+
     @model_validator(mode="after")
     def _is_at_one_place(self) -> Self:
         if self.at is not None and self.above is not None:

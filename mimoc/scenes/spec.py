@@ -5,13 +5,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from mimoc.objects.spec import check_names, objects_field
+from mimoc.objects.spec import check_names, check_start, objects_field
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.scenes import SCENES
 from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.body import PartName
 from mimoc.schema.composition import ComposedModel, choice_field, composed, own_sections
-from mimoc.schema.quantities import Distinct, PathText, Whole
+from mimoc.schema.quantities import Distinct, Identifier, PathText, Whole
 from mimoc.toys.spec import ToysSpec
 
 
@@ -56,11 +56,21 @@ class SceneSpec(ComposedModel):
     objects: tuple[ObjectSpec, ...] = ()
     """Objects at places of your choice; by default, none."""
 
-    _serialized = omitting("objects")
+    start_at: Identifier | None = None
+    """The object that the infant starts on, in or at: on a `mat` or a `slope`, in a `seat`, standing at a `rail` or a
+    `table`. With coordinates, it takes the infant there; without a place of its own, it is where the infant is."""
+
+    _serialized = omitting("objects", "start_at")
 
     @model_validator(mode="after")
     def _objects_have_names_of_their_own(self) -> Self:
         check_names(self.objects)
+        return self
+
+    @model_validator(mode="after")
+    def _starts_at_furniture(self) -> Self:
+        if self.start_at is not None:
+            check_start(self.objects, self.start_at, self.pose)
         return self
 
     @model_validator(mode="after")

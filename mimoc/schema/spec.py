@@ -199,6 +199,13 @@ class InfantKeys(FileModel):
         return self
 
     @model_validator(mode="after")
+    def _starts_in_one_way(self) -> Self:
+        if self.task and self.scene.start_at is not None and TASKS[self.task.kind].poses == ():
+            message = f"task '{self.task.kind}' has a start of its own; leave this out, or the task"
+            raise KeyedError(("scene", "start_at"), message, against=("task", "kind"))
+        return self
+
+    @model_validator(mode="after")
     def _control_step_is_whole(self) -> Self:
         control, key, against = self.control, ("control", "timestep_ms"), ("control", "step_ms")
         if "step_ms" in control.model_fields_set:

@@ -51,6 +51,8 @@ class TaskSetup:
     """Floor area occupied by these, where no toy is placed: discs by x, y and radius, in [m]."""
     weightless: bool = False
     """Whether there is no gravity."""
+    ahead_m: float = 0.0
+    """How far ahead of the infant the furniture is that it starts at."""
 
 
 NO_TASK = TaskSetup(FreeEntry())

@@ -1,18 +1,16 @@
 """How the episodes of motor skills begin, and what stands in their worlds: a rail, a table, something in the hand."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
-import numpy as np
-
 from mimoc.base.units import rad_to_deg
-from mimoc.body.kinematics import FloatArray, frames_in_world, hip_in_world, pose
+from mimoc.body.kinematics import FloatArray, body_reaches, frames_in_world
 from mimoc.body.poses import Pose, poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.primitives import volume
-from mimoc.geometry.rotations import Quaternion, Vec3, matrix_from_axis, quaternion_from_matrix
+from mimoc.geometry.rotations import Quaternion, matrix_from_axis, quaternion_from_matrix
 from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
 from mimoc.mjcf.world import FreeObject
 from mimoc.tasks.build_setup import Hold, Side, TaskSetup, ball, joints_of, middle_finger, require
@@ -94,7 +92,7 @@ def at_table(task: CruiseSpec, tree: BodyTree) -> Start:
     require(tree, task.kind, *(f"{side}_{part}" for side in ("right", "left") for part in ("hand", "foot")))
     standing = poses_of(tree)["standing"]
     start = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **AT_TABLE}))
-    lowest_m, foremost_m = _reaches(tree, start, (0.0, 0.0, -1.0)), _reaches(tree, start, (1.0, 0.0, 0.0))
+    lowest_m, foremost_m = body_reaches(tree, start, (0.0, 0.0, -1.0)), body_reaches(tree, start, (1.0, 0.0, 0.0))
     arms = {name for name in lowest_m if name.endswith(ON_TABLE)}
     top_m = min(-lowest_m[name] for name in arms) - OVER_M
     edge_m = max(foremost_m[name] for name in lowest_m.keys() - arms if -lowest_m[name] < top_m) + CLEAR_M
@@ -107,18 +105,6 @@ def at_table(task: CruiseSpec, tree: BodyTree) -> Start:
 
 ON_TABLE = ("_lower_arm", "_hand", "_fingers")
 """What the names of bodies end with that lie on a table; other fingers belong to hands with five."""
-
-
-def _reaches(tree: BodyTree, start: Sequence[float], direction: Vec3) -> dict[str, float]:
-    """Return how far each body reaches along a direction of the world in a state, from the world's origin, in [m]."""
-    origin_m, turn = hip_in_world(start)
-    posed = pose(tree, dict(zip(tree.joints, start[7:], strict=True)))
-    reaches_m = posed.reaches(turn.T @ np.array(direction)) + float(origin_m @ np.array(direction))
-    owners = [body.name for body in tree.bodies for _ in body.geoms]
-    return {
-        owner: max(reach for reach, other in zip(reaches_m.tolist(), owners, strict=True) if other == owner)
-        for owner in owners
-    }
 
 
 HOLDING: Mapping[str, float] = {

@@ -1,0 +1,27 @@
+"""A soft mat, and an infant on it."""
+
+from collections.abc import Mapping
+
+from mimoc.base.units import cm_to_m
+from mimoc.body.tree import BodyTree
+from mimoc.objects.built_object import BuiltObject, Surroundings
+from mimoc.objects.mat.spec import MatSpec
+from mimoc.objects.names import object_name
+from mimoc.objects.pieces import UNTURNED, Surface, board, finish, fixed_object, softened
+from mimoc.objects.starts import FurnitureStart, State, turned
+
+
+def build(spec: MatSpec, surroundings: Surroundings) -> BuiltObject:
+    """Return a mat: one soft box."""
+    name, height_m = object_name(spec.name), cm_to_m(spec.thickness_cm)
+    half_x_m, half_y_m = (cm_to_m(side) / 2 for side in spec.sides_cm)
+    foam = finish(name, spec.colour, specular=0.0)
+    box = board(name, (half_x_m, half_y_m, height_m / 2), (0.0, 0.0, height_m / 2), foam)
+    piece = softened(box, cm_to_m(spec.sink_cm))
+    return fixed_object(name, (piece,), (foam,), "cloth", Surface((half_x_m, half_y_m), height_m))
+
+
+def start(spec: MatSpec, tree: BodyTree, states: Mapping[str, State]) -> FurnitureStart:
+    """Return how an infant starts on the middle of the mat, in each of its poses."""
+    top_m = (0.0, 0.0, cm_to_m(spec.thickness_cm))
+    return FurnitureStart({pose: turned(state, UNTURNED, top_m) for pose, state in states.items()})
