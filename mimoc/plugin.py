@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         ExporterKind as ExporterKind,
         MotionFormat as MotionFormat,
         NoiseOption as NoiseOption,
+        ObjectKind as ObjectKind,
         PartKind as PartKind,
         PolicyKind as PolicyKind,
         SceneKind as SceneKind,

@@ -23,6 +23,7 @@ from mimoc.body.parts import PARTS
 from mimoc.body.parts.checking import check_parts
 from mimoc.exporters import EXPORTERS
 from mimoc.motion import FORMATS
+from mimoc.objects import OBJECTS
 from mimoc.policies import POLICIES
 from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.scenes import SCENES
@@ -38,6 +39,7 @@ Record = (
     | kinds.TaskKind
     | kinds.SceneKind
     | kinds.ToySource
+    | kinds.ObjectKind
     | kinds.PartKind
     | kinds.PolicyKind
     | kinds.ExporterKind
@@ -51,6 +53,7 @@ KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.tasks": (kinds.TaskKind, TASKS),
     "mimoc.scenes": (kinds.SceneKind, SCENES),
     "mimoc.toys": (kinds.ToySource, TOY_SOURCES),
+    "mimoc.objects": (kinds.ObjectKind, OBJECTS),
     "mimoc.parts": (kinds.PartKind, PARTS),
     "mimoc.policies": (kinds.PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),

@@ -47,6 +47,7 @@ KIND_FOLDERS = {
     "companions": "run",
     "scenes": "build",
     "toys": "build",
+    "objects": "build",
     "policies": "policies",
     "exporters": "recording",
     "columns": "reading",

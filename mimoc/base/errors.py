@@ -80,6 +80,17 @@ class NoSpaceError(MimocError):
     """There is not enough space for the toys in the scene."""
 
 
+class ObjectError(MimocError):
+    """An object of the spec cannot be built, or cannot be where it is to be."""
+
+    def __init__(self, number: int, key: str, message: str):
+        super().__init__(message)
+        self.number = number
+        """Its number in the spec, from 0."""
+        self.key = key
+        """Its key that is to blame."""
+
+
 class UnsupportedTaskError(MimocError):
     """A task, or a constraint of the scene, cannot be realised with the body of the spec."""
 

@@ -161,6 +161,20 @@ class ToySource:
     """Whether it requires `scene.toys.root`, a folder."""
 
 
+@dataclass(frozen=True, slots=True)
+class ObjectKind:
+    """A kind of objects in the infant's scene."""
+
+    name: str
+    """Value of `kind` of an entry of the spec's `scene.objects`."""
+    about: str
+    """One sentence for help."""
+    spec: "type[Model]"
+    """What a user can ask of it: an `ObjectSpec` (`mimoc/objects/spec_base.py`) with `kind: Literal[name]`."""
+    build: Code
+    """`build(spec, surroundings) -> BuiltObject`: what it is made of, in a frame of its own, before it is placed."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PartKind:
     """Parts of the body that belong together: a tail, a pair of wings, other hands."""

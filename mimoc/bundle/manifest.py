@@ -14,6 +14,7 @@ from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
 from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
+from mimoc.objects.spec_base import ObjectEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model, omitting
 from mimoc.schema.composition import composed
@@ -215,10 +216,14 @@ class Manifest(Model):
     """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
     """The toys in the scene."""
+    objects: tuple[ObjectEntry, ...] = ()
+    """The objects of the spec's `scene.objects`, in their order."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
     keypoints: tuple[Label, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
+
+    _serialized = omitting("objects")
 
     @model_validator(mode="after")
     def _all_times_are_whole_steps(self) -> Self:
@@ -304,7 +309,7 @@ def read_manifest(content: bytes) -> Manifest:
 
 RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-BUILDING = ("scenes", "toys", "parts")
+BUILDING = ("scenes", "toys", "objects", "parts")
 """Those that it is only built from."""
 
 

@@ -75,7 +75,7 @@ BY_ELEMENT: Mapping[tuple[str, str], Values] = {
     ("mesh", "file"): _file("obj"),
     ("skin", "file"): _file("skn"),
     ("texture", "type"): _shaped("[a-zA-Z0-9]{1,20}"),
-    ("joint", "type"): _words("hinge"),
+    ("joint", "type"): _words("hinge ball slide"),
     ("geom", "type"): _words("plane sphere capsule ellipsoid cylinder box mesh"),
     ("site", "type"): _words("sphere capsule ellipsoid cylinder box"),
 }
@@ -106,11 +106,12 @@ ATTRIBUTES: Mapping[str, str] = {
     f"coef polycoef {_SOFT}",
     "geom": "name type mesh size pos euler quat mass rgba material contype conaffinity condim priority friction group "
     f"{_SOFT}",
-    "site": "name type pos size euler quat zaxis fromto rgba group material",
+    "site": "name site type pos size euler quat zaxis fromto rgba group material",
     "camera": "name pos euler quat fovy mode target",
     "skin": "name file material group",
     "exclude": "name body1 body2",
     "pair": f"name geom1 geom2 condim friction {_SOFT}",
+    "spatial": "name limited range stiffness damping width rgba",
     "fixed": f"name limited range stiffness damping frictionloss {_SOFT}",
     "general": "name class joint ctrllimited forcelimited actlimited actearly gear ctrlrange forcerange actrange "
     "lengthrange dyntype gaintype biastype dynprm gainprm biasprm user group",

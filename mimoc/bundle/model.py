@@ -253,6 +253,8 @@ _OBJECTS: Mapping[str, mujoco.mjtObj] = {
     "body": mujoco.mjtObj.mjOBJ_BODY,
     "hinge": mujoco.mjtObj.mjOBJ_JOINT,
     "free joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "tendon": mujoco.mjtObj.mjOBJ_TENDON,
     "geom": mujoco.mjtObj.mjOBJ_GEOM,
     "sensor of three numbers": mujoco.mjtObj.mjOBJ_SENSOR,
     "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,

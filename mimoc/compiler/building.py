@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.build_setup import ActuationSetup, build_actuation
-from mimoc.base.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
+from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import render_json, rounded, rounded_array
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
@@ -23,7 +23,7 @@ from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
-from mimoc.compiler.manifest import describe_toys, make_manifest
+from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.placing import (
@@ -179,6 +179,9 @@ class Builder:
         spec = _with_seed(self.spec, seed)
         try:
             furnished = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
+        except ObjectError as error:
+            path = "scene", "objects", error.number, error.key
+            raise SpecError([as_written(spec).problem(path, str(error))]) from None
         except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
@@ -187,7 +190,8 @@ class Builder:
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
         """Return the manifest of a seed."""
         remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
-        return self.manifest.model_copy(update={"seed": seed, "toys": describe_toys(furnished.toys), "notes": remarks})
+        of_scene = {"toys": describe_toys(furnished.toys), "objects": describe_objects(furnished.things)}
+        return self.manifest.model_copy(update={"seed": seed, **of_scene, "notes": remarks})
 
 
 def sees_skin(spec: InfantSpec) -> bool:

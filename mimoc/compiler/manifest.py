@@ -31,6 +31,9 @@ from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.mjcf.world import FreeObject
 from mimoc.noise.build_presets import noise
+from mimoc.objects import OBJECTS
+from mimoc.objects.built_object import PlacedThing
+from mimoc.objects.spec_base import ObjectEntry
 from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
@@ -132,6 +135,11 @@ def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
     return tuple(map(ToyEntry.model_validate, map(rounded, data)))
 
 
+def describe_objects(things: Iterable[PlacedThing]) -> tuple[ObjectEntry, ...]:
+    """Return the entries of objects in the manifest."""
+    return tuple(ObjectEntry.model_validate(rounded(thing.entry.model_dump())) for thing in things)
+
+
 def _used_plugins(spec: InfantSpec) -> dict[str, str]:
     """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
 
@@ -155,6 +163,8 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
     if spec.task:
         yield "tasks", TASKS, spec.task.kind
     yield "scenes", SCENES, spec.scene.kind
+    for item in spec.scene.objects:
+        yield "objects", OBJECTS, item.kind
     if spec.scene.toys:
         yield "toys", TOY_SOURCES, spec.scene.toys.source
 

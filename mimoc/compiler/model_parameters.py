@@ -10,7 +10,7 @@ import mujoco
 from mimoc.mjcf.elements import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.furniture import WorldGeom
 from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import FreeObject, Lock
+from mimoc.mjcf.world import FreeObject, Lock, ObjectBody, Ribbon
 
 XML_NAMES = {"euler": "alt.euler", "radius": "size", "angle": "data", "control": "ctrlrange", "user": "userdata"}
 """What MuJoCo's elements call an attribute if that is neither its name in MJCF nor what its field begins with."""
@@ -68,6 +68,8 @@ CAMERA = _form(Camera, "cameras", "pos_m euler_rad")
 TENDON = _form(PrintedTendon, "tendons", "range_rad")
 FURNITURE = _form(WorldGeom, "geoms", "pos_m euler_rad size_m")
 OBJECT = _form(FreeObject, "bodies", "pos_m quat")
+THING = _form(ObjectBody, "bodies", "pos_m quat")
+RIBBON = _form(Ribbon, "tendons", "range_m")
 LOCK = _form(Lock, "equalities", "angle_rad")
 JOINT = _with_settings(
     _form(
@@ -93,7 +95,7 @@ def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
     The infant's name is in neither: no part of the model is called by it.
     """
     furniture = replace(scene.world.furniture, geoms=())
-    world = replace(scene.world, furniture=furniture, objects=(), locks=(), welds=())
+    world = replace(scene.world, furniture=furniture, objects=(), placed=(), locks=(), welds=())
     bare = replace(scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=world, skin=None)
     numbers, rest = list[Any](), list[Any]([bare])
     for form, element in _elements(scene):
@@ -121,6 +123,8 @@ def _elements(scene: SceneTree) -> Iterator[tuple[SceneLayout, Any]]:
         for form, elements in zip((JOINT, GEOM, SITE, CAMERA), _parts(node), strict=False):
             yield from ((form, part) for part in elements)
     world = scene.world
+    yield from ((THING, item.root) for item in world.placed)
+    yield from ((RIBBON, ribbon) for item in world.placed for ribbon in item.ribbons)
     lists = scene.tendons, scene.actuators, world.furniture.geoms, world.objects, world.locks, world.welds
     for form, elements in zip(FORMS[5:], (*lists, scene.keyframes), strict=True):
         yield from ((form, part) for part in elements)

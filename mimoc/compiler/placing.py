@@ -19,6 +19,8 @@ from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import FreeObject, barrier_pairs
+from mimoc.objects.built_object import PlacedThing, Surroundings
+from mimoc.objects.placing import place_objects, trace_objects
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
@@ -116,6 +118,8 @@ class PlacedScene:
     """The movable objects of the task."""
     origins: Mapping[str, Entry]
     """Provenance of the numbers of the scene."""
+    things: tuple[PlacedThing, ...] = ()
+    """The objects of the spec."""
 
 
 def set_up_task(
@@ -167,6 +171,7 @@ def place_in_scene(
     Raises:
         NoSpaceError: If there is not enough space for the toys.
         ToyError: If the mesh of a toy cannot be used.
+        ObjectError: If an object cannot be where it is to be.
         UnsupportedTaskError: If the spec holds a part that the infant does not have.
     """
     discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
@@ -174,7 +179,9 @@ def place_in_scene(
     built: BuiltScene = build(spec.scene, Occupant(tree, discs), assets.wallpapers)
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
+    things = place_objects(spec.scene.objects, _surroundings(spec.scene, built, tree, start))
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
+    taken = np.concatenate([taken, np.reshape([thing.disc for thing in things], (-1, 3))])
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
@@ -182,16 +189,21 @@ def place_in_scene(
         furniture=built.world.furniture + setup.furniture,
         gravity_m_s2=WEIGHTLESS if setup.weightless else built.world.gravity_m_s2,
         objects=(*toys, *task_objects),
+        placed=tuple(thing.elements for thing in things),
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
-    resting = tuple(number for item in world.objects for number in (*item.pos_m, *item.quat))
     placed = replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
-        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values()),
+        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *world.resting)) for pose in starts.values()),
     )
-    return PlacedScene(placed, toys, task_objects, built.origins)
+    return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
+
+
+def _surroundings(spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe) -> Surroundings:
+    has_floor = SCENES[spec.kind].has_floor
+    return Surroundings(tree, start.qpos, built.start, built.half_size_m, has_floor)
 
 
 def _toys(

@@ -65,6 +65,7 @@ PLUGIN_KEYS = {
     "tasks": ["spec.task.kind"],
     "scenes": ["spec.scene.kind"],
     "toys": ["spec.scene.toys.source"],
+    "objects": ["spec.scene.objects"],
 }
 """Key of the spec that asks for a kind; a sense is a section, which has none of its own."""
 

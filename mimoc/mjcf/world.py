@@ -5,12 +5,12 @@ one body, the boxes of planes are infinite, and so the tree of a whole room cost
 nothing. A listed pair bypasses the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
-from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.elements import Camera, Node, PrintedGeom
+from mimoc.geometry.rotations import Quaternion, Vec3
+from mimoc.mjcf.elements import Camera, Node, PrintedGeom, Site
 from mimoc.mjcf.furniture import BARE, OUTDOORS, SOLID, DirectionalLight, Furniture, Headlight, WorldGeom, WorldMaterial
 
 
@@ -47,6 +47,86 @@ class ObjectGeom:
     friction: Vec3
     solmix: float
     group: int
+    solref: tuple[float, float] = (0.005, 1.0)
+    solimp: tuple[float, float, float, float, float] = (0.95, 0.99, 0.001, 0.5, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectJoint:
+    """A joint of an object, other than a free one."""
+
+    name: str
+    type: Literal["ball", "hinge", "slide"]
+    damping: float
+    """In N m s/rad, or of a slide in N s/m."""
+    axis: Vec3 = (0.0, 0.0, 1.0)
+    pos_m: Vec3 = (0.0, 0.0, 0.0)
+    limited: bool = False
+    range: tuple[float, float] = (0.0, 0.0)
+    """In [rad], or of a slide in [m]; of a ball, 0 and the largest angle."""
+    stiffness: float = 0.0
+    frictionloss: float = 0.0
+    armature: float = 0.0
+
+    @property
+    def qpos(self) -> tuple[float, ...]:
+        """Where it is at rest."""
+        return (1.0, 0.0, 0.0, 0.0) if self.type == "ball" else (0.0,)
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectBody:
+    """A body of an object, with those that hang on it; the outermost has its place in the world."""
+
+    name: str
+    pos_m: Vec3 = (0.0, 0.0, 0.0)
+    quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    free_joints: tuple[str, ...] = ()
+    """The name of its free joint, if it is the outermost body and has one."""
+    joints: tuple[ObjectJoint, ...] = ()
+    geoms: tuple[ObjectGeom, ...] = ()
+    sites: tuple[Site, ...] = ()
+    children: tuple["ObjectBody", ...] = ()
+
+    def subtree(self) -> Iterator["ObjectBody"]:
+        """Yield this body and its descendants, each before its children."""
+        yield self
+        for child in self.children:
+            yield from child.subtree()
+
+    @property
+    def qpos(self) -> tuple[float, ...]:
+        """The part of a keyframe that is its, at rest."""
+        numbers = list[float]()
+        for body in self.subtree():
+            numbers += (*body.pos_m, *body.quat) if body.free_joints else ()
+            numbers += (number for joint in body.joints for number in joint.qpos)
+        return tuple(numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class Ribbon:
+    """A spatial tendon of limited length: straight, it pulls at both of its ends; slack, at none."""
+
+    name: str
+    sites: tuple[str, ...]
+    """Along its way."""
+    range_m: tuple[float, float]
+    """0, and its length."""
+    rgba: tuple[float, float, float, float]
+    width_m: float = 0.0015
+    stiffness_n_per_m: float = 0.0
+    damping_ns_per_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedObject:
+    """An object at its place: all of it that stands in the MJCF."""
+
+    root: ObjectBody
+    materials: tuple[WorldMaterial, ...]
+    meshes: tuple[MeshFile, ...] = ()
+    ribbons: tuple[Ribbon, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +220,9 @@ class World:
     headlight: Headlight = OUTDOORS
     furniture: Furniture = BARE
     objects: tuple[FreeObject, ...] = ()
-    """What moves besides the infant."""
+    """Toys, and what a task adds, each a single body that moves freely."""
+    placed: tuple[PlacedObject, ...] = ()
+    """The objects of the spec."""
     locks: tuple[Lock, ...] = ()
     welds: tuple[Weld, ...] = ()
     cameras: tuple[Camera, ...] = ()
@@ -152,12 +234,30 @@ class World:
     @property
     def plain_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials of one colour."""
-        return (*self.furniture.plain_materials, *(material for item in self.objects for material in item.materials))
+        items = (*self.objects, *self.placed)
+        return (*self.furniture.plain_materials, *(material for item in items for material in item.materials))
 
     @property
     def meshes(self) -> tuple[MeshFile, ...]:
         """The meshes of all objects."""
-        return tuple(mesh for item in self.objects for mesh in item.meshes)
+        return tuple(mesh for item in (*self.objects, *self.placed) for mesh in item.meshes)
+
+    @property
+    def placed_roots(self) -> tuple[ObjectBody, ...]:
+        """The outermost bodies of the spec's objects."""
+        return tuple(item.root for item in self.placed)
+
+    @property
+    def ribbons(self) -> tuple[tuple[Ribbon, ...], ...]:
+        """All ribbons together, once; nothing if there is none."""
+        ribbons = tuple(ribbon for item in self.placed for ribbon in item.ribbons)
+        return (ribbons,) if ribbons else ()
+
+    @property
+    def resting(self) -> tuple[float, ...]:
+        """The part of a keyframe that comes after the infant's (qpos): everything that moves, at rest."""
+        free = (number for item in self.objects for number in (*item.pos_m, *item.quat))
+        return (*free, *(number for root in self.placed_roots for number in root.qpos))
 
     @property
     def assets(self) -> Mapping[str, bytes]:
@@ -168,7 +268,8 @@ class World:
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
     """Return the contacts of barriers with an infant and with whatever else moves, as if contact bits allowed them."""
     of_infant = (geom for root in roots for node in root.subtree() for geom in node.geoms)
-    of_objects = (geom for item in world.objects for geom in item.geoms)
+    bodies = (*world.objects, *(body for root in world.placed_roots for body in root.subtree()))
+    of_objects = (geom for body in bodies for geom in body.geoms)
     moving = [geom for geom in (*of_infant, *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
     barriers = (geom for geom in world.furniture.geoms if geom.barrier)
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)

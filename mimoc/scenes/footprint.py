@@ -43,6 +43,14 @@ def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | 
     return ReachableFloor((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
 
 
+def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> tuple[FloatArray, float] | None:
+    """Return where an infant's arm begins in a state (qpos), shape (3,), and its length to the tip; None without it."""
+    upper_arm = f"{side}_uarm1"
+    if upper_arm not in tree.geoms:
+        return None
+    return _shoulder(_placed(tree, state), upper_arm), _arm_length(pose(tree, {}), upper_arm, side)
+
+
 def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
     """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches."""
     lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))

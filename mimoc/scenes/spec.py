@@ -5,8 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from mimoc.objects.spec import check_names, objects_field
+from mimoc.objects.spec_base import ObjectSpec
 from mimoc.scenes import SCENES
-from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.body import PartName
 from mimoc.schema.composition import ComposedModel, choice_field, composed, own_sections
 from mimoc.schema.quantities import Distinct, PathText, Whole
@@ -29,7 +31,7 @@ class TexturesSpec(Model):
 
 def _fields() -> dict[str, FieldInfo]:
     about = " ".join(f"`{kind.name}`: {kind.about}" for kind in SCENES.values())
-    return {"kind": choice_field(SCENES, "flat", about), **own_sections(SCENES)}
+    return {"kind": choice_field(SCENES, "flat", about), **own_sections(SCENES), "objects": objects_field()}
 
 
 @composed(_fields)
@@ -51,6 +53,15 @@ class SceneSpec(ComposedModel):
     """Your own textures for floor, ceiling and walls."""
     toys: ToysSpec | None = None
     """The toys; by default, none."""
+    objects: tuple[ObjectSpec, ...] = ()
+    """Objects at places of your choice; by default, none."""
+
+    _serialized = omitting("objects")
+
+    @model_validator(mode="after")
+    def _objects_have_names_of_their_own(self) -> Self:
+        check_names(self.objects)
+        return self
 
     @model_validator(mode="after")
     def _toys_have_a_floor(self) -> Self:

@@ -1,0 +1,115 @@
+"""What builders of objects take and return: an infant that starts in a pose, and an object before it is placed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from mimoc.body.kinematics import FloatArray, Posed, frames_in_world, hip_in_world, pose
+from mimoc.body.origins import Entry
+from mimoc.body.tree import BodyTree
+from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject, Ribbon, WorldMaterial
+from mimoc.objects.spec_base import Material, Motion, ObjectEntry
+from mimoc.scenes.built_scene import Placement
+from mimoc.scenes.footprint import footprint
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltObject:
+    """An object in a frame of its own: what its place is said of is above the origin, its lowest point at z = 0."""
+
+    root: ObjectBody
+    """Its outermost body; its place there is in this frame."""
+    materials: tuple[WorldMaterial, ...]
+    motion: Motion
+    material: Material
+    """What it is made of."""
+    radius_m: float
+    """Radius of a vertical cylinder about the origin that encloses it."""
+    height_m: float
+    """Of its highest point that something can lie on or be above."""
+    size_m: float
+    """Its longest side."""
+    mass_kg: float
+    surface_m: tuple[float, float] | None = None
+    """Half lengths along x and y of the level surface on top of it, on which other objects can lie; None for none."""
+    meshes: tuple[MeshFile, ...] = ()
+    bells: tuple[str, ...] = ()
+    """Names of the geoms that ring."""
+    tied_to: str | None = None
+    """The part of the infant that its ribbon is tied to."""
+    ribbon: Ribbon | None = None
+    """Its ribbon; where it is not tied, its length is 0."""
+    origins: Mapping[str, Entry] = field(default_factory=dict)
+    """Where its numbers come from, by the end of their keys in `provenance.json`."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedThing:
+    """An object at its place in the world."""
+
+    name: str
+    built: BuiltObject
+    elements: PlacedObject
+    """All of it that stands in the MJCF."""
+    entry: ObjectEntry
+    pos_m: Vec3
+    """Where the origin of its own frame is."""
+    yaw_rad: float
+
+    @property
+    def disc(self) -> tuple[float, float, float]:
+        """The floor below it: x, y and radius, in [m]."""
+        return (*self.pos_m[:2], self.built.radius_m)
+
+    @property
+    def top_m(self) -> float:
+        """Height of its highest point."""
+        return self.pos_m[2] + self.built.height_m
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What objects are built for and placed among: the infant as it starts, and the floor."""
+
+    tree: BodyTree
+    """The infant's body."""
+    qpos: tuple[float, ...]
+    """The state in which it starts, in the world."""
+    start: Placement
+    """Where it starts."""
+    half_size_m: tuple[float, float]
+    """Of the floor, from its middle at the origin."""
+    has_floor: bool
+    things: tuple[PlacedThing, ...] = ()
+    """The objects that are placed already."""
+
+    @cached_property
+    def posed(self) -> Posed:
+        """The infant's geoms in the world."""
+        hip, turn = hip_in_world(self.qpos)
+        posed = pose(self.tree, dict(zip(self.tree.joints, self.qpos[7:], strict=False)))
+        return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.rotations)
+
+    @cached_property
+    def frames(self) -> Mapping[str, tuple[FloatArray, FloatArray]]:
+        """Origin and rotation of each part of the infant in the world."""
+        return frames_in_world(self.tree, self.qpos)
+
+    @cached_property
+    def discs(self) -> FloatArray:
+        """The floor that the infant covers, as discs by x, y and radius, shape (n, 3), [m]."""
+        return footprint(self.tree, [self.qpos])
+
+    def part(self, name: str) -> Posed:
+        """Return the geoms of a part of the infant in the world."""
+        geoms = {geom.name for body in self.tree.bodies if body.name == self.tree.home(name) for geom in body.geoms}
+        return self.posed.only([index for index, geom in enumerate(self.posed.geoms) if geom.name in geoms])
+
+    def box(self, name: str) -> tuple[FloatArray, FloatArray]:
+        """Return the lowest and the highest corner of the box around a part of the infant, shape (3,) each, [m]."""
+        part = self.part(name)
+        extents = np.array([part.extents.along(part.rotations[:, axis]) for axis in range(3)]).T
+        return (part.centres - extents).min(axis=0), (part.centres + extents).max(axis=0)

@@ -1,0 +1,70 @@
+"""Placement of objects in the world, one after another, each among those before it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from mimoc.base.kinds import function_of
+from mimoc.body.origins import Entry
+from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis, quaternion_product
+from mimoc.mjcf.world import ObjectBody, PlacedObject
+from mimoc.objects import OBJECTS
+from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
+from mimoc.objects.places import find_place
+from mimoc.objects.spec_base import ObjectEntry, ObjectSpec
+
+UP = (0.0, 0.0, 1.0)
+
+
+def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> tuple[PlacedThing, ...]:
+    """Return the objects of a scene at their places.
+
+    Raises:
+        ObjectError: If one cannot be built or placed.
+    """
+    for number, spec in enumerate(objects):
+        built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
+        place = find_place(number, spec, built, surroundings)
+        thing = _placed(spec, built, place.pos_m, math.radians(spec.yaw_deg) + place.yaw_rad, place.where)
+        surroundings = replace(surroundings, things=(*surroundings.things, thing))
+    return surroundings.things
+
+
+def _placed(spec: ObjectSpec, built: BuiltObject, pos_m: Vec3, yaw_rad: float, where: str) -> PlacedThing:
+    root = _moved(built.root, pos_m, yaw_rad)
+    bodies = tuple(root.subtree())
+    entry = ObjectEntry(
+        name=spec.name,
+        kind=spec.kind,
+        body=root.name,
+        joint=next(iter((*root.free_joints, *(joint.name for joint in root.joints))), None),
+        motion=built.motion,
+        geoms=tuple(geom.name for body in bodies for geom in body.geoms if geom.contype or geom.conaffinity),
+        material=built.material,
+        size_m=built.size_m,
+        mass_kg=built.mass_kg,
+        where=where,
+        bells=built.bells,
+    )
+    elements = PlacedObject(root, built.materials, built.meshes)
+    return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
+
+
+def _moved(root: ObjectBody, pos_m: Vec3, yaw_rad: float) -> ObjectBody:
+    """Return the outermost body of an object in the world, from its place in the object's own frame."""
+    x, y, z = (matrix_from_axis(UP, yaw_rad) @ root.pos_m + pos_m).tolist()
+    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), root.quat)
+    return replace(root, pos_m=(x, y, z), quat=turn)
+
+
+def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
+    """Return an entry for each number of each object, by key in `provenance.json`."""
+    return {key: entry for number, thing in enumerate(things) for key, entry in _trace(number, thing)}
+
+
+def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
+    key, at = f"object.{thing.name}", f"scene.xml: body[@name='{thing.entry.body}']"
+    source = ["spec.scene.objects"]
+    place: Entry = {"value": thing.pos_m, "unit": "m", "rule": f"the place of its lowest point: {thing.entry.where}"}
+    entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
+    return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]

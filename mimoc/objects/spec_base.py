@@ -1,0 +1,134 @@
+"""What a user can ask of every object, and what the manifest tells the runtime of it."""
+
+import re
+from typing import Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
+
+from mimoc.schema.base import KeyedError, Model, omitting
+from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Tendon
+from mimoc.schema.quantities import Centimetres, Degrees, Identifier, Real
+
+Coordinate = Annotated[Real, Field(ge=-1000, le=1000, json_schema_extra={"unit": "cm"})]
+Distance = Annotated[Centimetres, Field(le=1000)]
+Material = Literal["wood", "plastic", "metal", "cloth", "rubber"]
+Motion = Literal["fixed", "free", "hanging", "sliding"]
+
+RELATIONS = ("within reach of", "in front of", "beside", "on")
+"""What a place in words can begin with; a name follows."""
+_WORDS = re.compile(rf"({'|'.join(RELATIONS)}) (?:the )?([a-z][a-z0-9_]*)")
+
+
+def in_words(text: str) -> tuple[str, str]:
+    """Return the relation and the name of a place in words: `within reach of` and `right_hand`.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    match = _WORDS.fullmatch(" ".join(text.split()))
+    if match is None:
+        choices = ", ".join(f"'{relation} NAME'" for relation in RELATIONS)
+        raise ValueError(f"'{text[:40]}' is not a place; write {choices}, or {{x_cm: 20, y_cm: 0}}")
+    return match[1], match[2]
+
+
+def _known(text: str) -> str:
+    in_words(text)
+    return text
+
+
+class PointSpec(Model):
+    """A place by its coordinates."""
+
+    x_cm: Coordinate = 0.0
+    """Along x."""
+    y_cm: Coordinate = 0.0
+    """Along y."""
+    z_cm: Coordinate | None = None
+    """Height of its lowest point above the floor; by default, it rests on what is below it."""
+    frame: Literal["world", "infant"] = "world"
+    """Whose axes these are: the world's, or those with which the infant starts: from the floor below its hip, x
+    forwards and y to its left. They differ in rooms, which put the infant somewhere."""
+
+
+def _form_of_place(value: Any) -> str | None:
+    forms = ((str, "words"), (dict, "coordinates"), (PointSpec, "coordinates"))
+    return next((form for types, form in forms if isinstance(value, types)), None)
+
+
+Place: TypeAlias = Annotated[
+    Annotated[PointSpec, Tag("coordinates")]
+    | Annotated[
+        Annotated[
+            str,
+            StringConstraints(strict=True, max_length=100),
+            AfterValidator(_known),
+            Field(examples=["within reach of right_hand", "in front of chest", "beside left_hand"]),
+        ],
+        Tag("words"),
+    ],
+    Discriminator(_form_of_place),
+    Field(json_schema_extra={"wanted": "a place; write 'within reach of right_hand' or {x_cm: 20, y_cm: 0}"}),
+]
+"""A place in words or by its coordinates."""
+
+
+class ObjectSpec(Model):
+    """An object, and its place; where this names the infant, it means the pose in which it starts."""
+
+    kind: Any
+    """Kind of object, as a `Literal`."""
+    name: Annotated[Identifier, Field(examples=["my_object"])]
+    """Its name, by which tasks, behaviours and recordings know it."""
+    at: Place | None = None
+    """Its place: coordinates, or words such as `within reach of right_hand`, `in front of chest` or `on table`."""
+    above: Identifier | None = None
+    """The part of the infant, or the object, above whose highest point it is."""
+    height_cm: Distance | None = None
+    """With `above`, the height of its lowest point above that; by default, 20 cm."""
+    distance_cm: Distance | None = None
+    """In front of something or beside it, the gap between the two, or more if there is something else; by default, 10
+    cm."""
+    yaw_deg: Annotated[Degrees, Field(ge=-360, le=360)] = 0.0
+    """How far it is turned about the vertical, counterclockwise seen from above."""
+
+    @model_validator(mode="after")
+    def _is_at_one_place(self) -> Self:
+        if self.at is not None and self.above is not None:
+            raise KeyedError(("above",), "it is at another place already; leave out 'at' or 'above'", against=("at",))
+        if self.height_cm is not None and self.above is None:
+            raise KeyedError(("height_cm",), "it is above nothing; add 'above', or leave this out", against=("above",))
+        return self
+
+
+class ObjectEntry(Model):
+    """An object of the spec's `scene.objects`."""
+
+    name: Label
+    """Its name in the spec."""
+    kind: Label
+    """Its kind."""
+    body: Body
+    """Its outermost body in the model."""
+    joint: Joint | None = None
+    """The joint of that body; None if it is fixed to the world."""
+    motion: Motion
+    """How it moves as a whole."""
+    geoms: tuple[Geom, ...]
+    """All its geoms that touch."""
+    material: Material
+    """What it is made of."""
+    size_m: Amount
+    """Length of its longest side."""
+    mass_kg: Amount
+    """Its mass."""
+    where: Label
+    """Its place at the start, in words."""
+    bells: tuple[Geom, ...] = ()
+    """Those of its geoms that ring."""
+    ribbon: Tendon | None = None
+    """The ribbon that is tied to the infant, if there is one."""
+    tied_to: Body | None = None
+    """The part of the infant that this is tied to."""
+
+    _serialized = omitting("joint", "bells", "ribbon", "tied_to")
