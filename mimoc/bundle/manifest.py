@@ -12,6 +12,7 @@ from mimoc.base.errors import BundleError
 from mimoc.base.kinds import Kinds
 from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.objects.spec_base import ObjectEntry
@@ -218,12 +219,14 @@ class Manifest(Model):
     """The toys in the scene."""
     objects: tuple[ObjectEntry, ...] = ()
     """The objects of the spec's `scene.objects`, in their order."""
+    caregiver: CaregiverEntry | None = None
+    """An adult by the infant."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
     keypoints: tuple[Label, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
 
-    _serialized = omitting("objects")
+    _serialized = omitting("objects", "caregiver")
 
     @model_validator(mode="after")
     def _all_times_are_whole_steps(self) -> Self:

@@ -15,10 +15,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.errors import KindError
-from mimoc.base.kinds import check_custom_object
 from mimoc.base.model_fields import ModelField
-from mimoc.base.sound import Sound
+from mimoc.base.sound import Sound, SoundSources
 from mimoc.noise.noise import NoiseStreams
 
 
@@ -42,6 +40,8 @@ class Companion:
 
     model_fields: Sequence[ModelField] = ()
     """What it changes in the model, once it is bound; all else in the model must stay as it is."""
+    orders: Sequence[Mapping[str, Any]] = ()
+    """What a script has asked it to do and has not begun, as plain data: recordings keep it, and give it back."""
 
     def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
         """Look up names in a model: at the start, and whenever the infant has another one.
@@ -68,6 +68,10 @@ class Companion:
         Positions of bodies and contacts are those from which the step was made, as MuJoCo leaves them; `time`, `qpos`
         and `qvel` are those after it.
         """
+
+    def listen_to(self, sources: SoundSources) -> None:
+        """Hear these sources from now on, which include itself."""
+        return
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
         """Return what it has let sound and can still be heard: nothing, or what ended within `SILENT_AFTER_MS`."""
@@ -141,25 +145,3 @@ class Companions(Mapping[str, Companion]):
 def channel_of(name: str) -> str:
     """Return the channel of an environment's random numbers that a companion draws from."""
     return f"companion.{name}"
-
-
-def bind_companions(
-    model: mujoco.MjModel, bundle: Any, streams: NoiseStreams, custom: Mapping[str, Companion]
-) -> Companions:
-    """Return the companions of an infant, bound to its model.
-
-    Args:
-        model: The infant and its world.
-        bundle: The `mimoc.Bundle` it comes from.
-        streams: Random numbers of the environment, by channel.
-        custom: Objects of a script's own, by name.
-
-    Raises:
-        KindError: If one of them is none.
-    """
-    for name, companion in custom.items():
-        check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
-        if not isinstance(companion, Companion):
-            raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
-        companion.bind(model, bundle, streams[channel_of(name)])
-    return Companions(custom, streams)

@@ -23,7 +23,7 @@ from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
-from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest
+from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.placing import (
@@ -191,7 +191,8 @@ class Builder:
         """Return the manifest of a seed."""
         remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
         of_scene = {"toys": describe_toys(furnished.toys), "objects": describe_objects(furnished.things)}
-        return self.manifest.model_copy(update={"seed": seed, **of_scene, "notes": remarks})
+        caregiver = rounded_caregiver(furnished.caregiver)
+        return self.manifest.model_copy(update={"seed": seed, **of_scene, "caregiver": caregiver, "notes": remarks})
 
 
 def sees_skin(spec: InfantSpec) -> bool:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from mimoc.companions.caregiver.spec import CaregiverSpec
 from mimoc.objects.spec import check_names, objects_field
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.scenes import SCENES
@@ -55,12 +56,21 @@ class SceneSpec(ComposedModel):
     """The toys; by default, none."""
     objects: tuple[ObjectSpec, ...] = ()
     """Objects at places of your choice; by default, none."""
+    caregiver: CaregiverSpec | None = None
+    """An adult by the infant, who acts and answers; by default, none."""
 
-    _serialized = omitting("objects")
+    _serialized = omitting("objects", "caregiver")
 
     @model_validator(mode="after")
     def _objects_have_names_of_their_own(self) -> Self:
         check_names(self.objects)
+        return self
+
+    @model_validator(mode="after")
+    def _caregiver_can_be_there(self) -> Self:
+        if self.caregiver and (self.kind == "crib" or not SCENES[self.kind].has_floor):
+            reason = "arms would go through the bars" if self.kind == "crib" else "there is no floor"
+            raise KeyedError(("caregiver",), f"{reason}; choose another scene.kind, or remove the caregiver")
         return self
 
     @model_validator(mode="after")
