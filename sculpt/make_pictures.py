@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from pictures import ceilings, cubes, floors, framed, skin, walls
+from pictures import adult, ceilings, cubes, floors, framed, skin, walls
 from pictures.expressions import FACES
 
 from mimoc.looks.appearance import PANTS, TOP
@@ -33,6 +33,7 @@ def paint_pictures() -> Iterator[tuple[str, bytes]]:
         yield f"face_{name}", encode_png(cubes.draw_face(name, HEAD_BREADTH))
         yield f"face_round_{name}", encode_png(cubes.draw_face(name))
         yield f"skin_face_{name}", skin.paint_face(name)
+        yield f"adult_face_{name}", encode_palette_png(adult.draw_adult(name))
     yield "eye", encode_png(cubes.draw_eye())
     yield "ear", encode_png(cubes.draw_ear())
     yield "stripes", encode_png(cubes.draw_stripes(TOP, TOP_STRIPE))

@@ -37,6 +37,11 @@ class Voice:
         return low_hz * (high_hz / low_hz) ** (min(max(float(self.commanded[0]), -1.0), 1.0) / 2 + 0.5)
 
     @property
+    def level_db(self) -> float:
+        """Sound pressure level at 1 m now, re 20 µPa; minus infinity in silence."""
+        return 20 * math.log10(self.gain) if self.gain else -math.inf
+
+    @property
     def gain(self) -> float:
         """Root mean square of the sound pressure at 1 m now, re 20 µPa."""
         return min(max(float(self.commanded[1]), 0.0), 1.0) * math.pow(10, self.entry.loudest_db / 20)

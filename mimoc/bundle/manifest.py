@@ -12,6 +12,7 @@ from mimoc.base.errors import BundleError
 from mimoc.base.kinds import Kinds
 from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.objects.spec_base import ObjectEntry
@@ -218,6 +219,8 @@ class Manifest(Model):
     """The toys in the scene."""
     objects: tuple[ObjectEntry, ...] = ()
     """The objects of the spec's `scene.objects`, in their order."""
+    caregiver: CaregiverEntry | None = None
+    """An adult by the infant."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
     keypoints: tuple[Label, ...] = ()
@@ -225,7 +228,7 @@ class Manifest(Model):
     prefix: Annotated[Label, StringConstraints(pattern="^([a-z][a-z0-9_]{0,20}_)?$")] = ""
     """What the names of all parts of the infant begin with in the model, if others share its world."""
 
-    _serialized = omitting("objects", "prefix")
+    _serialized = omitting("objects", "prefix", "caregiver")
 
     def of_infant(self, name: str) -> str:
         """Return a name in the model as it is of an infant that is alone, such as `head` for `anna_head`."""

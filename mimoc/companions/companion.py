@@ -17,12 +17,9 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.voice import Voice
-from mimoc.base.errors import KindError
-from mimoc.base.kinds import check_custom_object
 from mimoc.base.model_fields import ModelField
-from mimoc.base.sound import Sound
+from mimoc.base.sound import Sound, SoundSources
 from mimoc.noise.noise import NoiseStreams
-from mimoc.senses.sense import Sense
 
 
 class Companion:
@@ -45,6 +42,8 @@ class Companion:
 
     model_fields: Sequence[ModelField] = ()
     """What it changes in the model, once it is bound; all else in the model must stay as it is."""
+    orders: Sequence[Mapping[str, Any]] = ()
+    """What a script has asked it to do and has not begun, as plain data: recordings keep it, and give it back."""
 
     def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
         """Look up names in a model: at the start, and whenever the infant has another one.
@@ -71,6 +70,10 @@ class Companion:
         Positions of bodies and contacts are those from which the step was made, as MuJoCo leaves them; `time`, `qpos`
         and `qvel` are those after it.
         """
+
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
+        """Hear these sources from now on, which include itself, and the infant's voice."""
+        return
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
         """Return what it has let sound and can still be heard: nothing, or what ended within `SILENT_AFTER_MS`."""
@@ -158,36 +161,3 @@ class Companions(Mapping[str, Companion]):
 def channel_of(name: str) -> str:
     """Return the channel of an environment's random numbers that a companion draws from."""
     return f"companion.{name}"
-
-
-def bind_companions(
-    model: mujoco.MjModel,
-    bundle: Any,
-    streams: NoiseStreams,
-    custom: Mapping[str, Companion],
-    senses: Mapping[str, Sense] = MappingProxyType({}),
-    voice: Voice | None = None,
-) -> Companions:
-    """Return the companions of an infant, bound to its model.
-
-    Args:
-        model: The infant and its world.
-        bundle: The `mimoc.Bundle` it comes from.
-        streams: Random numbers of the environment, by channel.
-        custom: Objects of a script's own, by name.
-        senses: The infant's senses, which hear these companions, and some of which have one themselves.
-        voice: Its voice, which they hear, too.
-
-    Raises:
-        KindError: If one of them is none.
-    """
-    for name, companion in custom.items():
-        check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
-        if not isinstance(companion, Companion):
-            raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
-        companion.bind(model, bundle, streams[channel_of(name)])
-    of_senses = {name: sense.companion for name, sense in senses.items() if sense.companion}
-    companions = Companions(custom, streams, of_senses)
-    for sense in senses.values():
-        sense.listen_to(companions, voice)
-    return companions

@@ -24,7 +24,7 @@ from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
-from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest
+from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.placing import (
@@ -194,6 +194,7 @@ class Builder:
         remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
         of_scene = {"toys": describe_toys(furnished.toys), "objects": describe_objects(furnished.things)}
         of_scene["poses"] = tuple(pose.name for pose in furnished.scene.keyframes)
+        of_scene["caregiver"] = rounded_caregiver(furnished.caregiver)
         return self.manifest.model_copy(update={"seed": seed, **of_scene, "notes": remarks})
 
 

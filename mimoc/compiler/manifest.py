@@ -23,6 +23,7 @@ from mimoc.bundle.manifest import (
     ToyEntry,
     WeldEntry,
 )
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.placing import start_pose
 from mimoc.delays.build_presets import delays
@@ -140,6 +141,11 @@ def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
 def describe_objects(things: Iterable[PlacedThing]) -> tuple[ObjectEntry, ...]:
     """Return the entries of objects in the manifest."""
     return tuple(ObjectEntry.model_validate(rounded(thing.entry.model_dump())) for thing in things)
+
+
+def rounded_caregiver(entry: CaregiverEntry | None) -> CaregiverEntry | None:
+    """Return the entry of a caregiver with numbers as in files."""
+    return entry and CaregiverEntry.model_validate(rounded(entry.model_dump()))
 
 
 def _used_plugins(spec: InfantSpec) -> dict[str, str]:

@@ -96,6 +96,7 @@ def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
     """
     furniture = replace(scene.world.furniture, geoms=())
     world = replace(scene.world, furniture=furniture, objects=(), placed=(), locks=(), welds=())
+    world = replace(world, persona=replace(world.persona, bodies=()))
     bare = replace(scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=world, skin=None)
     numbers, rest = list[Any](), list[Any]([bare])
     for form, element in _elements(scene):
@@ -124,6 +125,7 @@ def _elements(scene: SceneTree) -> Iterator[tuple[SceneLayout, Any]]:
             yield from ((form, part) for part in elements)
     world = scene.world
     yield from ((THING, item.root) for item in world.placed)
+    yield from ((THING, body) for body in world.persona.bodies)
     yield from ((RIBBON, ribbon) for item in world.placed for ribbon in item.ribbons)
     lists = scene.tendons, scene.actuators, world.furniture.geoms, world.objects, world.locks, world.welds
     for form, elements in zip(FORMS[5:], (*lists, scene.keyframes), strict=True):

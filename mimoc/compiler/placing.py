@@ -13,13 +13,15 @@ from mimoc.base.random_streams import stream
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
+from mimoc.companions.caregiver.build import place_caregiver
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.object_check import free_poses
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.looks.user_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
 from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import FreeObject, barrier_pairs
+from mimoc.mjcf.world import NOBODY, FreeObject, barrier_pairs
 from mimoc.objects.built_object import PlacedThing, Surroundings
 from mimoc.objects.placing import place_objects, trace_objects
 from mimoc.objects.starts import place_furniture, start_at
@@ -126,6 +128,8 @@ class PlacedScene:
     """Provenance of the numbers of the scene."""
     things: tuple[PlacedThing, ...] = ()
     """The objects of the spec."""
+    caregiver: CaregiverEntry | None = None
+    """What the manifest says of the caregiver."""
 
 
 def set_up_task(
@@ -193,6 +197,7 @@ def place_in_scene(
     start = starts[start_pose(spec, setup)]
     folder = spec.source.folder if spec.source else Path()
     things = place_objects(objects, surroundings(spec.scene, built, tree, start, built.start, folder))
+    company = place_caregiver(spec.scene.caregiver, tree, start.qpos)
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     taken = np.concatenate([taken, np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))])
     toys = toys_around(spec.scene, built, tree, start, taken, assets.toybox)
@@ -203,6 +208,7 @@ def place_in_scene(
         gravity_m_s2=WEIGHTLESS if setup.weightless else built.world.gravity_m_s2,
         objects=(*toys, *task_objects),
         placed=tuple(thing.elements for thing in things),
+        persona=company.persona if company else NOBODY,
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
@@ -212,7 +218,8 @@ def place_in_scene(
         keyframes=tuple(replace(pose, qpos=(*pose.qpos, *world.resting)) for pose in starts.values()),
     )
     placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
-    return PlacedScene(placed, toys, task_objects, {**built.origins, **trace_objects(things)}, things)
+    origins = {**built.origins, **trace_objects(things), **(company.origins if company else {})}
+    return PlacedScene(placed, toys, task_objects, origins, things, company and company.entry)
 
 
 def surroundings(

@@ -11,7 +11,17 @@ from typing import Any, Literal
 
 from mimoc.geometry.rotations import Quaternion, Vec3
 from mimoc.mjcf.elements import Camera, Node, PrintedGeom, Site
-from mimoc.mjcf.furniture import BARE, OUTDOORS, SOLID, DirectionalLight, Furniture, Headlight, WorldGeom, WorldMaterial
+from mimoc.mjcf.furniture import (
+    BARE,
+    OUTDOORS,
+    SOLID,
+    DirectionalLight,
+    Furniture,
+    Headlight,
+    WorldGeom,
+    WorldMaterial,
+    WorldTexture,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +221,41 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
+class Grip:
+    """A weld that is switched off, by which a body that programs move can hold another."""
+
+    name: str
+    holder: str
+    held: str
+    """The body that is held unless a program names another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Persona:
+    """Somebody besides the infant: bodies that programs move (mocap bodies of MuJoCo)."""
+
+    bodies: tuple[ObjectBody, ...] = ()
+    materials: tuple[WorldMaterial, ...] = ()
+    textures: tuple[WorldTexture, ...] = ()
+    """Cubes of six sides."""
+    grips: tuple[Grip, ...] = ()
+
+    @property
+    def plain_materials(self) -> tuple[WorldMaterial, ...]:
+        """Materials of one colour."""
+        return tuple(material for material in self.materials if not material.texture)
+
+    @property
+    def textured_materials(self) -> tuple[WorldMaterial, ...]:
+        """Materials with a texture."""
+        return tuple(material for material in self.materials if material.texture)
+
+
+NOBODY = Persona()
+"""No one but the infant."""
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """What is around the infant."""
 
@@ -230,12 +275,14 @@ class World:
     marks: tuple[Mark, ...] = ()
     pairs: tuple[Pair, ...] = ()
     """Contacts with barriers, such as walls."""
+    persona: Persona = NOBODY
 
     @property
     def plain_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials of one colour."""
         items = (*self.objects, *self.placed)
-        return (*self.furniture.plain_materials, *(material for item in items for material in item.materials))
+        of_items = (material for item in items for material in item.materials)
+        return (*self.furniture.plain_materials, *of_items, *self.persona.plain_materials)
 
     @property
     def meshes(self) -> tuple[MeshFile, ...]:
@@ -262,7 +309,8 @@ class World:
     @property
     def assets(self) -> Mapping[str, bytes]:
         """Binary files by path in the bundle."""
-        return {texture.file: texture.content for texture in (*self.furniture.textures, *self.meshes)}
+        files = (*self.furniture.textures, *self.persona.textures, *self.meshes)
+        return {file.file: file.content for file in files}
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:

@@ -19,7 +19,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import bounded, is_unstable, pose_of
 from mimoc.bundle.variants import Variant, Variants, open_variant
-from mimoc.companions.companion import bind_companions
+from mimoc.companions.binding import bind_companions
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.base.errors import check_name
+from mimoc.base.errors import MimocError, check_name
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant
+from mimoc.companions.caregiver.run import Caregiver
 from mimoc.companions.companion import Companions
 from mimoc.delays.schedule import Schedule
 from mimoc.runtime import growing
@@ -66,6 +67,18 @@ class InfantView:
     def companions(self) -> Companions:
         """What else acts in its world, by name."""
         return self._schedule.companions
+
+    @property
+    def caregiver(self) -> Caregiver:
+        """The adult by the infant.
+
+        Raises:
+            MimocError: If there is none.
+        """
+        companion = self.companions.get("caregiver")
+        if not isinstance(companion, Caregiver):
+            raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
+        return companion
 
     @property
     def task(self) -> Task:

@@ -8,10 +8,11 @@ import numpy as np
 from gymnasium.utils.seeding import np_random
 
 from mimoc.actuation.binding import bind_actuation
+from mimoc.actuation.voice import Voice
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
-from mimoc.companions.companion import bind_companions
+from mimoc.companions.binding import bind_companions
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams
@@ -59,13 +60,12 @@ class WorldInfant(InfantView):
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(bundle, model, custom=by_name(senses or {}))
         self._task = bind_task(bundle, model, task)
-        beside = bind_companions(model, bundle, self.noise, dict(companions or {}))
+        voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
+        beside = bind_companions(model, bundle, self.noise, dict(companions or {}), self._senses, voice)
         timing = timing_of(self.manifest, self._senses)
-        self._schedule = Schedule(self._senses, self._act, model, timing, self.noise, beside)
-        for sense in self._senses.values():
-            sense.listen_to(beside)
+        self._schedule = Schedule(self._senses, self._act, model, timing, self.noise, beside, voice)
         self._living = SimulationState.bound(self.manifest, model, data, self._task, self._schedule, self.noise)
-        self.action_space = action_space(self._act)
+        self.action_space = action_space(self._act, voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
         root = in_subtrees(model, [model.body(self.manifest.root_body).id])
         self._qpos = np.concatenate(

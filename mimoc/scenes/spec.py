@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from mimoc.companions.caregiver.spec import CaregiverSpec
 from mimoc.objects.spec import check_names, check_start, objects_field
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.scenes import SCENES
@@ -55,12 +56,14 @@ class SceneSpec(ComposedModel):
     """The toys; by default, none."""
     objects: tuple[ObjectSpec, ...] = ()
     """Objects at places of your choice; by default, none."""
+    caregiver: CaregiverSpec | None = None
+    """An adult by the infant, who acts and answers; by default, none."""
 
     start_at: Identifier | None = None
     """The object that the infant starts on, in or at: on a `mat` or a `slope`, in a `seat`, standing at a `rail` or a
     `table`. With coordinates, it takes the infant there; without a place of its own, it is where the infant is."""
 
-    _serialized = omitting("objects", "start_at")
+    _serialized = omitting("objects", "start_at", "caregiver")
 
     @model_validator(mode="after")
     def _objects_have_names_of_their_own(self) -> Self:
@@ -71,6 +74,13 @@ class SceneSpec(ComposedModel):
     def _starts_at_furniture(self) -> Self:
         if self.start_at is not None:
             check_start(self.objects, self.start_at, self.pose)
+        return self
+
+    @model_validator(mode="after")
+    def _caregiver_can_be_there(self) -> Self:
+        if self.caregiver and (self.kind == "crib" or not SCENES[self.kind].has_floor):
+            reason = "arms would go through the bars" if self.kind == "crib" else "there is no floor"
+            raise KeyedError(("caregiver",), f"{reason}; choose another scene.kind, or remove the caregiver")
         return self
 
     @model_validator(mode="after")

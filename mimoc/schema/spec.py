@@ -12,6 +12,7 @@ from mimoc.actuation.spec import ActuationSpec
 from mimoc.base.errors import suggestion
 from mimoc.base.units import to_steps
 from mimoc.body.anatomy import assemble
+from mimoc.companions.caregiver.spec import check_times
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
 from mimoc.scenes.spec import SceneSpec
@@ -242,6 +243,12 @@ class InfantKeys(FileModel):
                 to_steps(delay_ms, self.control.timestep_ms)
             except ValueError as error:
                 raise KeyedError(("delays", key), f"a delay of {error}", against=("control", "timestep_ms")) from None
+        return self
+
+    @model_validator(mode="after")
+    def _caregiver_acts_at_whole_steps(self) -> Self:
+        if self.scene.caregiver:
+            check_times(self.scene.caregiver, self.control.timestep_ms)
         return self
 
     @model_validator(mode="after")

@@ -20,7 +20,24 @@ from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
-UNITS = "cm m kg deg ms px weeks months percentile percent cpd n hz db thresholds cm2".split()
+UNITS = [
+    "cm",
+    "m",
+    "kg",
+    "deg",
+    "ms",
+    "px",
+    "weeks",
+    "months",
+    "percentile",
+    "percent",
+    "cpd",
+    "n",
+    "hz",
+    "db",
+    "thresholds",
+    "cm2",
+]
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
 OF_AN_AGE = {"acuity", "contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"}
 """Keys of which one kind of value has a unit, months."""

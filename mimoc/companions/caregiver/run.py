@@ -1,0 +1,280 @@
+"""A caregiver in a simulation: acts by its script, answers the infant, and does what it is asked to."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.actuation.voice import Voice
+from mimoc.base.errors import MimocError, UnknownNameError, check_name
+from mimoc.base.model_fields import ModelField
+from mimoc.base.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
+from mimoc.base.units import to_steps
+from mimoc.bundle.manifest import Manifest
+from mimoc.companions.caregiver.run_body import CaregiverBody
+from mimoc.companions.caregiver.run_hands import Hands, Offered
+from mimoc.companions.caregiver.run_infant import Infant, Onsets
+from mimoc.companions.caregiver.spec import CaregiverEntry
+from mimoc.companions.caregiver.spec_acts import ACTS
+from mimoc.companions.companion import Companion
+
+NAME = "caregiver"
+SMILE_MS, VOICE_MS = 1500.0, 400.0
+"""How long it smiles and speaks unless it is said; assumptions."""
+PITCH_HZ, LEVEL_DB = 260.0, 60.0
+"""Fundamental frequency of its voice: about the mean of mothers who speak to infants (Fernald et al. 1989, J Child Lang
+16: 477; from memory); and its level at 1 m, that of conversation (from memory)."""
+HAPPY, NEUTRAL = "happy", "neutral"
+
+
+class Caregiver(Companion):
+    """An adult by the infant: `env.unwrapped.caregiver`.
+
+    It acts by the script of the spec, answers what the infant does, and does what it is asked to, from the next physics
+    step on. A class of a script's own that moves it overrides `decide`, which is called before each physics step:
+    `mimoc.make(spec, companions={"caregiver": Nanny()})`.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("with_caregiver.yaml")
+        >>> _ = env.reset(seed=0)
+        >>> env.unwrapped.caregiver.do("show_face", "happy")
+        >>> env.unwrapped.caregiver.do("speak", pitch_hz=300)
+        >>> _ = env.step(0 * env.action_space.sample())
+        >>> env.unwrapped.caregiver.acts
+        [(0, 'show_face', 'happy'), (0, 'speak', None)]
+    """
+
+    def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
+        """Look up its bodies; see `Companion.bind`.
+
+        Raises:
+            MimocError: If there is no caregiver in the bundle.
+        """
+        manifest: Manifest = bundle.manifest
+        if manifest.caregiver is None:
+            raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
+        self.entry: CaregiverEntry = manifest.caregiver
+        self._generator, self._timestep_ms = generator, manifest.timestep_ms
+        self.infant = Infant(manifest, model)
+        self.body = CaregiverBody(self.entry, model)
+        self._objects = offered_objects(manifest, model)
+        self._parts = {model.body(index).name: index for index in range(model.nbody) if self._is_part(model, index)}
+        self.hands = Hands(self.body, self.infant, self._objects, model)
+        self._script = [(self._steps(act.at_ms), act) for act in self.entry.script]
+        for _, act in self._script:
+            self._check(act.do, act.what, act.details)
+        answers = self.entry.answers
+        self._onsets = Onsets(answers.to, self.infant, answers.kick_m, model.opt.timestep) if answers else None
+        self._yoked = [self._steps(at_ms) for at_ms in answers.yoked_ms] if answers else []
+        self._forget()
+
+    def decide(self, data: mujoco.MjData) -> None:
+        """Decide what to do before each physics step; this does nothing, a class of a script's own calls `do`."""
+
+    def do(self, act: str, what: str | None = None, **details: float) -> None:
+        """Do something from the next physics step on; see `caregiver.script` in the spec language.
+
+        Args:
+            act: What to do, such as `offer` or `look_away`.
+            what: The face, the object or the part of the infant that it is about.
+            details: Its numbers, by the keys of the spec, such as `weight_share`.
+
+        Raises:
+            UnknownNameError: If there is no such act, face, object, part or number.
+            MimocError: If the act is about something, and that is missing.
+        """
+        self._check(act, what, details)
+        self.orders = [*self.orders, {"act": act, "what": what, **details}]
+
+    @property
+    def acts(self) -> list[tuple[int, str, str | None]]:
+        """What it has done in this episode: the physics step, the act, and what this was about."""
+        return list(self._acts)
+
+    @property
+    def answered(self) -> list[int]:
+        """The physics steps of this episode in which answers began."""
+        return list(self._answered)
+
+    @property
+    def noticed(self) -> list[int]:
+        """The physics steps after which the infant had just done what can be answered, answered or not."""
+        return list(self._noticed)
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What it changes in the model: the material of its face, and what its hands hold."""
+        return self.body.model_fields
+
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
+        """Hear the infant's voice."""
+        if self._onsets:
+            self._onsets.listen_to(sources, voice)
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Start an episode."""
+        self._forget()
+        self.body.start(data, self.infant)
+        self.hands.reset()
+        if self._onsets:
+            self._onsets.reset()
+        self._show(self.entry.expression)
+
+    def before_step(self, data: mujoco.MjData) -> None:
+        """Begin what is due, and go on with what has begun."""
+        step = step_of(data.time, self.body.timestep_s)
+        while self._next < len(self._script) and self._script[self._next][0] <= step:
+            act = self._script[self._next][1]
+            self._next += 1
+            self._begin(step, act.do, act.what, act.details, data)
+        self._answer(step, data)
+        self.decide(data)
+        for order in self.orders:
+            self._begin(step, **_split(order), data=data)
+        self.orders = []
+        if self._smiles_until is not None and step >= self._smiles_until:
+            self._smiles_until = None
+            self.body.show(self._shown)
+        self.hands.advance(data)
+        self.body.advance(data, self.infant, self.hands.carried)
+
+    def after_step(self, data: mujoco.MjData) -> None:
+        """Notice what the infant has done."""
+        if self._onsets and not self._yoked and self._onsets(data, self.body.face_m(data), self._is_touched(data)):
+            step, answers = step_of(data.time, self.body.timestep_s), self.entry.answers
+            assert answers
+            self._noticed.append(step)
+            if self._is_answering and step >= self._pauses_until and self._generator.random() < answers.probability:
+                self._due.append(step + self._steps(answers.delay_ms))
+                self._pauses_until = self._due[-1] + self._steps(answers.pause_ms)
+
+    def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
+        """Return what it has said and can still be heard."""
+        now_ms = 1000 * data.time
+        self._said = [said for said in self._said if self._ends_ms(said) + SILENT_AFTER_MS > now_ms]
+        return [self._sound(*said) for said in self._said]
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it remembers within an episode."""
+        kept = {name: getattr(self, f"_{name}") for name in REMEMBERED}
+        onsets = {"onsets": self._onsets.state} if self._onsets else {}
+        return {**kept, **onsets, "orders": self.orders, "body": self.body.state, "hands": self.hands.state}
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        for name in REMEMBERED:
+            setattr(self, f"_{name}", state[name])
+        if self._onsets:
+            self._onsets.state = state["onsets"]
+        self.orders, self.body.state, self.hands.state = state["orders"], state["body"], state["hands"]
+
+    def _forget(self) -> None:
+        self._next, self._acts, self._said = 0, list[tuple[int, str, str | None]](), list[tuple[Any, ...]]()
+        self._due, self._answered, self._noticed = list[int](), list[int](), list[int]()
+        self._pauses_until, self._is_answering, self._shown = 0, True, self.entry.expression
+        self._smiles_until: int | None = None
+        self._yoked_next, self.orders = 0, []
+
+    def _answer(self, step: int, data: mujoco.MjData) -> None:
+        """Begin the answers that are due."""
+        answers = self.entry.answers
+        while self._yoked_next < len(self._yoked) and self._yoked[self._yoked_next] <= step:
+            self._yoked_next += 1
+            self._due.append(step)
+        for due in [due for due in self._due if due <= step]:
+            self._due.remove(due)
+            if answers and self._is_answering:
+                self._answered.append(step)
+                for act in answers.by:
+                    self._begin(step, act, None, {}, data)
+
+    def _begin(self, step: int, act: str, what: str | None, details: Mapping[str, float], data: mujoco.MjData) -> None:
+        """Begin an act."""
+        self._acts.append((step, act, what))
+        match act, what:
+            case "show_face", str():
+                self._show(what)
+            case "smile", _:
+                self.body.show(HAPPY)
+                self._smiles_until = step + round(details.get("duration_ms", SMILE_MS) / self._timestep_ms)
+            case "look_at" | "look_away", _:
+                self.body.look(act == "look_at", data, self.infant)
+            case "speak", _:
+                numbers = (("duration_ms", VOICE_MS), ("pitch_hz", PITCH_HZ), ("level_db", LEVEL_DB))
+                self._said.append((step, *(float(details.get(key, usual)) for key, usual in numbers)))
+            case "offer", str():
+                self.hands.offer(what, data)
+            case "hold", str():
+                self.hands.hold(self._parts[what], details.get("weight_share"), data)
+            case "release", _:
+                self.hands.release(data)
+            case _:
+                self._show(HAPPY if act == "interact" else NEUTRAL)
+                self._is_answering = act == "interact"
+                self.body.look(True, data, self.infant)
+
+    def _show(self, expression: str) -> None:
+        """Show a facial expression until another one, smiles apart."""
+        self._shown, self._smiles_until = expression, None
+        self.body.show(expression)
+
+    def _check(self, act: str, what: str | None, details: Mapping[str, float]) -> None:
+        check_name("act of a caregiver", act, ACTS)
+        about, numbers = ACTS[act]
+        for key in details:
+            if key not in numbers:
+                raise UnknownNameError(f"number of '{act}'", key, numbers)
+        if about and what is None:
+            raise MimocError(f"'{act}' needs the name of the {about}: do('{act}', ...)")
+        known = {"face": self.entry.materials, "object": self._objects, "part": self._parts}
+        if about:
+            check_name(f"{about} for '{act}'", str(what), known[about])
+
+    def _is_touched(self, data: mujoco.MjData) -> bool:
+        return bool(self.entry.answers and self.entry.answers.to == "touch" and self.body.touches(data, self.infant))
+
+    def _is_part(self, model: mujoco.MjModel, body: int) -> bool:
+        """Return whether a body is one of the infant's."""
+        return bool(model.body_rootid[body] == self.infant.root)
+
+    def _steps(self, time_ms: float) -> int:
+        return to_steps(time_ms, self._timestep_ms)
+
+    def _ends_ms(self, said: tuple[Any, ...]) -> float:
+        return said[0] * self._timestep_ms + said[1]
+
+    def _sound(self, step: int, duration_ms: float, pitch_hz: float, level_db: float) -> Sound:
+        return Sound(step, duration_ms, pitch_hz, level_db, "voice", NAME, self.body.head, self.entry.mouth_m)
+
+
+REMEMBERED = (
+    *("next", "acts", "said", "due", "answered", "noticed", "pauses_until", "is_answering", "shown", "smiles_until"),
+    "yoked_next",
+)
+"""What a caregiver remembers besides what its body and hands do, by the names of its attributes."""
+
+
+def _split(order: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of an act from what was asked."""
+    numbers = {key: value for key, value in order.items() if key not in ("act", "what")}
+    return {"act": order["act"], "what": order["what"], "details": numbers}
+
+
+def offered_objects(manifest: Manifest, model: mujoco.MjModel) -> dict[str, Offered]:
+    """Return what a caregiver can offer, by name: objects of the spec that move freely, and toys.
+
+    A toy has the name of its body, and, the first of them, that of its object and that of its category.
+    """
+    toys = [(toy.body, (toy.body, toy.object, toy.category)) for toy in manifest.toys]
+    named = [(item.body, (item.name,)) for item in manifest.objects if item.motion == "free"]
+    offered = dict[str, Offered]()
+    for body, names in (*named, *toys):
+        index = model.body(body).id
+        geoms = range(model.body_geomadr[index], model.body_geomadr[index] + model.body_geomnum[index])
+        reaches_m = [float(np.linalg.norm(model.geom_pos[geom]) + model.geom_rbound[geom]) for geom in geoms]
+        for name in names:
+            offered.setdefault(name, Offered(index, max(reaches_m)))
+    return offered
