@@ -50,10 +50,14 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
         material=built.material,
         size_m=built.size_m,
         mass_kg=built.mass_kg,
+        height_m=built.height_m,
+        origin_m=built.root.pos_m[2],
+        surface_m=built.surface_m,
         where=spot.where,
         bells=built.bells,
         ribbon=ribbons[0].name if ribbons else None,
         tied_to=built.tie.limb if built.tie else None,
+        slack_m=built.tie.slack_m if built.tie else 0.0,
     )
     elements = PlacedObject(root, built.materials, built.meshes, ribbons)
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)

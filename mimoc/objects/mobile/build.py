@@ -44,10 +44,8 @@ ARM_M, SLOPE_M = 0.004, 0.04
 """Radius of the arms, and how far they go down to their ends."""
 THREAD_M = 0.05
 """From the end of an arm to its figure."""
-BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.045, 0.03
-"""Smallest and largest radius and mass of the bell, which is of brass and hollow."""
-FLAT = 0.5
-"""Height of the bell over its breadth."""
+BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.035, 0.03
+"""Smallest and largest radius and mass of the bell: a hollow ball of brass."""
 ROD_M, ROD_HZ = 0.0025, 8.0
 """Radius of the rod that carries the bell, and the frequency at which it vibrates."""
 GAP_M = 0.008
@@ -91,7 +89,7 @@ class Layout:
     @property
     def lowest_m(self) -> float:
         """How far its lowest point is below the hook."""
-        return self.cord_m + self.bell_m + max(FLAT * self.radius_m, self.figure_m)
+        return self.cord_m + self.bell_m + max(self.radius_m, self.figure_m)
 
     def end_m(self, turn_rad: float) -> FloatArray:
         """Return where an arm ends, from the hook, shape (3,)."""
@@ -170,8 +168,7 @@ def _bell(name: str, layout: Layout) -> ObjectBody:
     inertia_kgm2 = BELL_KG * (layout.bell_m**2 + 0.4 * layout.radius_m**2)
     stiffness = inertia_kgm2 * (math.tau * ROD_HZ) ** 2
     rod = ObjectJoint(bell, "ball", 2 * DAMPING_RATIO * math.sqrt(stiffness * inertia_kgm2), stiffness=stiffness)
-    axes_m = layout.radius_m, layout.radius_m, FLAT * layout.radius_m
-    ball = seen(bell, bell, "ellipsoid", axes_m, (0.0, 0.0, -layout.bell_m))
+    ball = seen(bell, bell, "sphere", (layout.radius_m,), (0.0, 0.0, -layout.bell_m))
     return ObjectBody(
         bell,
         pos_m=(0.0, 0.0, -layout.cord_m),
