@@ -11,7 +11,7 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axi
 from mimoc.mjcf.world import ObjectBody, PlacedObject
 from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
-from mimoc.objects.places import Spot, find_place
+from mimoc.objects.places import WHOLE, Spot, find_place
 from mimoc.objects.ribbon import tie_ribbon
 from mimoc.objects.spec_base import ObjectEntry, ObjectSpec
 
@@ -24,7 +24,10 @@ def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> 
     Raises:
         ObjectError: If one cannot be built or placed.
     """
+    taken = {*(body.name for body in surroundings.tree.bodies), WHOLE}
     for number, spec in enumerate(objects):
+        if spec.name in taken:
+            raise ObjectError("name", f"'{spec.name}' is a part of the infant; give the object another name", number)
         try:
             built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
             place = find_place(spec, built, surroundings)
