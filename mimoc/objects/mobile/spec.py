@@ -19,8 +19,8 @@ class MobileSpec(ObjectSpec):
 
     kind: Literal["mobile"]
     """Kind of object."""
-    figures: Annotated[tuple[Figure, ...], Field(min_length=1, max_length=8)] = ("fish", "bunny", "whale", "chicken")
-    """Its figures, by names of mimoc's toys; each hangs from an arm, its side downwards."""
+    figures: Annotated[tuple[Figure, ...], Field(min_length=2, max_length=8)] = ("fish", "bunny", "whale", "chicken")
+    """Its figures, 2 to 8, by names of mimoc's toys; each hangs from an arm, its side downwards."""
     size_cm: Annotated[Centimetres, Field(ge=3, le=12)] = 6.0
     """Longest side of a figure."""
     figure_g: Annotated[Real, Field(ge=5, le=200, json_schema_extra={"unit": "g"})] = 15.0
