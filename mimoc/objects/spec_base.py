@@ -1,6 +1,7 @@
 """What a user can ask of every object, and what the manifest tells the runtime of it."""
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
@@ -140,3 +141,8 @@ class ObjectEntry(Model):
     """By how much the ribbon is longer than its way when it is tied."""
 
     _serialized = omitting("joint", "surface_m", "bells", "ribbon", "tied_to", "slack_m")
+
+
+def names_of(entries: Sequence[ObjectEntry]) -> list[str]:
+    """Return the names of objects."""
+    return [entry.name for entry in entries]

@@ -61,13 +61,13 @@ def moved(geom: ObjectGeom, by_m: Vec3) -> ObjectGeom:
     return replace(geom, pos_m=(x_m, y_m, z_m))
 
 
-def pendulum_damping(mass_kg: float, length_m: float, radius_m: float) -> float:
-    """Return the damping of a ball joint that a body hangs from, in [N m s/rad]: c = 2 z sqrt(m g l I).
+def pendulum_damping(*hanging: tuple[float, float, float]) -> float:
+    """Return the damping of a ball joint that bodies hang from, in [N m s/rad]: c = 2 z sqrt(g (sum m l) (sum I)).
 
     Args:
-        mass_kg: m, of the body.
-        length_m: l, from the joint to its centre.
-        radius_m: r, about as large as the body is: its moment of inertia about the joint is I = m (l² + 2 r² / 5).
+        hanging: Of each body, its mass m, the distance l from the joint to its centre, and about how large it is, r:
+            its moment of inertia about the joint is I = m (l² + 2 r² / 5).
     """
-    inertia_kgm2 = mass_kg * (length_m**2 + 0.4 * radius_m**2)
-    return 2 * DAMPING_RATIO * math.sqrt(mass_kg * GRAVITY_M_S2 * length_m * inertia_kgm2)
+    moment_kgm = math.fsum(mass_kg * length_m for mass_kg, length_m, _ in hanging)
+    inertia_kgm2 = math.fsum(mass_kg * (length_m**2 + 0.4 * radius_m**2) for mass_kg, length_m, radius_m in hanging)
+    return 2 * DAMPING_RATIO * math.sqrt(GRAVITY_M_S2 * moment_kgm * inertia_kgm2)

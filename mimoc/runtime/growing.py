@@ -16,7 +16,9 @@ from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.runtime.objects import NOWHERE, Objects, Pose, checked_moves
+from mimoc.objects.spec_base import names_of
+from mimoc.objects.spec_move import checked_moves
+from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
 from mimoc.runtime.simulation_state import STATE, SimulationState, physics_of
 
@@ -52,7 +54,7 @@ def checked_options(options: Any, variants: Variants | None, manifest: Manifest)
         raise UnknownNameError("reset option", str(key), known)
     if AROUSAL in options:
         options[AROUSAL] = checked_arousal(options[AROUSAL])
-    checked_moves(options.get(OBJECTS, {}), manifest)
+    checked_moves(options.get(OBJECTS, {}), names_of(manifest.objects))
     return options
 
 
@@ -76,7 +78,7 @@ def find_start(
     if not options.get(OBJECTS):
         return pose, NOWHERE
     objects = Objects(manifest, infant.bare) if is_new else present.objects
-    return pose, objects.find_poses(pose, checked_moves(options[OBJECTS], manifest))
+    return pose, objects.find_poses(pose, checked_moves(options[OBJECTS], names_of(manifest.objects)))
 
 
 def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[str, Any]) -> Variant | None:

@@ -2,21 +2,16 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
 
 import mujoco
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
 
-from mimoc.base.errors import check_name
 from mimoc.base.model_fields import ModelField
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.bundle.manifest import Manifest
 from mimoc.geometry.leaning import leaning_reach
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
-from mimoc.objects.spec_base import Coordinate, in_words
-from mimoc.schema.base import Model
-from mimoc.schema.quantities import Degrees
+from mimoc.objects.spec_move import Move, NewPlace
 from mimoc.senses.sense import FloatArray
 
 TOUCH_M = 1.5e-4
@@ -25,56 +20,6 @@ STRETCHED = 0.6
 """How far from the shoulder an object is in the air within reach, in lengths of the arm."""
 STEP_M, DIRECTIONS = 0.01, 16
 """Of the search for a free place within reach."""
-RELATIONS = "'within reach of left_hand', 'within reach of right_hand' or 'on NAME'"
-
-
-class NewPlace(Model):
-    """A place that an object is moved to, in the world."""
-
-    x_cm: Coordinate
-    """Along x."""
-    y_cm: Coordinate
-    """Along y."""
-    z_cm: Coordinate = 0.0
-    """Height of its lowest point above the floor."""
-    yaw_deg: Annotated[Degrees, Field(ge=-360, le=360)] = 0.0
-    """How far it is turned about the vertical."""
-
-
-_PLACE = TypeAdapter(NewPlace)
-Move = NewPlace | tuple[str, str]
-"""A place, or a relation in words with the name of what it is to."""
-
-
-def checked_moves(moves: Any, manifest: Manifest) -> dict[str, Move]:
-    """Return where objects are moved to, by name.
-
-    Raises:
-        ValueError: If this is no dictionary of places.
-        UnknownNameError: If there is no such object.
-    """
-    if not isinstance(moves, Mapping):
-        raise ValueError(f"expected a dictionary of places by the name of the object, got {moves!r:.60}")
-    names = [item.name for item in manifest.objects]
-    for name in moves:
-        check_name("named object of this scene", name, names)
-    return {str(name): _checked(str(name), place) for name, place in moves.items()}
-
-
-def _checked(name: str, place: Any) -> Move:
-    if isinstance(place, str):
-        relation, other = in_words(place)
-        if relation not in ("within reach of", "on"):
-            raise ValueError(f"object '{name}': it cannot be moved to '{place}'; write {RELATIONS}")
-        return relation, other
-    try:
-        return _PLACE.validate_python(place)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        key, what = ".".join(map(str, first["loc"])), first["msg"].lower()
-        problem = f"{key}: {what}" if key else f"{place!r:.40} is not a place"
-        raise ValueError(f"object '{name}': {problem}; give {{'x_cm': 20, 'y_cm': 0}}, or {RELATIONS}") from None
-
 
 Pose = tuple[FloatArray, Quaternion]
 """Position, shape (3,), and orientation of an object's outermost body in the world."""

@@ -108,7 +108,7 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
     rule = f"hub {HUB_KG:g} kg, bell {BELL_KG:g} kg, and {count} figures of {spec.figure_g:g} g"
     mass: Entry = {"value": mass_kg, "unit": "kg", "rule": rule, "from": ["spec.scene.objects"]}
     return BuiltObject(
-        root=_hanging(name, spec, layout, figures, mass_kg),
+        root=_hanging(name, spec, layout, figures),
         materials=(
             WorldMaterial(f"{name}_wood", WOOD),
             WorldMaterial(f"{name}_bell", BRASS, specular=0.6, shininess=0.6),
@@ -139,20 +139,23 @@ def _thickest_m(figures: Sequence[Figure]) -> float:
     return max(figure.half_m[1] for figure in figures)
 
 
-def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figure], mass_kg: float) -> ObjectBody:
+def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figure]) -> ObjectBody:
     """Return cord, hub and arms, which swing about the hook; figures and bell hang on them."""
     wood, hub_m = f"{name}_wood", (0.0, 0.0, -layout.cord_m)
     hub = replace(seen(f"{name}_hub", wood, "sphere", (HUB_M,), hub_m), mass_kg=HUB_KG)
     arms, children = list[ObjectGeom](), [_bell(name, layout)]
     for number, figure in enumerate(figures):
         turn_rad = math.tau * (number + 0.5) / len(figures)
-        end_m, own = layout.end_m(turn_rad), f"{name}_figure{number + 1}"
+        end_m = layout.end_m(turn_rad)
         arms.append(bar(f"{name}_arm{number + 1}", wood, ARM_M, np.array(hub_m), end_m))
-        children.append(_hung(own, wood, spec, figure, end_m, turn_rad))
+        children.append(_hung(f"{name}_figure{number + 1}", wood, spec, figure, end_m, turn_rad))
+    low_m, figures_kg = layout.cord_m + layout.bell_m, len(figures) * spec.figure_g / 1000
+    bodies = (HUB_KG, layout.cord_m, HUB_M), (BELL_KG, low_m, layout.radius_m), (figures_kg, low_m, layout.arm_m)
+    damping = pendulum_damping(*bodies)
     return ObjectBody(
         name,
         pos_m=(0.0, 0.0, layout.lowest_m),
-        joints=(ObjectJoint(f"{name}_cord", "ball", pendulum_damping(mass_kg, layout.cord_m, layout.arm_m)),),
+        joints=(ObjectJoint(f"{name}_cord", "ball", damping),),
         geoms=(string(f"{name}_cord", wood, layout.cord_m), hub, *arms),
         sites=(Site(f"{name}_hub", hub_m, SITE_M),),
         children=tuple(children),
@@ -184,7 +187,7 @@ def _hung(name: str, wood: str, spec: MobileSpec, figure: Figure, end_m: FloatAr
     """Return a figure on its thread, its length across the arm."""
     low_m = THREAD_M + figure.half_m[2]
     x_m, y_m, z_m = end_m.tolist()
-    damping = pendulum_damping(spec.figure_g / 1000, low_m, max(figure.half_m))
+    damping = pendulum_damping((spec.figure_g / 1000, low_m, max(figure.half_m)))
     return ObjectBody(
         name,
         pos_m=(x_m, y_m, z_m),

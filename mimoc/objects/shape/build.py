@@ -71,7 +71,7 @@ def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
 def _hung(name: str, solid: Solid, tether_m: float) -> ObjectBody:
     """Return an object that swings about the upper end of its tether."""
     top_m = 2 * solid.half_m[2] + tether_m
-    damping = pendulum_damping(solid.mass_kg, top_m - solid.half_m[2], max(solid.half_m))
+    damping = pendulum_damping((solid.mass_kg, top_m - solid.half_m[2], max(solid.half_m)))
     return ObjectBody(
         name,
         pos_m=(0.0, 0.0, top_m),

@@ -89,6 +89,10 @@ class ShapeSpec(ObjectSpec):
         """Whether it lies on its side."""
         return (self.source == "capsule" and self.moves == "free") if self.lying is None else self.lying
 
+    def _is_unusual(self, key: str) -> bool:
+        """Return whether a key has another value than its default; a spec with all defaults written out is valid."""
+        return getattr(self, key) != type(self).model_fields[key].default
+
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
         given = [key for key in ("shape", "toy", "mesh") if getattr(self, key)]
@@ -96,7 +100,7 @@ class ShapeSpec(ObjectSpec):
             message = f"it is a {given[0]} already; keep one of 'shape', 'toy' and 'mesh'"
             raise KeyedError((given[1],), message, against=(given[0],))
         for key in ("radius_cm", "length_cm", "lying", "sides_cm", "size_cm", "root"):
-            if key in self.model_fields_set and key not in SIZES[self.source]:
+            if self._is_unusual(key) and key not in SIZES[self.source]:
                 usual = " and ".join(f"'{name}'" for name in SIZES[self.source])
                 raise KeyedError((key,), f"a {self.source} has no '{key}'; leave it out (it has {usual})")
         if self.mass_g is not None and self.density_kg_m3 is not None:
@@ -108,7 +112,7 @@ class ShapeSpec(ObjectSpec):
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
         for key, motion in OF_MOTIONS.items():
-            if key in self.model_fields_set and self.moves != motion:
+            if self._is_unusual(key) and self.moves != motion:
                 raise KeyedError((key,), f"this object is not {motion}; write 'motion: {motion}', or leave this out")
         low_cm, high_cm = self.slide_cm
         if not low_cm <= 0 <= high_cm:

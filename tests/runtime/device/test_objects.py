@@ -33,7 +33,7 @@ ELSEWHERE = {"ball": "within reach of left_hand", "post": {"x_cm": 40, "y_cm": 3
 
 def places(envs, name: str) -> np.ndarray:
     infant = envs.unwrapped.infants[0]
-    return envs.unwrapped.worlds.data.xpos.numpy()[:, infant.model.body(f"object_{name}").id]
+    return envs.unwrapped.worlds.data.xpos.numpy()[:, infant.model.body(f"object_{name}").id].copy()
 
 
 def test_objects_move_and_stay_on_a_device_as_on_the_cpu():
