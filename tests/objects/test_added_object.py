@@ -13,13 +13,13 @@ import mimoc
 from mimoc.base.errors import KindError, SpecError
 from mimoc.base.kinds import ObjectKind
 from mimoc.compiler.explain import explain
-from mimoc.mjcf.furniture import SOLID, WorldMaterial
+from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectBody
 from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
+from mimoc.objects.pieces import solid
 from mimoc.objects.spec_base import ObjectSpec
-from mimoc.objects.strings import seen
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.quantities import Centimetres
 
@@ -37,9 +37,7 @@ def build_stool(spec: StoolSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a block to sit on, as broad as the infant is long."""
     assert surroundings.tree.bodies
     name, half_m = object_name(spec.name), spec.seat_cm / 200
-    block = seen(name, name, "box", (0.1, 0.1, half_m), (0.0, 0.0, 0.0))
-    solid = {"contype": SOLID, "conaffinity": SOLID, "mass_kg": 1.0}
-    geom = type(block)(**{field: getattr(block, field) for field in block.__slots__} | solid)
+    geom = solid(name, name, "box", (0.1, 0.1, half_m), (0.0, 0.0, 0.0), 1.0)
     return BuiltObject(
         root=ObjectBody(name, pos_m=(0.0, 0.0, half_m), geoms=(geom,)),
         materials=(WorldMaterial(name, (0.5, 0.4, 0.3, 1.0)),),

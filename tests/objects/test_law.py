@@ -19,7 +19,7 @@ from mimoc.objects.shape.spec import OF_MOTIONS, SIZES
 from mimoc.objects.spec import USUAL
 from mimoc.schema.json_schema import json_schema
 
-SETTLING_S = 15.0
+SETTLING_S = 20.0
 """Of an infant that may fall, whose ribbon may pull a mobile, which swings for several seconds."""
 STILL_M = 3e-3
 """How far something at rest moves in half a second: a ball on a floor rolls on slowly for a while."""

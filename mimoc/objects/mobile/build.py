@@ -27,12 +27,12 @@ from mimoc.geometry.rotations import (
     quaternion_product,
 )
 from mimoc.mjcf.elements import Site
-from mimoc.mjcf.furniture import SOLID, Rgba, WorldMaterial
+from mimoc.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings, Tie
 from mimoc.objects.mobile.spec import MobileSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.strings import DAMPING_RATIO, bar, moved, pendulum_damping, seen, string
+from mimoc.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
 from mimoc.toys.builtin import load_toy
 from mimoc.toys.choosing import DARK, LIGHT, Toy
 from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
@@ -171,14 +171,14 @@ def _bell(name: str, layout: Layout) -> ObjectBody:
     inertia_kgm2 = BELL_KG * (layout.bell_m**2 + 0.4 * layout.radius_m**2)
     stiffness = inertia_kgm2 * (math.tau * ROD_HZ) ** 2
     rod = ObjectJoint(bell, "ball", 2 * DAMPING_RATIO * math.sqrt(stiffness * inertia_kgm2), stiffness=stiffness)
-    ball = seen(bell, bell, "sphere", (layout.radius_m,), (0.0, 0.0, -layout.bell_m))
+    ball = solid(bell, bell, "sphere", (layout.radius_m,), (0.0, 0.0, -layout.bell_m), BELL_KG)
     return ObjectBody(
         bell,
         pos_m=(0.0, 0.0, -layout.cord_m),
         joints=(rod,),
         geoms=(
             bar(f"{bell}_rod", f"{name}_wood", ROD_M, np.zeros(3), np.array([0.0, 0.0, -layout.bell_m])),
-            replace(ball, mass_kg=BELL_KG, contype=SOLID, conaffinity=SOLID),
+            ball,
         ),
     )
 

@@ -1,4 +1,4 @@
-"""What objects hang from: strings and bars that are only seen, and the damping of a swing."""
+"""Pieces of objects: solids, what is only seen, strings and bars, and the damping of a swing."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_between
-from mimoc.mjcf.furniture import UNTOUCHED
+from mimoc.mjcf.furniture import SOLID, UNTOUCHED
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.toys.shape import UPRIGHT
 
@@ -16,6 +16,8 @@ DAMPING_RATIO = 0.05
 """Of what hangs: a swing falls to a third in about three and a half periods; an assumption."""
 STRING_M = 0.001
 """Radius of a string."""
+CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "capsule": 6, "box": 4}
+"""`condim`: 4 is sliding and spinning friction, 6 adds rolling friction, without which what is round never rests."""
 SEEN_GROUP = 1
 """Geom group of what is only seen."""
 
@@ -40,6 +42,20 @@ def seen(
         solmix=1.0,
         group=SEEN_GROUP,
     )
+
+
+def solid(
+    name: str,
+    material: str,
+    shape: str,
+    size_m: tuple[float, ...],
+    pos_m: Vec3,
+    mass_kg: float,
+    quat: Quaternion = UPRIGHT,
+) -> ObjectGeom:
+    """Return a primitive that touches things, sized as in MuJoCo, whose material has this name."""
+    geom = seen(name, material, shape, size_m, pos_m, quat)
+    return replace(geom, mass_kg=mass_kg, contype=SOLID, conaffinity=SOLID, condim=CONDIM[shape], group=0)
 
 
 def bar(name: str, material: str, radius_m: float, start_m: FloatArray, end_m: FloatArray) -> ObjectGeom:
