@@ -41,6 +41,7 @@ PAGES = (
     "docs/objects.md",
     "docs/tasks.md",
     "docs/behaviours.md",
+    "docs/two_infants.md",
     "docs/pictures.md",
     "docs/inverse_dynamics.md",
     "docs/training.md",
@@ -60,6 +61,7 @@ PAGES = (
 MARKS = {
     "README.md": pytest.mark.slow,
     "docs/tutorial.md": pytest.mark.slow,
+    "docs/two_infants.md": pytest.mark.slow,
     "docs/pictures.md": FULL,
     "docs/growth.md": FULL,
 }
@@ -156,6 +158,9 @@ class Reader:
     def _yaml(self, text: str) -> None:
         """Build the spec, or the first one with these keys, and open what was built; keep it if it says its name."""
         keys = yaml.safe_load(text)
+        if "infants" in keys:  # A world, which is one of those in configs.
+            assert keys == yaml.safe_load((self.folder / "configs" / "worlds" / f"{keys['name']}.yaml").read_text())
+            return
         self._spec = self._spec or keys
         (self.folder / "fragment.yaml").write_text(yaml.safe_dump(self._spec | keys))
         if "name" in keys:

@@ -26,6 +26,7 @@ ENTRANCES = {
 MADE = {
     "spec_reference": lambda: spec_reference.reference("spec"),
     "cohort_reference": lambda: spec_reference.reference("cohort"),
+    "world_reference": lambda: spec_reference.reference("world"),
     "cli_reference": cli_reference.reference,
     "experiments/README": lambda: "```{toctree}\n:hidden:\n:glob:\n\n*/*\n```\n",
 }

@@ -7,6 +7,7 @@ from mimoc.schema.base import KeyPath
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import Language, Outline, language_of
+from mimoc.schema.world import WorldSpec
 
 BOUNDS = {
     "minimum": "at least {}",
@@ -32,7 +33,7 @@ UNITS = {
     "cpd": "cycles per degree",
     "percentile": "per cent of children",
 }
-FILES = {"spec": InfantSpec, "cohort": CohortSpec}
+FILES = {"spec": InfantSpec, "cohort": CohortSpec, "world": WorldSpec}
 
 
 def reference(of: str) -> str:

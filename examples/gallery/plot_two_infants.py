@@ -1,44 +1,38 @@
 """
-Two infants in one MuJoCo model
-===============================
+Two infants in one world
+========================
 
-`infant.xml` of a bundle is an infant by itself. Attached twice with prefixes, it is a pair, in plain MuJoCo.
+They sit face to face and move by themselves. Each is an agent of a PettingZoo environment; when they touch, both feel
+the same force.
 """
 
-import tempfile
-from contextlib import closing
-from pathlib import Path
-
 import matplotlib.pyplot as plt
-import mujoco
+import numpy as np
 
 import mimoc
-from mimoc.render.body_camera import BodyCamera
+from mimoc.policies.named import policy_of
 
-OPTIONS = ["timestep", "integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "tolerance"]
-OPTIONS += ["disableflags"]
+facing = {"mimoc": 1, "age_months": 9, "senses": {"touch": {"density": 0.3}}, "scene": {"pose": "sitting"}}
+anna, ben = (mimoc.InfantSpec(name=name, **facing) for name in ("anna", "ben"))
+env = mimoc.make_parallel({"anna": anna, "ben": ben}, render_mode="rgb_array", width=400, height=300)
+observations, _ = env.reset(seed=0)
+policies = {name: policy_of(infant, "general_movements") for name, infant in env.infants.items()}
+generators = {name: np.random.default_rng(number) for number, name in enumerate(policies)}
 
-spec = mimoc.InfantSpec(mimoc=1, name="twin", age_months=12, senses={})
-host = mujoco.MjSpec()
-host.visual.headlight.ambient = [0.5] * 3
-host.worldbody.add_light(pos=[0, 0, 3], diffuse=[0.7] * 3)
-host.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 1], rgba=[0.5, 0.6, 0.6, 1])
-with tempfile.TemporaryDirectory() as folder:
-    bundle = mimoc.build(spec)
-    mimoc.write_bundle(bundle, Path(folder) / "twin")
-    for prefix, y in (("anna_", -0.25), ("ben_", 0.25)):
-        infant = mujoco.MjSpec.from_file(str(Path(folder) / "twin" / "infant.xml"))
-        for option in OPTIONS:
-            setattr(host.option, option, getattr(infant.option, option))
-        host.nuser_actuator = infant.nuser_actuator
-        host.attach(infant, prefix=prefix, frame=host.worldbody.add_frame(pos=[0, y, 0]))
-    model = host.compile()
+felt = {name: [] for name in env.agents}
+for _ in range(100):
+    actions = {name: policies[name](generators[name], observations[name]) for name in env.agents}
+    observations, *_ = env.step(actions)
+    for name in env.agents:
+        sizes_n = np.linalg.norm(env.infants[name].skin.forces, axis=1)
+        felt[name].append(sizes_n.sum())
 
-data = mujoco.MjData(model)
-mujoco.mj_forward(model, data)
-with closing(
-    BodyCamera(model, [prefix + bundle.manifest.root_body for prefix in ("anna_", "ben_")], 400, 300)
-) as camera:
-    plt.imshow(camera.render(data))
-plt.axis("off")
+figure, (picture, curves) = plt.subplots(1, 2, figsize=(8, 3))
+picture.imshow(env.render())
+picture.axis("off")
+for name, forces_n in felt.items():
+    curves.plot(np.arange(len(forces_n)) * 0.01, forces_n, label=name)
+curves.set(xlabel="time [s]", ylabel="force on the skin [N]")
+curves.legend()
+env.close()
 plt.show()

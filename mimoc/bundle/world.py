@@ -17,6 +17,7 @@ from mimoc.bundle.regular_files import problems_in
 from mimoc.objects.spec_base import ObjectEntry
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
+from mimoc.schema.world import MOST_INFANTS
 
 INFANTS = "infants"
 """Folder with a folder for each infant, by its name."""
@@ -39,7 +40,9 @@ class WorldManifest(Model):
     """Duration of a control step, that of all infants."""
     pose: Keyframe = START
     """Keyframe that an episode starts from by default."""
-    infants: Annotated[tuple[Annotated[Label, Field(pattern="^[a-z][a-z0-9_]*$")], ...], Field(min_length=1)]
+    infants: Annotated[
+        tuple[Annotated[Label, Field(pattern="^[a-z][a-z0-9_]*$")], ...], Field(min_length=1, max_length=MOST_INFANTS)
+    ]
     """Names of the infants; the folder of each has its manifest."""
     seed: Annotated[int, Field(ge=0, le=10**30)] = 0
     """Seed of the scene."""
@@ -106,6 +109,13 @@ def read_world_bundle(path: str | Path) -> WorldBundle:
 
     Raises:
         BundleError: If the folder is not the bundle of a world, or files are missing or changed.
+
+    Example:
+        >>> import mimoc
+        >>> kim = mimoc.load_spec("nine_months.yaml")
+        >>> folder = mimoc.write_bundle(mimoc.build_world({"kim": kim, "lee": kim}), "out/twins")
+        >>> mimoc.read_world_bundle(folder)
+        WorldBundle('world', kim, lee)
     """
     return read_locked(path, _parsed)
 

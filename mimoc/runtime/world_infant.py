@@ -1,6 +1,7 @@
 """An infant in a world that it shares with others."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -80,7 +81,7 @@ class WorldInfant(InfantView):
         """What lives of it."""
         return self._living
 
-    @property
+    @cached_property
     def rest(self) -> np.ndarray:
         """The action that commands nothing, shape (n,)."""
         return np.clip(0.0, self._act.low, self._act.high).astype(np.float32)
