@@ -13,10 +13,10 @@ from mimoc.noise.spec import NoiseEntry, NoiseSpec, noise_keys
 from mimoc.schema.source import parse
 
 BASE = {"mimoc": 1, "name": "x", "age_months": 9}
-ALL = {"motor": 0.1, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 5.0}
+ALL = {"motor": 0.1, "proprioception_deg": 1.0, "touch_n": 0.05, "hearing_db": 2.0, "delay_jitter_ms": 5.0}
 NOISY = {
     **BASE,
-    "senses": {"proprioception": {}, "touch": {"density": 0.1}},
+    "senses": {"proprioception": {}, "touch": {"density": 0.1}, "hearing": {}},
     "delays": {"preset": "physiological"},
     "noise": ALL,
 }
