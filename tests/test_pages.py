@@ -36,6 +36,7 @@ PAGES = (
     "docs/senses.md",
     "docs/touch.md",
     "docs/vision.md",
+    "docs/hearing.md",
     "docs/delays.md",
     "docs/own_toys.md",
     "docs/objects.md",

@@ -1,6 +1,6 @@
 """An infant that is bound to a model: what can be read of it, its face and arousal, and how its task judges it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -124,6 +124,40 @@ class InfantView:
         check_name("sense of this infant", "touch", self._senses)
         touch: Any = self._senses["touch"]
         return touch.skin_state(self.data)
+
+    def play(
+        self, pressure_pa: npt.ArrayLike, sample_rate_hz: float, place_m: Sequence[float], body: str = "world"
+    ) -> None:
+        """Let a sound begin now, as from a loudspeaker, for an infant that hears.
+
+        A recording does not contain it; what is to be simulated again lets a `Companion` sound.
+
+        Args:
+            pressure_pa: Sound pressure at 1 m, shape (n,), [Pa].
+            sample_rate_hz: Samples per second.
+            place_m: Its place in the frame of the body, shape (3,).
+            body: The body of the model that it moves with.
+
+        Raises:
+            UnknownNameError: If this infant does not hear, or there is no such body.
+            ValueError: If this is no sound or no place.
+
+        Example:
+            >>> import mimoc
+            >>> import numpy as np
+            >>> spec = mimoc.load_spec("nine_months.yaml").with_(senses={"hearing": {"output": "levels"}})
+            >>> env = mimoc.make(spec).unwrapped
+            >>> _ = env.reset(seed=0)
+            >>> env.play(0.1 * np.sin(2 * np.pi * 1000 * np.arange(4800) / 24_000), 24_000, (0.0, 1.0, 0.2))
+            >>> for _ in range(5):
+            ...     observation = env.step(0 * env.action_space.sample())[0]
+            >>> bool((observation["hearing"] > 20).all())  # [dB] above its threshold, at both ears.
+            True
+        """
+        check_name("sense of this infant", "hearing", self._senses)
+        check_name("body", body, [self.model.body(index).name for index in range(self.model.nbody)])
+        hearing: Any = self._senses["hearing"]
+        hearing.play(pressure_pa, sample_rate_hz, place_m, self.model.body(body).id, self.data)
 
     @property
     def arousal(self) -> float:

@@ -18,11 +18,12 @@ ALL = {
     "proprioception_deg": 1.0,
     "vestibular_thresholds": 2.0,
     "touch_n": 0.05,
+    "hearing_db": 2.0,
     "delay_jitter_ms": 5.0,
 }
 NOISY = {
     **BASE,
-    "senses": {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.1}},
+    "senses": {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.1}, "hearing": {}},
     "delays": {"preset": "physiological"},
     "noise": ALL,
 }

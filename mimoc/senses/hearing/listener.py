@@ -20,7 +20,8 @@ from mimoc.senses.hearing import HearingEntry
 from mimoc.senses.hearing.impacts import Contacts, Impact, Resonators
 from mimoc.senses.hearing.mixing import Mixer, Source
 from mimoc.senses.hearing.own_voice import OwnVoice
-from mimoc.senses.hearing.timbres import Head, Timbre
+from mimoc.senses.hearing.playback import Playback
+from mimoc.senses.hearing.timbres import Head, Timbre, resampled
 from mimoc.senses.sense import FloatArray
 
 
@@ -56,10 +57,12 @@ class Listener(Companion):
         self._sources = (sources,)
         self._voice = OwnVoice(voice, self._head) if voice else None
 
-    def play(self, pressure_pa: FloatArray, time_s: float, body: int, point_m: Sequence[float]) -> None:
-        """Let a sound begin at a point of a body: its pressure at 1 m, shape (n,), at the sample rate."""
-        start = time_s * self._head.sample_rate_hz
-        self._mixer.add([Source(np.array(pressure_pa, np.float64), 1.0, start, body, np.array(point_m, np.float64))])
+    def play(self, sound: Playback, data: mujoco.MjData) -> None:
+        """Let a sound begin now."""
+        start, pressure_pa = data.time * self._head.sample_rate_hz, np.asarray(sound.pressure_pa, np.float64)
+        if sound.rate_hz != self._head.sample_rate_hz:
+            pressure_pa = resampled(pressure_pa, sound.rate_hz, self._head.sample_rate_hz)
+        self._mixer.add([Source(pressure_pa, 1.0, start, sound.body, np.array(sound.point_m, np.float64))])
 
     def reset(self, data: mujoco.MjData) -> None:
         """Begin an episode in silence."""

@@ -1,6 +1,7 @@
 """Hearing: what reaches the ears, as an infant of its age hears it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -14,6 +15,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.senses.hearing import HearingEntry
 from mimoc.senses.hearing.cochlea import Bands, band_centres_hz, thresholds_at
 from mimoc.senses.hearing.listener import Listener
+from mimoc.senses.hearing.playback import checked_playback
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 
 WINDOW_S = 0.025
@@ -123,6 +125,10 @@ class Hearing(Sense):
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds."""
         return {"hearing": sample.clip(self.output.low, self.output.high).astype(np.float32)}
+
+    def play(self, pressure_pa: Any, rate_hz: float, point_m: Sequence[float], body: int, data: mujoco.MjData) -> None:
+        """Let a recorded sound begin now; see `mimoc.InfantEnv.play`."""
+        self.listener.play(checked_playback(pressure_pa, rate_hz, point_m, body), data)
 
     def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
         """Hear companions, and the infant's own voice."""

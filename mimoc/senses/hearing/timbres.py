@@ -82,6 +82,13 @@ def wave_of_pressure(pressure_pa: FloatArray, rate_hz: float, head: Head) -> Wav
     return (sounds[0] + 1j * sounds[1]).astype(np.complex64)
 
 
+def resampled(pressure_pa: FloatArray, rate_hz: float, wanted_hz: float) -> FloatArray:
+    """Return a recorded pressure, shape (n,), at another sample rate."""
+    size = max(2, round(len(pressure_pa) * wanted_hz / rate_hz))
+    spectrum = np.fft.rfft(pressure_pa)[: size // 2 + 1]
+    return np.fft.irfft(spectrum, size) * (size / len(pressure_pa))
+
+
 def _impact(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
     """Return partials that decay together with their periods: each by 60 dB within the same number of them."""
     frequencies_hz = _below(timbre.fundamental_hz * PARTIALS, head)

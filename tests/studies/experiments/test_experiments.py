@@ -67,6 +67,7 @@ SMALL = {
         "BIN_S": 4.0,
     },
     "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
+    "localisation": {"QUICK_MONTHS": (4, 18), "QUICK_ANGLES_DEG": (0, 30, 90), "QUICK_TRIALS": 100},
 }
 """What makes an experiment small, by name."""
 
