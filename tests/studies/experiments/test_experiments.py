@@ -67,6 +67,15 @@ SMALL = {
         "BIN_S": 4.0,
     },
     "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
+    "looking": {
+        "AGES_MONTHS": (1, 12),
+        "QUICK_MONTHS": (1, 12),
+        "SIZE_PX": 128,
+        "ACUITY_SHARES": (0.1, 0.2),
+        "USUAL_CPD": (0.3, 0.6),
+        "CONTRAST_CPD": (0.25,),
+        "THRESHOLD_SHARES": (0.6, 1.6),
+    },
 }
 """What makes an experiment small, by name."""
 
