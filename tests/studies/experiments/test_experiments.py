@@ -68,6 +68,15 @@ SMALL = {
     },
     "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
     "localisation": {"QUICK_MONTHS": (4, 18), "QUICK_ANGLES_DEG": (0, 30, 90), "QUICK_TRIALS": 100},
+    "looking": {
+        "AGES_MONTHS": (1, 12),
+        "QUICK_MONTHS": (1, 12),
+        "SIZE_PX": 128,
+        "ACUITY_SHARES": (0.1, 0.2),
+        "USUAL_CPD": (0.3, 0.6),
+        "CONTRAST_CPD": (0.25,),
+        "THRESHOLD_SHARES": (0.6, 1.6),
+    },
 }
 """What makes an experiment small, by name."""
 
