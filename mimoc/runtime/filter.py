@@ -129,13 +129,19 @@ class Lags(Filter):
         side = (lags + 2) * same.shape[1]
         of_all = xp.reshape(of_one[:, :, None, :, None] * same[:, None, :, None, :], (-1, side, side))
         kept = side - same.shape[1]
-        passed = xp.concat([self.identity[:, :first, :1] * xp.zeros_like(of_all[:, :1, :kept]), self.identity[:, :first]], 2)
+        passed = xp.concat(
+            [self.identity[:, :first, :1] * xp.zeros_like(of_all[:, :1, :kept]), self.identity[:, :first]], 2
+        )
         nothing = xp.zeros_like(of_all[:, :, :1]) * self.identity[:, :1, :first]
         return xp.concat([passed, xp.concat([of_all[:, :, :kept], nothing, of_all[:, :, kept:]], axis=2)], axis=1)
 
 
 def lags_of(
-    count: int, high_passes_s: Sequence[float], leads_s: Sequence[float] = (), lags_s: Sequence[float] = (), first: int = 0
+    count: int,
+    high_passes_s: Sequence[float],
+    leads_s: Sequence[float] = (),
+    lags_s: Sequence[float] = (),
+    first: int = 0,
 ) -> Lags:
     """Return the filter H(s) = Π T s / (1 + T s) · Π (1 + L s) / Π (1 + l s).
 

@@ -20,7 +20,22 @@ from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
-UNITS = ("cm", "m", "kg", "deg", "ms", "px", "weeks", "months", "percentile", "percent", "cpd", "n", "thresholds", "cm2")
+UNITS = (
+    "cm",
+    "m",
+    "kg",
+    "deg",
+    "ms",
+    "px",
+    "weeks",
+    "months",
+    "percentile",
+    "percent",
+    "cpd",
+    "n",
+    "thresholds",
+    "cm2",
+)
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
 WRONG = [
     "a word",

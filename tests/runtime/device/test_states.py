@@ -16,7 +16,11 @@ EXACT = WARP_DEVICE == "cpu"
 SPEC = {
     "mimoc": 1,
     "name": "infant",
-    "senses": {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {"canals": "age"}, "touch": {"density": 0.5}},
+    "senses": {
+        "proprioception": {"include": ["velocity", "torque"]},
+        "vestibular": {"canals": "age"},
+        "touch": {"density": 0.5},
+    },
     "delays": {"preset": "physiological"},
     "task": {"kind": "reach"},
 }
