@@ -16,6 +16,7 @@ from mimoc.base.kinds import AgeTable
 from mimoc.body.origins import Entry, Origin
 from mimoc.body.tree import BodyTree
 from mimoc.delays import AGES_MONTHS
+from mimoc.delays.build_processing import processing, trace_processing
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, PartDelay, given_keys, signals
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
@@ -36,7 +37,8 @@ def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
     """
     bodies = {body.name for body in tree.bodies}
     delays = {signal: _longer(_delay(spec, signal), spec, bodies) for signal in signals()}
-    return DelaysEntry(**delays, legs=tuple(leg for leg in LEGS if leg in bodies))
+    entry = DelaysEntry(**delays, legs=tuple(leg for leg in LEGS if leg in bodies))
+    return entry.model_copy(update={"processing": processing(spec, entry)})
 
 
 def _delay(spec: InfantSpec, signal: str) -> DelayEntry:
@@ -127,3 +129,4 @@ def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, E
                 yield f"delays.{signal}.{name}", origin.entry(ms)
         for part in delay.parts:
             yield f"delays.{signal}.parts.{part.body}", origin.entry(part.ms)
+    yield from trace_processing(spec, delays)

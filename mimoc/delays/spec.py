@@ -39,6 +39,9 @@ class DelaysSpec(ComposedModel):
     age (`physiological`)."""
     sensory_ms: Delay | None = None
     """Delay of every sense for which no delay is given below."""
+    processing: Literal["off", "age", "adult"] | None = None
+    """Time that behaviours take to decide besides conduction: none (`off`, the default), that of the infant's age
+    (`age`), or of adults (`adult`)."""
 
 
 def given_keys(spec: DelaysSpec, signal: str) -> list[str]:
@@ -78,9 +81,26 @@ class DelayEntry(Model):
     _serialized = omitting("parts")
 
 
+class ProcessingEntry(Model):
+    """How long decisions take, besides conduction."""
+
+    look_ms: Duration
+    """Mean decision to look at a new target."""
+    reach_ms: Duration
+    """Mean decision to reach for a new target."""
+    look_variation: Annotated[float, Field(ge=0, le=10)]
+    """Standard deviation of a decision to look, as a share of its mean."""
+    reach_variation: Annotated[float, Field(ge=0, le=10)]
+    """Standard deviation of a decision to reach, as a share of its mean."""
+
+
 @composed(lambda: {name: described_field(DelayEntry, DelayEntry(), f"Delay of {name}.") for name in signals()})
 class DelaysEntry(ComposedModel):
     """The delay of each signal."""
 
     legs: tuple[Body, ...] = ()
     """The first body of each leg."""
+    processing: ProcessingEntry | None = None
+    """How long decisions of behaviours take; None is no time."""
+
+    _serialized = omitting("processing")

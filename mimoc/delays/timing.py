@@ -115,6 +115,6 @@ class Timing:
 
 def timing_of(manifest: Manifest, senses: Mapping[str, Sense]) -> Timing:
     """Return the time base, the noise, and the delays of an infant's signals and of senses passed as objects."""
-    delays = {name: delay for name, delay in manifest.delays if name != "legs"}
+    delays = {name: delay for name, delay in manifest.delays if isinstance(delay, DelayEntry)}
     custom = {name: sense.delay for name, sense in senses.items() if isinstance(sense, CustomSense)}
     return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)

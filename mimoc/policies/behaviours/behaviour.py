@@ -1,7 +1,7 @@
 """What a behaviour is: target angles of some joints in each control step, and whether it does what it is for."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -11,6 +11,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.holding.driven import DrivenInfant
+from mimoc.policies.reaction import Chance
 from mimoc.senses.sense import FloatArray, IntArray
 
 
@@ -22,6 +23,8 @@ class Subject:
     """Its model, and the n hinges that its actuators drive."""
     manifest: Manifest
     """Manifest of its bundle."""
+    chance: Chance = field(default_factory=Chance)
+    """What the times of its reactions are drawn from."""
 
     @property
     def step_s(self) -> float:

@@ -11,7 +11,9 @@ from mimoc.control.objectives import turn_towards
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
+from mimoc.policies.behaviours.noticing import NoticedTarget
 from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.reaction import reaction_of
 from mimoc.senses.sense import FloatArray
 
 MOVING = ("neck", "eyes")
@@ -42,20 +44,23 @@ class Look(Behaviour):
             raise PolicyError("'look_at' needs eyes and muscles of eyes or neck, which this infant lacks")
         is_eye = np.isin(self.joints, subject.moved_by(("eyes",)))
         self._aim = Aim(infant, self.joints, np.where(is_eye, 1.0, NECK_WEIGHT), DAMPING)
-        self._model, self._named, self._is_eye = model, target, is_eye
+        self._model, self._named, self._is_eye, self._subject = model, target, is_eye, subject
         vision = subject.manifest.senses.vision
         self._vergence = 1.0 if vision is None else vision.vergence
 
     def begin(self, data: mujoco.MjData) -> None:
         """Choose the nearest of several targets; see `Behaviour`."""
         self._target = self._named.nearest(data, np.mean(data.cam_xpos[self._cameras], axis=0))
-        angles_rad = data.qpos[self._aim.infant.angles[self.joints]]
-        self._rest_rad = np.where(self._is_eye, 0.0, angles_rad)
+        self._noticed = NoticedTarget(self._target, reaction_of(self._subject.manifest, "look"), self._subject.chance)
+        self._begun_rad = data.qpos[self._aim.infant.angles[self.joints]].copy()
+        self._rest_rad = np.where(self._is_eye, 0.0, self._begun_rad)
         self._errors_rad = list[float]()
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angles of eyes and neck; see `Behaviour`."""
-        turns = [self._turn(ahead, camera, self._vergence) for camera in self._cameras]
+        if (place_m := self._noticed.place_m(ahead, time_s)) is None:
+            return self._begun_rad
+        turns = [self._turn(ahead, camera, place_m, self._vergence) for camera in self._cameras]
         jacobians = [np.empty((3, self._model.nv)) for _ in turns]
         for camera, jacobian in zip(self._cameras, jacobians, strict=True):
             mujoco.mj_jacBody(self._model, ahead, None, jacobian, int(self._model.cam_bodyid[camera]))
@@ -67,16 +72,18 @@ class Look(Behaviour):
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:
         """Note how far the gaze is from the target; see `Behaviour`."""
-        self._errors_rad.append(max(float(np.linalg.norm(self._turn(data, camera))) for camera in self._cameras))
+        self._noticed.watch(data, time_s)
+        turns = [self._turn(data, camera, self._target.place_m(data)) for camera in self._cameras]
+        self._errors_rad.append(max(float(np.linalg.norm(turn)) for turn in turns))
 
     def metrics(self) -> Mapping[str, float]:
         """Return the median error of the worse eye; see `Behaviour`."""
         return {"gaze_error_deg": float(np.degrees(np.median(self._errors_rad)))} if self._errors_rad else {}
 
-    def _turn(self, data: mujoco.MjData, camera: int, vergence: float = 1.0) -> FloatArray:
-        """Return the rotation, shape (3,), [rad], that turns an eye to the target, or as far as it converges."""
+    def _turn(self, data: mujoco.MjData, camera: int, place_m: FloatArray, vergence: float = 1.0) -> FloatArray:
+        """Return the rotation, shape (3,), [rad], that turns an eye to a place, or as far as it converges."""
         between_m = np.mean(data.cam_xpos[self._cameras], axis=0)
-        away_m = self._target.place_m(data) - (vergence * data.cam_xpos[camera] + (1 - vergence) * between_m)
+        away_m = place_m - (vergence * data.cam_xpos[camera] + (1 - vergence) * between_m)
         return turn_towards(data.cam_xmat[camera].reshape(3, 3) @ VIEW, away_m / max(np.linalg.norm(away_m), 1e-9))
 
 

@@ -11,6 +11,7 @@ from mimoc.control.holding.driven import DrivenInfant
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.policies.behaviours.ensemble import Ensemble
 from mimoc.policies.policy import merged_metrics, numbered
+from mimoc.policies.reaction import Chance
 from mimoc.policies.starting import begin_here
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
@@ -46,7 +47,7 @@ class BehaviourPolicy:
         self._labels = numbered([one.label for one in named])
         self._finished, self._begun_at = list[Mapping[str, float]](), np.empty(0)
         self._lost_after_s: float | None = None
-        self._seen_s = 0.0
+        self._seen_s, self._chance = 0.0, Chance()
         self._bind()
 
     def begin(self) -> Observation:
@@ -72,8 +73,9 @@ class BehaviourPolicy:
         return observation
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
-        """Return the action, shape (n,); it depends neither on the generator nor on the observation."""
+        """Return the action, shape (n,); of the generator, only times of reactions depend, and nothing of the rest."""
         env = self._env
+        self._chance.generator = generator
         if env.steps == 0 and not np.array_equal(env.data.qpos, self._begun_at):
             self.begin()
         elif env.model is not self._model:  # The infant has grown.
@@ -98,7 +100,7 @@ class BehaviourPolicy:
         if actuation not in ACTUATIONS:
             raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
         self._model, self._infant = model, DrivenInfant.of(model)
-        subject = Subject(self._infant, env.manifest)
+        subject = Subject(self._infant, env.manifest, self._chance)
         self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
         self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
 

@@ -12,7 +12,9 @@ from mimoc.control.holding.driven import SIDES
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
+from mimoc.policies.behaviours.noticing import NoticedTarget
 from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.reaction import reaction_of
 from mimoc.senses.sense import FloatArray
 
 PER_S, DAMPING_M = 5.0, 0.03
@@ -47,6 +49,7 @@ class Reach(Behaviour):
     def __init__(self, subject: Subject, target: Target, arms: Sequence[Arm], speed_m_s: float):
         """Bind it to an infant and those of its arms that may reach."""
         self._model, self._named, self._arms, self._speed_m_s = subject.infant.model, target, arms, speed_m_s
+        self._subject = subject
 
     def begin(self, data: mujoco.MjData) -> None:
         """Choose a hand, and of several targets the nearest; see `Behaviour`."""
@@ -57,10 +60,13 @@ class Reach(Behaviour):
         self.joints, self.may_touch = self._arm.aim.joints, self._arm.parts
         self._rest_rad = data.qpos[self._arm.aim.infant.angles[self.joints]].copy()
         self._reached_s, self._closest_m = None, np.inf
+        self._noticed = NoticedTarget(self._target, reaction_of(self._subject.manifest, "reach"), self._subject.chance)
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angles of the arm; see `Behaviour`."""
-        way_m = self._target.place_m(ahead) - self._arm.palm_m(ahead)
+        if (place_m := self._noticed.place_m(ahead, time_s)) is None:
+            return self._rest_rad
+        way_m = place_m - self._arm.palm_m(ahead)
         jacobian = np.empty((3, self._model.nv))
         mujoco.mj_jacBodyCom(self._model, ahead, jacobian, None, self._arm.hand)
         velocity = way_m * min(PER_S, self._speed_m_s / max(float(np.linalg.norm(way_m)), 1e-9))
@@ -68,6 +74,7 @@ class Reach(Behaviour):
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:
         """Note how near the hand is, and when it first touches the target; see `Behaviour`."""
+        self._noticed.watch(data, time_s)
         distance_m = float(np.linalg.norm(self._target.place_m(data) - self._arm.palm_m(data)))
         self._closest_m = min(self._closest_m, distance_m)
         if self._reached_s is None and self._touches(data, distance_m):

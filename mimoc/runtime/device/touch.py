@@ -9,7 +9,7 @@ import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.device.signals import DeviceSetup
+from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
 
@@ -60,6 +60,8 @@ class TouchReader:
         if setup.touch not in KINDS:
             raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
         touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
+        if touches[0].stroked:
+            raise DeviceError("slow stroking is not felt on a device: leave 'ct' out of senses.touch.channels")
         model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
         skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body.int()
         points_m = np.stack([touch.receptors.points_m for touch in touches])
@@ -67,9 +69,10 @@ class TouchReader:
         if setup.touch == "bodies":
             places, self._place_of_point = np.unique(skin, return_inverse=True)
             points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
-        self.bodies = np.repeat(places, self.width)
+        self._size, channels = len(places) * self.width, touches[0].channels
+        self.bodies = np.tile(places, len(channels)) if channels else np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
-        self._sample = torch.zeros((len(setup.body), len(self.bodies)), device=setup.body.device)
+        self._sample = torch.zeros((len(setup.body), self._size), device=setup.body.device)
         box = touches[0].spaces["touch"]
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
@@ -88,7 +91,7 @@ class TouchReader:
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return what it tells of a sample of all points of one infant."""
-        sums = np.zeros((len(self.bodies) // self.width, self.width))
+        sums = np.zeros((self._size // self.width, self.width))
         np.add.at(sums, self._place_of_point, sample.reshape(-1, self.width))
         return sums.ravel()
 

@@ -1,20 +1,21 @@
 """Touch, all over the skin."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mimoc.base.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.delays import AGES_MONTHS
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.body import PartName
 from mimoc.schema.entries import Body, Length
 from mimoc.schema.names import Groups
-from mimoc.schema.quantities import Centimetres, Real
+from mimoc.schema.quantities import Centimetres, Distinct, Real
 
 TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]
 TouchResponse = Literal["linear", "nearest"]
+Channel = Literal["sa1", "ra", "pc", "ct"]
 
 POINTS = "touch/points_m"
 """Array of the bundle: the skin points of all bodies, one body after the other, shape (n, 3), in the frames of their
@@ -32,6 +33,9 @@ class TouchSpec(Model):
     response: TouchResponse = "linear"
     """Whether the force of a contact is distributed over the skin points around it (`linear`) or assigned to the
     nearest one (`nearest`)."""
+    channels: Annotated[tuple[Channel, ...], *Distinct, Field(min_length=1)] | None = None
+    """What adapting receptors make of the pressure at each point, in place of `quantity`: slowly adapting ones (`sa1`),
+    rapidly adapting ones (`ra`), onsets of contact (`pc`) and slow stroking of hairy skin (`ct`)."""
     spacing_cm: (
         Annotated[
             Mapping[PartName, Annotated[Centimetres, Field(ge=0.1, le=1000)]],
@@ -67,6 +71,18 @@ class TouchEntry(Model):
     """Whether the force of a contact is distributed over the skin points around it or assigned to the nearest one."""
     skin: tuple[SkinEntry, ...]
     """Bodies that have skin points, in the order of the model and of the array `touch/points_m`."""
+    channels: Annotated[tuple[Channel, ...], *Distinct] = ()
+    """Channels of adapting receptors at each point, which measure its pressure; none is the quantity itself."""
+    hairless: Annotated[tuple[Body, ...], *Distinct] = ()
+    """Bodies with skin on which stroking is not felt."""
+
+    _serialized = omitting("channels", "hairless")
+
+    @model_validator(mode="after")
+    def _channels_measure_pressure(self) -> Self:
+        if self.channels and self.quantity != "normal":
+            raise ValueError("channels: they measure the pressure, which is the quantity 'normal'")
+        return self
 
 
 KIND = SenseKind(

@@ -3,6 +3,7 @@
 import numpy as np
 
 from mimoc.base.units import cm_to_m
+from mimoc.body.skin_regions import PALMS_AND_SOLES, region_of_bodies
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.scene import Placed
 from mimoc.senses.touch import SkinEntry, TouchEntry, TouchSpec
@@ -10,6 +11,12 @@ from mimoc.senses.touch.build_skin_points import skin_points
 
 SPACING_RULE = "two-point discrimination there at 18 months (MIMo) / sqrt(density), grown with the body's skin"
 GIVEN_RULE = "given by the spec for 18 months, grown with the body's skin"
+
+CHANNELS_KEY = "spec.senses.touch.channels"
+CHANNELS_RULE = (
+    "derived (D; mimoc/senses/touch/adaptation.py) from adults' fingertips (Johansson & Vallbo 1979, Bolanowski 1988; "
+    "from memory); no infant was measured"
+)
 
 
 def build(spec: TouchSpec, body: BodyTree) -> Placed:
@@ -27,5 +34,15 @@ def build(spec: TouchSpec, body: BodyTree) -> Placed:
         for part in parts
     }
     points_m = np.concatenate([np.empty((0, 3)), *skin.points_m.values()])
-    entry = TouchEntry(quantity=spec.quantity, response=spec.response, skin=parts)
+    regions, channels = region_of_bodies(body), spec.channels or ()
+    hairless = tuple(part.body for part in parts if "ct" in channels and regions[part.body] in PALMS_AND_SOLES)
+    entry = TouchEntry(
+        quantity="normal" if channels else spec.quantity,
+        response=spec.response,
+        skin=parts,
+        channels=channels,
+        hairless=hairless,
+    )
+    if channels:
+        origins["touch.channels"] = {"value": list(channels), "rule": CHANNELS_RULE, "from": [CHANNELS_KEY]}
     return Placed(entry, arrays={"points_m": points_m}, origins=origins)

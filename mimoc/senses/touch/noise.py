@@ -35,4 +35,4 @@ class TouchNoise(Noise):
 
 def bind(amount_n: float, sense: Touch, low_pass_s: float) -> TouchNoise:
     """Return the noise of a sense of touch."""
-    return TouchNoise(np.array([amount_n]), sense.width)
+    return TouchNoise(np.array([amount_n]), 1 if sense.channels else sense.width)

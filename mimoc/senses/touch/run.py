@@ -16,9 +16,11 @@ from mimoc.bundle.io import Bundle
 from mimoc.render.markers import Markers, force_markers
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
-from mimoc.senses.touch import POINTS, TouchEntry
+from mimoc.senses.touch import POINTS, Channel, TouchEntry
+from mimoc.senses.touch.adaptation import adapting
 from mimoc.senses.touch.contacts import FIELDS, ContactForces, contact_forces, rotated, skin_body_of_geoms
 from mimoc.senses.touch.receptors import Receptors, bind_receptors
+from mimoc.senses.touch.strokes import Stroking
 
 MAX_FORCE_N = 1e4
 """Bound of the observation; an infant weighs a hundred."""
@@ -56,13 +58,26 @@ class Quantity:
 class Touch(Sense):
     """What the receptors of the skin measure: one after another, all numbers of each, [N]."""
 
-    def __init__(self, receptors: Receptors, model: mujoco.MjModel, quantity: Quantity, response: Response):
-        """Measure a quantity of the contacts with the bodies that have receptors."""
+    def __init__(
+        self,
+        receptors: Receptors,
+        model: mujoco.MjModel,
+        quantity: Quantity,
+        response: Response,
+        channels: tuple[Channel, ...] = (),
+        stroked: Stroking | None = None,
+    ):
+        """Measure a quantity of the contacts with the bodies that have receptors, or *channels* of its pressure.
+
+        What strokes them is measured by *stroked*, if any channel is of that.
+        """
         self.receptors, self.quantity, self.response = receptors, quantity, response
         self.body_of_geom = skin_body_of_geoms(receptors.bodies, model)
+        self.channels, self.stroked = channels, stroked
         self.width = len(quantity.numbers)
-        """How many numbers each point has."""
-        self.bodies = np.repeat(receptors.bodies, self.width)
+        """How many numbers of each point are measured."""
+        self.bodies = np.tile(receptors.bodies, len(channels)) if channels else np.repeat(receptors.bodies, self.width)
+        self.filter = adapting(channels, self.width) if channels else None
         self.spaces = {"touch": Box(quantity.low_n, MAX_FORCE_N, self.bodies.shape, np.float32)}
 
     @property
@@ -70,6 +85,8 @@ class Touch(Sense):
         """What each number is: a body, which of its points, and what that measures."""
         indices: defaultdict[str, count[int]] = defaultdict(count)
         points = [f"{body} {next(indices[body])}" for body in self.receptors.names.tolist()]
+        if self.channels:
+            return tuple(f"{point} {channel} [{UNITS[channel]}]" for channel in self.channels for point in points)
         return tuple(f"{point} {number} [N]" for point in points for number in self.quantity.numbers)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
@@ -102,6 +119,8 @@ class Touch(Sense):
         if forces is None:
             return np.zeros(size)
         places_m, loads = _loads(forces, data.xpos, data.xmat, quantity)
+        if self.stroked and quantity is STROKED:
+            loads = self.stroked(data, forces, loads)
         receptors, shares = self.response(self.receptors, forces.bodies, places_m, loads)
         return _sums(receptors * len(quantity.numbers) + COLUMNS[: len(quantity.numbers)], shares, size)[:size]
 
@@ -166,14 +185,19 @@ def bind(entry: TouchEntry, model: mujoco.MjModel, bundle: Bundle) -> Touch:
     if bundle.manifest.prefix:
         names = [bundle.manifest.of_infant(name) for name in receptors.names.tolist()]
         receptors = replace(receptors, names=np.array(names))
-    return Touch(receptors, model, QUANTITIES[entry.quantity], RESPONSES[entry.response])
+    quantity, stroked = QUANTITIES[entry.quantity], None
+    if "ct" in entry.channels:
+        quantity, stroked = STROKED, Stroking(model, frozenset(model.body(name).id for name in entry.hairless))
+    return Touch(receptors, model, quantity, RESPONSES[entry.response], entry.channels, stroked)
 
 
 def join(senses: Sequence[Sense]) -> TouchReader | None:
     """Return what reads many infants, or None if their worlds differ in more than numbers."""
     touches = [sense for sense in senses if isinstance(sense, Touch)]
     sizes = {(len(touch.receptors.scale_per_m), len(touch.body_of_geom)) for touch in touches}
-    return TouchReader(touches) if len(touches) == len(senses) and len(sizes) == 1 else None
+    if len(touches) < len(senses) or len(sizes) > 1 or any(touch.stroked for touch in touches):
+        return None
+    return TouchReader(touches)
 
 
 def skin_markers(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> Markers:
@@ -236,6 +260,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     "normal": Quantity(("pressure",), 0.0, lambda forces, axes: forces.normal_forces_n),
 }
 """What can be measured."""
+STROKED = Quantity(("pressure", "stroked"), 0.0, lambda forces, axes: forces.normal_forces_n.repeat(2, axis=1))
+"""The pressure, and what of it is stroking."""
+UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}
+"""Of each channel."""
 
 RESPONSES: Mapping[str, Response] = {"linear": Receptors.share, "nearest": Receptors.nearest}
 """Which receptors respond."""
