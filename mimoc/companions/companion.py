@@ -69,6 +69,10 @@ class Companion:
         and `qvel` are those after it.
         """
 
+    def obey(self, order: Mapping[str, Any]) -> None:
+        """Take one of `orders`, as it was recorded."""
+        self.orders = [*self.orders, dict(order)]
+
     def listen_to(self, sources: SoundSources) -> None:
         """Hear these sources from now on, which include itself."""
         return

@@ -87,6 +87,10 @@ class Caregiver(Companion):
         self._check(act, what, details)
         self.orders = [*self.orders, {"act": act, "what": what, **details}]
 
+    def obey(self, order: Mapping[str, Any]) -> None:
+        """Do what was recorded; see `do`."""
+        self.do(**order)
+
     @property
     def acts(self) -> list[tuple[int, str, str | None]]:
         """What it has done in this episode: the physics step, the act, and what this was about."""
