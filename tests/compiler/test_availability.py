@@ -76,6 +76,7 @@ BUILT = {
     "scene.kind": "room",
     "scene.toys": {"count": [1, 2]},
     "scene.pose": "prone",
+    "scene.caregiver": {"distance_cm": 30},
     "scene.held": ["chest"],
     "task": {"kind": "reach"},
     "control.step_ms": 20,

@@ -25,6 +25,8 @@ BEYOND_SCHEMAS = {
     *("groups that take commands and are locked", "fingers of a mitten"),
     *("standing up in a crib", "turning over in nothing", "turning over from sitting"),
     *("noise of a sense that is off", "noise in proportion to angles"),
+    *("a caregiver in a crib", "an offer of nothing", "a look with a pitch", "acts out of order"),
+    "an answer between physics steps",
     *("jitter of no delay", "jitter of delays of senses that are off", "jitter between physics steps"),
     *("delays between physics steps", "a control step between physics steps"),
     *("a control step shorter than physics", "a physics step that does not fit"),

@@ -36,7 +36,8 @@ class Caregiver(Companion):
 
     Example:
         >>> import mimoc
-        >>> env = mimoc.make("with_caregiver.yaml")
+        >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=4, scene={"caregiver": {}})
+        >>> env = mimoc.make(spec)
         >>> _ = env.reset(seed=0)
         >>> env.unwrapped.caregiver.do("show_face", "happy")
         >>> env.unwrapped.caregiver.do("speak", pitch_hz=300)
