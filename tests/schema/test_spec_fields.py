@@ -21,7 +21,19 @@ from mimoc.tasks import TASKS
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
 UNITS = ("cm", "m", "kg", "deg", "ms", "px", "weeks", "months", "percentile", "percent", "cpd", "n", "s", "hz", "db")
-NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
+NO_UNIT = {
+    "mimoc",
+    "seed",
+    "count",
+    "density",
+    "foveation",
+    "length",
+    "girth",
+    "strength",
+    "acuity",
+    "motor",
+    "yoked_s",
+}
 WRONG = [
     "a word",
     "9 apples",
