@@ -38,6 +38,7 @@ PAGES = (
     "docs/vision.md",
     "docs/delays.md",
     "docs/own_toys.md",
+    "docs/caregiver.md",
     "docs/tasks.md",
     "docs/behaviours.md",
     "docs/pictures.md",
