@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle as Bundle, read_bundle as read_bundle, write_bundle as write_bundle
     from mimoc.bundle.world import WorldBundle as WorldBundle, read_world_bundle as read_world_bundle
     from mimoc.cohorts import Cohort as Cohort, read_cohort as read_cohort
+    from mimoc.companions.caregiver.run import Caregiver as Caregiver
     from mimoc.companions.companion import Companion as Companion
     from mimoc.compiler.loading import load_spec as load_spec
     from mimoc.compiler.pipeline import build as build

@@ -40,6 +40,7 @@ PAGES = (
     "docs/delays.md",
     "docs/own_toys.md",
     "docs/objects.md",
+    "docs/caregiver.md",
     "docs/tasks.md",
     "docs/behaviours.md",
     "docs/two_infants.md",

@@ -71,6 +71,10 @@ class Companion:
         and `qvel` are those after it.
         """
 
+    def obey(self, order: Mapping[str, Any]) -> None:
+        """Take one of `orders`, as it was recorded."""
+        self.orders = [*self.orders, dict(order)]
+
     def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
         """Hear these sources from now on, which include itself, and the infant's voice."""
         return

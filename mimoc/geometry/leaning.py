@@ -15,6 +15,10 @@ Where = Literal["in_front", "beside", "above"]
 UP = np.array([0.0, 0.0, 1.0])
 LEVEL = 0.35
 """Level part of a direction below which it counts as vertical: 70 degrees of elevation."""
+FLOOR_M = 0.02
+"""Gap between a head and the floor at least."""
+NEAREST_M = 0.2
+"""Distance of two faces at least."""
 UPRIGHT_RAD, BENT_RAD = math.radians(15), math.radians(70)
 """Lean of a trunk that looks straight ahead, and how much more it leans that looks straight down; assumptions."""
 
@@ -53,16 +57,20 @@ def lean(
     Args:
         figure: Lengths of the somebody.
         face: The face that is looked at: a point between the eyes, and the head's axes.
-        where: `in_front` is where that face looks to, `beside` is level, to its left or right, `above` is over it.
+        where: `in_front` is where that face looks to, or, if it looks down, before its crown; `beside` is level, to its
+            left or right; `above` is over it.
         to_left: Whether beside is to the left.
         distance_m: Between both faces.
         height_m: Height of the own face above the floor, z = 0, in place of what follows.
     """
     seen_m, turn = face
     toward = _level(turn[:, 1], turn[:, 0]) * (1.0 if to_left else -1.0)
-    way = {"in_front": turn[:, 0], "beside": toward, "above": UP}[where]
+    ahead = turn[:, 0] if turn[2, 0] > -LEVEL else _level(turn[:, 2])  # Who lies face down has the world overhead.
+    way = {"in_front": ahead, "beside": toward, "above": UP}[where]
     face_m = seen_m + distance_m * way
-    face_m[2] = max(face_m[2] if height_m is None else height_m, figure.crown_m + 0.02)
+    face_m[2] = max(face_m[2] if height_m is None else height_m, figure.crown_m + FLOOR_M)
+    if np.linalg.norm(face_m - seen_m) < NEAREST_M:
+        face_m = seen_m + NEAREST_M * UP
     gaze: FloatArray = (seen_m - face_m) / np.linalg.norm(seen_m - face_m)
     level = _level(gaze, turn[:, 2], -turn[:, 0])
     down_rad = math.asin(min(max(-gaze[2], 0.0), 1.0))

@@ -77,6 +77,8 @@ class Change(Model):
     """Facial expression that it has had since."""
     arousal: Number | None = None
     """Arousal that it has had since."""
+    order: dict[str, Any] | None = None
+    """What a companion was asked to do."""
     physics: dict[str, Any] | None = None
     """State of the simulation that a script has set."""
     action_dtype: str | None = None

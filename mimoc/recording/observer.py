@@ -137,6 +137,7 @@ class RecordingObserver(Observer):
         """Number of the next episode."""
         self._episode: _Episode | None = None
         self._before: dict[str, Any] | None = None
+        self._ordered: dict[str, int] = {}
         self._physics, self._measures = b"", StepMeasures(infant, "record")
         self._described = _described(infant, self._movement)
 
@@ -163,8 +164,11 @@ class RecordingObserver(Observer):
         if self._episode is None:
             infant = self._infant
             self._begin(None, {**infant.schedule.observe(), **infant.task.observe()}, {})
+            self._ordered = {name: len(companion.orders) for name, companion in infant.companions.items()}
         elif self._physics != self._physics_now():
             self._change("physics", physics_of(self._infant.model, self._infant.data))
+        if self._infant.companions:
+            self._keep_orders()
 
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
@@ -196,6 +200,7 @@ class RecordingObserver(Observer):
         """Keep a state that was restored."""
         if self._episode is not None:
             self._change("state", self._infant.get_state())
+        self._ordered = {name: len(companion.orders) for name, companion in self._infant.companions.items()}
 
     def expressed(self, expression: str) -> None:
         """Keep an expression."""
@@ -204,6 +209,13 @@ class RecordingObserver(Observer):
     def aroused(self, level: float) -> None:
         """Keep an arousal."""
         self._change("arousal", level)
+
+    def _keep_orders(self) -> None:
+        """Keep what companions were asked to do since the last step, but for what a state that was kept contains."""
+        for name, companion in self._infant.companions.items():
+            for order in companion.orders[self._ordered.get(name, 0) :]:
+                self._change("order", {"companion": name, "order": dict(order)})
+        self._ordered = {}
 
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""

@@ -213,6 +213,8 @@ class _Replay:
                 env.set_expression(value)
             elif what == "arousal":
                 env.set_arousal(value)
+            elif what == "order":
+                env.companions[value["companion"]].obey(value["order"])
             elif what == "physics":
                 check_physics(value, env.model)
                 set_physics(env.model, env.data, value)

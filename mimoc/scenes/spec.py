@@ -84,6 +84,16 @@ class SceneSpec(ComposedModel):
         return self
 
     @model_validator(mode="after")
+    def _what_is_offered_is_there(self) -> Self:
+        names = {item.name for item in self.objects}
+        for number, act in enumerate(self.caregiver.script if self.caregiver and not self.toys else ()):
+            if act.object is not None and act.object not in names:
+                path = "caregiver", "script", number, "object"
+                message = f"there is no '{act.object}' in this scene; add it to the scene's objects, or toys"
+                raise KeyedError(path, message, against=("objects",))
+        return self
+
+    @model_validator(mode="after")
     def _toys_have_a_floor(self) -> Self:
         if self.toys and not SCENES[self.kind].has_floor:
             kinds = " or ".join(kind.name for kind in SCENES.values() if kind.has_floor)

@@ -6,6 +6,7 @@ from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
     from mimoc.actuation.spec import ActuationSpec as ActuationSpec
+    from mimoc.companions.caregiver.spec import AnswersSpec as AnswersSpec, CaregiverSpec as CaregiverSpec
     from mimoc.delays.spec import DelaysSpec as DelaysSpec
     from mimoc.noise.spec import NoiseSpec as NoiseSpec
     from mimoc.scenes.room.spec import RoomSpec as RoomSpec

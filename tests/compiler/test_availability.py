@@ -91,6 +91,7 @@ BUILT = {
     "scene.toys": {"count": [1, 2]},
     "scene.objects": [{"name": "ball", "at": {"x_cm": 60}}],
     "scene.pose": "prone",
+    "scene.caregiver": {"distance_cm": 30},
     "scene.held": ["chest"],
     "task": {"kind": "reach"},
     "control.step_ms": 20,

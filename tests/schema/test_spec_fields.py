@@ -33,12 +33,15 @@ UNITS = [
     "percent",
     "cpd",
     "n",
+    "s",
     "hz",
     "db",
     "thresholds",
     "cm2",
 ]
-NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
+NO_UNIT = set(
+    ["mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor", "yoked_s"]
+)
 OF_AN_AGE = {"acuity", "contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"}
 """Keys of which one kind of value has a unit, months."""
 NO_UNIT |= OF_AN_AGE

@@ -129,6 +129,17 @@ SPECS = {
     "jitter between physics steps": HEAD + "delays: {motor_ms: 10}\nnoise: {delay_jitter_ms: 7}\n",
     "jitter of no delay": HEAD + "noise: {delay_jitter_ms: 5}\n",
     "jitter of delays of senses that are off": HEAD + "delays: {vision_ms: 100}\nnoise: {delay_jitter_ms: 5}\n",
+    "a caregiver that cannot be": HEAD
+    + "scene:\n  kind: crib\n  caregiver: {place: in front, distance_cm: 5, expression: bored, mood: good}\n",
+    "a caregiver in a crib": HEAD + "scene: {kind: crib, caregiver: {}}\n",
+    "acts of a caregiver that cannot be": HEAD
+    + "scene:\n  caregiver:\n    script:\n    - {at_s: 2, do: sing}\n    - {do: speak, pitch_hz: 5, level: 60}\n",
+    "an offer of nothing": HEAD + "scene: {caregiver: {script: [{do: offer}]}}\n",
+    "an offer of what is not there": HEAD + "scene: {caregiver: {script: [{do: offer, object: ball}]}}\n",
+    "a look with a pitch": HEAD + "scene: {caregiver: {script: [{do: look_at, pitch_hz: 300}]}}\n",
+    "acts out of order": HEAD + "scene: {caregiver: {script: [{at_s: 2, do: look_at}, {at_s: 1, do: look_away}]}}\n",
+    "an answer between physics steps": HEAD + "scene: {caregiver: {answers: {delay_ms: 402}}}\n",
+    "an answer that takes hands": HEAD + "scene: {caregiver: {answers: {by: [hold], probability: 2}}}\n",
     "a control step between physics steps": HEAD + "control: {step_ms: 12}\n",
     "a control step shorter than physics": HEAD + "control: {step_ms: 2}\n",
     "a physics step that does not fit": HEAD + "control: {timestep_ms: 3}\n",

@@ -37,7 +37,8 @@ class Caregiver(Companion):
 
     Example:
         >>> import mimoc
-        >>> env = mimoc.make("with_caregiver.yaml")
+        >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=4, scene={"caregiver": {}})
+        >>> env = mimoc.make(spec)
         >>> _ = env.reset(seed=0)
         >>> env.unwrapped.caregiver.do("show_face", "happy")
         >>> env.unwrapped.caregiver.do("speak", pitch_hz=300)
@@ -87,6 +88,15 @@ class Caregiver(Companion):
         """
         self._check(act, what, details)
         self.orders = [*self.orders, {"act": act, "what": what, **details}]
+
+    def obey(self, order: Mapping[str, Any]) -> None:
+        """Do what was recorded; see `do`."""
+        self.do(**order)
+
+    @property
+    def expression(self) -> str:
+        """The facial expression that it shows now."""
+        return self._shown if self._smiles_until is None else HAPPY
 
     @property
     def acts(self) -> list[tuple[int, str, str | None]]:
@@ -142,11 +152,13 @@ class Caregiver(Companion):
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Notice what the infant has done."""
-        if self._onsets and not self._yoked and self._onsets(data, self.body.face_m(data), self._is_touched(data)):
+        if self._onsets and self._onsets(data, self.body.face_m(data), self._is_touched(data)):
             step, answers = step_of(data.time, self.body.timestep_s), self.entry.answers
             assert answers
             self._noticed.append(step)
-            if self._is_answering and step >= self._pauses_until and self._generator.random() < answers.probability:
+            if self._yoked or not self._is_answering or step < self._pauses_until:
+                return
+            if self._generator.random() < answers.probability:
                 self._due.append(step + self._steps(answers.delay_ms))
                 self._pauses_until = self._due[-1] + self._steps(answers.pause_ms)
 
@@ -212,7 +224,7 @@ class Caregiver(Companion):
             case "release", _:
                 self.hands.release(data)
             case _:
-                self._show(HAPPY if act == "interact" else NEUTRAL)
+                self._show(self.entry.expression if act == "interact" else NEUTRAL)
                 self._is_answering = act == "interact"
                 self.body.look(True, data, self.infant)
 

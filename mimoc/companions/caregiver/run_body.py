@@ -10,7 +10,15 @@ import numpy as np
 from mimoc.base.model_fields import ModelField
 from mimoc.base.mujoco_layout import WELD_ANCHOR, WELD_PLACE, WELD_TURN
 from mimoc.companions.caregiver.run_infant import Infant
-from mimoc.companions.caregiver.run_motion import PEAK_RAD_S, HandPath, duration_s, minimum_jerk, turn_between, turned
+from mimoc.companions.caregiver.run_motion import (
+    PEAK_M_S,
+    PEAK_RAD_S,
+    HandPath,
+    duration_s,
+    minimum_jerk,
+    turn_between,
+    turned,
+)
 from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.geometry.adult import SIDES, Adult, Palm, Side, neck
 from mimoc.geometry.leaning import Frame, lean
@@ -44,7 +52,7 @@ class CaregiverBody:
         self._mocap: dict[str, int] = dict(zip(PARTS, model.body_mocapid[whole[:3]].tolist(), strict=True))
         self._of_arms = {side: model.body_mocapid[ids].tolist() for side, ids in bodies.items()}
         self._of_arm = {side: np.isin(model.geom_bodyid, ids) for side, ids in bodies.items()}
-        self._is_its_geom = np.isin(model.geom_bodyid, whole)
+        self.is_its_geom = np.isin(model.geom_bodyid, whole)
         self.grips: dict[Side, int] = {side: model.equality(arm.grip).id for side, arm in arms.items()}
         self._face = model.geom(entry.face).id
         self._materials = {name: model.material(material).id for name, material in entry.materials.items()}
@@ -107,6 +115,14 @@ class CaregiverBody:
                     path.done = path.done + 1
                     self.put(side, palm, data)
 
+    def follow(self, side: Side, place_m: FloatArray, data: mujoco.MjData, infant: Infant) -> None:
+        """Bring a hand nearer to a place that moves, as fast as a hand moves, in a physics step."""
+        palm = self.palms[side]
+        way_m = place_m - palm.place_m
+        way_m = way_m * min(1.0, PEAK_M_S * self.timestep_s / max(float(np.linalg.norm(way_m)), 1e-9))
+        if not self._would_push(side, way_m, data, infant, {}):
+            self.put(side, Palm(palm.place_m + way_m, palm.normal), data)
+
     def put(self, side: Side, palm: Palm, data: mujoco.MjData) -> None:
         """Put a hand somewhere, and its arm with it."""
         self.palms[side] = palm
@@ -131,7 +147,7 @@ class CaregiverBody:
 
     def touches(self, data: mujoco.MjData, infant: Infant) -> bool:
         """Return whether anything of it touches the infant."""
-        return bool(self._contacts(self._is_its_geom, data, infant).any())
+        return bool(self._contacts(self.is_its_geom, data, infant).any())
 
     def is_blocked(self, side: Side, data: mujoco.MjData, infant: Infant) -> bool:
         """Return whether an arm is in contact with the infant."""

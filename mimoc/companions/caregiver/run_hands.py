@@ -9,6 +9,7 @@ import numpy as np
 
 from mimoc.companions.caregiver.run_body import CaregiverBody
 from mimoc.companions.caregiver.run_infant import Infant
+from mimoc.companions.caregiver.run_motion import HandPath
 from mimoc.geometry.adult import SIDES, Palm, Side
 from mimoc.geometry.leaning import UP
 from mimoc.geometry.rotations import FloatArray
@@ -21,6 +22,10 @@ WAITING_S = 0.2
 """How long a hand waits that touches the infant before it counts as arrived; an assumption."""
 AROUND_M = 0.12
 """How far from its end, to the side or above, the last part of a movement begins; an assumption."""
+OVER_M = 0.6
+"""Height of the control point of a movement over the infant, above its ends; an assumption."""
+TRIES = 3
+"""How often a hand tries to get over the infant."""
 TAKING_OVER_S = 0.3
 """Time in which a hand takes over its share of the infant's weight; an assumption."""
 
@@ -57,7 +62,7 @@ class Hands:
         place_m = data.xpos[item.body]
         side = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - place_m)))
         self._free(side, data)
-        self._tasks[side] = {"does": "fetch", "object": name, "waits": 0}
+        self._tasks[side] = {"does": "fetch", "object": name, "waits": 0, "tries": 0}
         palm = Palm(place_m + (item.radius_m + ABOVE_M) * UP, -UP)
         self._body.move(side, palm, palm.place_m + AROUND_M * UP)
 
@@ -94,15 +99,29 @@ class Hands:
                 self._go_on(side, task, data)
             elif task["does"] == "support":
                 place_m = data.xpos[task["part"]] + np.array(task["beside_m"])
-                self._body.put(side, Palm(place_m, self._body.palms[side].normal), data)
+                self._body.follow(side, place_m, data, self._infant)
         self._carry(data)
 
     def _has_arrived(self, side: Side, task: dict[str, Any], data: mujoco.MjData) -> bool:
         path = self._body.paths[side]
         is_near = path is None or path.done > 0.5 * path.steps
-        waits = is_near and task["does"] != "fetch" and self._body.is_blocked(side, data, self._infant)
+        waits = (is_near or task["does"] == "fetch") and self._body.is_blocked(side, data, self._infant)
         task["waits"] = task["waits"] + 1 if waits else 0
-        return path is None or path.is_done or task["waits"] * self._body.timestep_s >= WAITING_S
+        has_waited = task["waits"] * self._body.timestep_s >= WAITING_S
+        if has_waited and path and task["does"] == "fetch":
+            self._go_over(side, task, path, data)
+            return False
+        return path is None or path.is_done or has_waited
+
+    def _go_over(self, side: Side, task: dict[str, Any], path: HandPath, data: mujoco.MjData) -> None:
+        """Try to get to the end of a movement over the infant, which is in between, a few times."""
+        task |= {"waits": 0, "tries": task["tries"] + 1}
+        if task["tries"] > TRIES:
+            self._tasks[side] = {"does": "give up"}
+            self._body.move(side, self._body.resting[side], self._body.palms[side].place_m + OVER_M * UP)
+            return
+        middle_m = (path.end_m + self._body.palms[side].place_m) / 2
+        self._body.move(side, Palm(path.end_m, path.end_normal), middle_m + OVER_M * UP)
 
     def _go_on(self, side: Side, task: dict[str, Any], data: mujoco.MjData) -> None:
         """Begin what follows an arrival."""

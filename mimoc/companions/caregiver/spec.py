@@ -31,7 +31,7 @@ class AnswersSpec(Model):
     delay_ms: Annotated[Milliseconds, Field(le=60_000)] = 400.0
     """From what the infant does to the answer, a whole number of physics steps."""
     pause_ms: Annotated[Milliseconds, Field(le=60_000)] = 1000.0
-    """After an answer has begun, the time in which nothing is answered."""
+    """After an answer has begun, the time in which nothing is answered; nor is anything while an answer is due."""
     yoked_s: Annotated[tuple[Seconds, ...], Field(max_length=10_000)] = ()
     """Times of an episode at which the caregiver answers whatever the infant does, and then only: those at which the
     caregiver of another infant has answered, as a control for contingency."""

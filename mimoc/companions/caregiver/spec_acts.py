@@ -56,7 +56,7 @@ class ActSpec(Model):
     do: ActName
     """What it does: `show_face`; `smile`, which passes; `look_at` the infant; `look_away`; `speak`; `offer` an object,
     within the infant's reach; `hold` a part of the infant; `release` what it holds; `still_face`: a neutral face that
-    looks at the infant and answers nothing; `interact`: a happy face, and answers again."""
+    looks at the infant and answers nothing; `interact`: the face of the start, and answers again."""
     face: Face | None = None
     """The expression of `show_face`."""
     object: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)] | None = None

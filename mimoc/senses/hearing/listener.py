@@ -52,7 +52,7 @@ class Listener(Companion):
         """Samples per second."""
         return self._head.sample_rate_hz
 
-    def listen_to(self, sources: SoundSources, voice: Voice | None) -> None:
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
         """Hear what these let sound, and the infant's own voice."""
         self._sources = (sources,)
         self._voice = OwnVoice(voice, self._head) if voice else None

@@ -60,6 +60,10 @@ SMALL = {
     },
     "kicking": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
     "weights": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
+    "contingency": {
+        "QUICK_SEEDS": range(1),
+        "QUICK_PHASES_S": {"baseline": 4.0, "interaction": 6.0, "still_face": 4.0, "reunion": 4.0},
+    },
     "mobile": {
         "QUICK_SEEDS": range(1),
         "QUICK_PHASES_S": {"baseline": 4.0, "acquisition": 8.0, "extinction": 4.0},

@@ -1,0 +1,269 @@
+"""A caregiver who smiles at kicks: whether infants whose kicks are answered kick more, and less before a still face."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mimoc.bundle.io import Bundle
+from mimoc.compiler import pipeline
+from mimoc.quantities import Quantity
+from mimoc.render.plots.plot import Band, Line, Plot
+from mimoc.runtime.env import InfantEnv
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.sense import FloatArray
+from mimoc.studies.experiments.legs.driving import LIMBS, Mover
+from mimoc.studies.experiments.legs.intervals import interval, sign_test
+from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.notebook import Notebook, table_rows
+
+AGE_MONTHS = 3.0
+PHASES_S: Mapping[str, float] = {"baseline": 60.0, "interaction": 180.0, "still_face": 60.0, "reunion": 60.0}
+QUICK_PHASES_S: Mapping[str, float] = {"baseline": 20.0, "interaction": 40.0, "still_face": 20.0, "reunion": 20.0}
+COMPARED_S = 60.0
+"""The end of a phase, by which it is judged."""
+BIN_S = 20.0
+"""Width of the bins of curves."""
+SEEDS, QUICK_SEEDS = range(6), range(2)
+AROUSAL = 0.9
+"""That of the infant under a mobile, of the experiment `mobile`."""
+DELAY_MS, PAUSE_MS = 400.0, 1500.0
+"""From a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
+PARTNER = 1000
+"""Added to the seed of the infant that is answered as another one was."""
+ATTENTION = 0.001
+"""Reward of a face that looks and does not smile, so that less than a smile is learnt from, too; a guess."""
+CONDITIONS = ("contingent", "yoked")
+LEGS = [index for index, limb in enumerate(LIMBS) if not limb.endswith("arm")]
+MINUTES = Quantity("minute", "Time", "min")
+RATE_PER_MIN = Quantity("rate_per_min", "Kicks", "1/min")
+GAIN = Quantity("gain", "Learnt gain of the drive")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A pair of infants by a caregiver: the kicks of one are answered, the other is answered as the first one was."""
+
+    baseline_s: float
+    interaction_s: float
+    still_face_s: float
+    reunion_s: float
+
+    @property
+    def ends_s(self) -> tuple[float, ...]:
+        """When each phase ends."""
+        return tuple(np.cumsum([self.baseline_s, self.interaction_s, self.still_face_s, self.reunion_s]).tolist())
+
+    @property
+    def compared_s(self) -> float:
+        """How much of the end of each phase is compared."""
+        return min(COMPARED_S, self.baseline_s, self.interaction_s, self.still_face_s, self.reunion_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """What an infant did by a caregiver."""
+
+    kicks_s: FloatArray
+    """When its legs kicked."""
+    answers_s: tuple[float, ...]
+    """When it was answered."""
+    gains: FloatArray
+    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+
+
+def run(notebook: Notebook) -> Path:
+    """Let pairs of infants be with a caregiver, and return the path of the report.
+
+    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
+    """
+    phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
+    case = Case(*phases_s.values())
+    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
+    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", _bins(results, seeds))
+    rows = ((seed, *item) for seed, result in zip(seeds, results, strict=True) for item in result.values.items())
+    notebook.write_table("contingency.csv", "seed,measure,value", rows)
+    notebook.write_plots("contingency.png", list(_plots(results, case)))
+    page = notebook.write_page(
+        None,
+        "scipy",
+        age=AGE_MONTHS,
+        seeds=len(seeds),
+        **{f"{name}_s": seconds for name, seconds in phases_s.items()},
+        compared=case.compared_s,
+        delay=DELAY_MS,
+        pause=PAUSE_MS,
+        attention=ATTENTION,
+        window=WINDOW_S,
+        largest=np.exp(LARGEST),
+        effort=EFFORT,
+        arousal=AROUSAL,
+        forgetting=FORGETTING_S,
+        table=_table(results),
+        answer=_answer(results),
+        predictions=_predictions(results),
+    )
+    forget_trials(notebook)
+    return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant that is with the caregiver."""
+    yield bundle_of(Case(*QUICK_PHASES_S.values()), ())
+
+
+def bundle_of(case: Case, yoked_s: Sequence[float]) -> Bundle:
+    """Return an infant on its back with a caregiver, who answers kicks, or at some times whatever it does."""
+    starts_s = dict(zip(("interact", "still_face", "reunion"), case.ends_s, strict=False))
+    script = [
+        {"at_s": 0.0, "do": "still_face"},
+        {"at_s": starts_s["interact"], "do": "interact"},
+        {"at_s": starts_s["still_face"], "do": "still_face"},
+        {"at_s": starts_s["reunion"], "do": "interact"},
+    ]
+    answers = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
+    if yoked_s:
+        answers["yoked_s"] = list(yoked_s)
+    spec: dict[str, Any] = {
+        "mimoc": 1,
+        "name": "contingency",
+        "age_months": AGE_MONTHS,
+        "actuation": {"model": "muscle"},
+        "scene": {"kind": "flat", "pose": "supine", "caregiver": {"script": script, "answers": answers}},
+    }
+    return pipeline.build(InfantSpec.model_validate(spec))
+
+
+def pair(case: Case, seed: int) -> Result:
+    """Let an infant be answered when it kicks, and another when the first one was."""
+    contingent = session(case, seed, ())
+    yoked = session(case, seed + PARTNER, contingent.answers_s or (case.ends_s[0],))
+    values, traces = dict[str, float](), dict[str, tuple[float, ...]]()
+    for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
+        values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
+        traces[f"{name}_rate"] = tuple(_rates(infant.kicks_s, case.ends_s[-1]))
+        gains = np.exp(np.log(infant.gains[:, LEGS]).mean(axis=1))
+        traces[f"{name}_gain"] = tuple(gains.tolist())
+    return Result(values=values, traces=traces)
+
+
+def session(case: Case, seed: int, yoked_s: Sequence[float]) -> Session:
+    """Return what an infant does by a caregiver, who answers it, or at some times whatever it does.
+
+    Args:
+        case: The session.
+        seed: Of the infant and its movement.
+        yoked_s: When it is answered; none to answer its kicks.
+    """
+    with closing(InfantEnv(bundle_of(case, yoked_s))) as env:
+        mover, learner, gains = Mover(env, seed), GainLearner(), list[FloatArray]()
+        env.set_arousal(AROUSAL)
+        for window in range(round(case.ends_s[-1] / WINDOW_S)):
+            mover.set_gains(learner.gains, rates=True)
+            smiling = [env.caregiver.expression == "happy" for _ in mover.steps(WINDOW_S)]
+            phase = int(np.searchsorted(case.ends_s, (window + 1) * WINDOW_S))
+            is_attentive = tuple(PHASES_S)[phase] in ("interaction", "reunion")
+            learner.feel(ATTENTION + float(np.mean(smiling)) if is_attentive else 0.0, mover.take_movement())
+            gains.append(learner.gains)
+        timestep_s = env.model.opt.timestep
+        kicks_s = np.array(env.caregiver.noticed) * timestep_s
+        answers_s = tuple(round(step * timestep_s, 3) for step in env.caregiver.answered)
+    return Session(kicks_s, answers_s, np.array(gains))
+
+
+def _rates(kicks_s: FloatArray, seconds: float) -> list[float]:
+    """Return the kicks a minute in each bin of some time."""
+    counts, _ = np.histogram(kicks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
+    return (60.0 * counts / BIN_S).tolist()
+
+
+def _measures(case: Case, infant: Session) -> dict[str, float]:
+    """Return rates at the end of each phase, and the gain of the legs at the end of the interaction."""
+    last_s, values = case.compared_s, dict[str, float]()
+    for phase, end_s in zip(PHASES_S, case.ends_s, strict=True):
+        count = int(((infant.kicks_s >= end_s - last_s) & (infant.kicks_s < end_s)).sum())
+        values[phase] = 60.0 * count / last_s
+    gains = infant.gains[round(case.ends_s[1] / WINDOW_S) - 1]
+    values["leg_gain"] = float(np.exp(np.log(gains[LEGS]).mean()))
+    arms = [index for index in range(len(LIMBS)) if index not in LEGS]
+    values["arm_gain"] = float(np.exp(np.log(gains[arms]).mean()))
+    values["answers"] = float(len(infant.answers_s))
+    return values
+
+
+def _of(results: Sequence[Result], name: str) -> list[float]:
+    return [result.values[name] for result in results]
+
+
+def _table(results: Sequence[Result]) -> str:
+    columns = (*PHASES_S, "leg_gain", "arm_gain", "answers")
+    return table_rows(
+        (name, *(interval(_of(results, f"{name}_{column}")).text(1 if column in PHASES_S else 2) for column in columns))
+        for name in CONDITIONS
+    )
+
+
+def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
+    """Return what was asked, as a difference in each pair."""
+
+    def difference(first: str, second: str) -> list[float]:
+        return [a - b for a, b in zip(_of(results, first), _of(results, second), strict=True)]
+
+    return {
+        "kicks rise from baseline to interaction": difference("contingent_interaction", "contingent_baseline"),
+        "more kicks than of the yoked partner": difference("contingent_interaction", "yoked_interaction"),
+        "a larger gain of the legs than the partner's": difference("contingent_leg_gain", "yoked_leg_gain"),
+        "a larger gain of the legs than of the arms": difference("contingent_leg_gain", "contingent_arm_gain"),
+        "fewer kicks before the still face": difference("contingent_interaction", "contingent_still_face"),
+        "more kicks again in the reunion": difference("contingent_reunion", "contingent_still_face"),
+    }
+
+
+def _answer(results: Sequence[Result]) -> str:
+    """Return in how many pairs the infant that is answered kicks more than before, and than its partner."""
+    rises, beyond = list(_differences(results).values())[:2]
+    risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
+    return (
+        f"Of {len(results)} infants whose kicks are answered, {risen} kick more in the interaction than before, and "
+        f"{more} more than the infants that are answered likewise whatever they do."
+    )
+
+
+def _predictions(results: Sequence[Result]) -> str:
+    return table_rows(
+        (
+            name,
+            interval(values).text(),
+            f"{sum(value > 0 for value in values)} of {len(values)}",
+            f"{sign_test(values):.2g}",
+        )
+        for name, values in _differences(results).items()
+    )
+
+
+def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
+    for seed, result in zip(seeds, results, strict=True):
+        for condition in CONDITIONS:
+            for slot, rate in enumerate(result.traces[f"{condition}_rate"]):
+                yield condition, seed, slot * BIN_S, rate
+
+
+def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
+    ends_min = [end_s / 60.0 for end_s in case.ends_s]
+    for name, quantity, width_s in (("rate", RATE_PER_MIN, BIN_S), ("gain", GAIN, WINDOW_S)):
+        curves = {condition: np.array([r.traces[f"{condition}_{name}"] for r in results]) for condition in CONDITIONS}
+        minutes = (np.arange(curves["contingent"].shape[1], dtype=np.float64) + 0.5) * width_s / 60.0
+        top = 1.15 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 0.1
+        bands = [
+            Band(ends_min[first : first + 2], [0.0] * 2, [top] * 2, label, "usual")
+            for first, label in ((0, "interaction"), (2, "reunion"))
+        ]
+        for condition, curve in curves.items():
+            means = [interval(column.tolist()) for column in curve.T]
+            bands.append(Band(minutes, [mean.low for mean in means], [mean.high for mean in means], condition))
+        lines = tuple(Line(minutes, curve.mean(axis=0), condition) for condition, curve in curves.items())
+        yield Plot(MINUTES, quantity, lines, tuple(bands), y_range=(0.0, top))
