@@ -81,6 +81,7 @@ def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
 def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
     key, at = f"object.{thing.name}", f"scene.xml: body[@name='{thing.entry.body}']"
     source = ["spec.scene.objects"]
-    place: Entry = {"value": thing.pos_m, "unit": "m", "rule": f"the place of its lowest point: {thing.entry.where}"}
+    rule = f"its body's, {thing.entry.origin_m:.4g} m above its lowest point, which is {thing.entry.where}"
+    place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}
     entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
     return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]
