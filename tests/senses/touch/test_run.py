@@ -41,7 +41,8 @@ def skin(
     """Return the touch of some points of some bodies."""
     parts = tuple(SkinEntry(body=name, points=len(points), spacing_m=spacing_m) for name, points in points_m.items())
     entry = TouchEntry(quantity=quantity, response=response, skin=parts)
-    stand_in: Any = SimpleNamespace(arrays={POINTS: np.concatenate([np.array(points) for points in points_m.values()])})
+    arrays = {POINTS: np.concatenate([np.array(points) for points in points_m.values()])}
+    stand_in: Any = SimpleNamespace(arrays=arrays, manifest=SimpleNamespace(prefix=""))
     return bind(entry, data.model, stand_in)
 
 
