@@ -103,7 +103,6 @@ def run(
     from mimoc import recording
     from mimoc.cli import console
     from mimoc.policies.named import policy_of
-    from mimoc.recording.sound_track import hears, sound_file
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
@@ -117,14 +116,21 @@ def run(
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
-        sound = sound_file(video) if video and hears(env) else None
-        written = [path for path in (video, sound, record) if path]
+        written = _written(env, video, record)
         _run(rollout, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     summary = rollout.summary()
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
     console.print_run(summary, runs)
     console.print_joints(act)
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
+
+
+def _written(env: "InfantEnv", video: Path | None, record: Path | None) -> list[Path]:
+    """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
+    from mimoc.recording.sound_track import hears, sound_file
+
+    sound = sound_file(video) if video and hears(env) else None
+    return [path for path in (video, sound, record) if path]
 
 
 def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
