@@ -2,8 +2,8 @@
 What an infant hears, by age
 ============================
 
-Thresholds of hearing by age, the time between the ears by the size of the head, and the sound of a cup that falls on the
-right of an infant, at both of its ears.
+Thresholds of hearing by age, the time between the ears by the size of the head, and the sound of a cup that falls on
+the right of an infant, at both of its ears.
 """
 
 import matplotlib.pyplot as plt

@@ -102,7 +102,6 @@ def run(
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc.cli import console
-    from mimoc.recording.sound_track import hears, sound_file
     from mimoc.runtime.env import InfantEnv
 
     check_video(video, eyes)
@@ -117,14 +116,21 @@ def run(
     with closing(env), ExitStack() as recorded:
         act = _policy(env, chosen)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(env, record, movement))
-        sound = sound_file(video) if video and hears(env) else None
-        written = [path for path in (video, sound, record) if path]
+        written = _written(env, video, record)
         filmed = _film(video, env, {"eyes": eyes, **options})
         summary = _run(env, act, seed, steps or getattr(act, "whole_steps", STEPS), filmed, written)
     runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
     console.print_run(summary, runs)
     console.print_joints(act)
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
+
+
+def _written(env: "InfantEnv", video: Path | None, record: Path | None) -> list[Path]:
+    """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
+    from mimoc.recording.sound_track import hears, sound_file
+
+    sound = sound_file(video) if video and hears(env) else None
+    return [path for path in (video, sound, record) if path]
 
 
 def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":

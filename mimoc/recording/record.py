@@ -246,9 +246,7 @@ def film_of(
             if film is None or video is None:
                 film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body, roots)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
-                track = SoundTrack(env) if hears(env) else None
-                if track:
-                    video.open_sound(track.rate_hz)
+                track = _open_track(env, video)
             if track:
                 track.hear(env)
             if steps * step_s * video.rate_hz >= video.pictures:
@@ -258,19 +256,28 @@ def film_of(
         try:
             yield watch
         except KeyboardInterrupt:
-            if video:
-                _save(video, track)
+            _save(video, track)
             raise
         except BaseException:
             if video:
                 video.discard()
             raise
-        if video:
-            _save(video, track)
+        _save(video, track)
 
 
-def _save(video: Video, track: SoundTrack | None) -> None:
-    """Write a video, with its sound in it if it can be there, and in a file beside it."""
+def _open_track(env: InfantEnv, video: Video) -> SoundTrack | None:
+    """Return the sound of a video without frames, if its infant hears."""
+    if not hears(env):
+        return None
+    track = SoundTrack(env)
+    video.open_sound(track.rate_hz)
+    return track
+
+
+def _save(video: Video | None, track: SoundTrack | None) -> None:
+    """Write a video, if there is one, with its sound in it if it can be there, and in a file beside it."""
+    if video is None:
+        return
     video.save(track and track.samples)
     if track:
         track.save(sound_file(video.file))

@@ -36,7 +36,7 @@ def test_there_is_no_delay_by_default():
 
 def test_the_more_specific_key_takes_precedence():
     found = entry(preset="physiological", sensory_ms=50, vision_ms=100)
-    assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100)]
+    assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100, 50)]
     assert found.motor == entry(preset="physiological").motor
 
 

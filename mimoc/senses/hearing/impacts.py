@@ -84,7 +84,8 @@ class Resonators:
         """Find out what each body is made of: the infant, the world, the objects of the scene, or toys."""
         manifest = bundle.manifest
         self.count, self.solid = model.nbody, model.body_weldid.astype(np.intp)
-        self.of_geom: IntArray = self.solid[model.geom_bodyid]
+        self._second: IntArray = self.solid[model.geom_bodyid]
+        self._first: IntArray = self._second * model.nbody
         materials = [TOYS] * model.nbody
         for body in np.flatnonzero(in_subtrees(model, [model.body(manifest.root_body).id])).tolist():
             materials[body] = "body"
@@ -101,6 +102,11 @@ class Resonators:
         self.per_kg = 1 / np.maximum(masses_kg, 1e-6)
         self.bells = [(bell, model.geom(bell).bodyid[0]) for thing in manifest.objects for bell in thing.bells]
         self._root: IntArray = model.body_rootid.astype(np.intp)
+
+    def codes(self, data: mujoco.MjData) -> list[int]:
+        """Return the two bodies of each contact as one number: that of bodies x the first + the second."""
+        first, second = data.contact.geom.T
+        return (self._first.take(first) + self._second.take(second)).tolist()
 
     def impact(self, data: mujoco.MjData, contact: int, first: int, second: int) -> Iterator[Impact]:
         """Yield what is heard of a contact that two bodies have just made."""
@@ -162,10 +168,8 @@ class Contacts:
     def impacts(self, data: mujoco.MjData) -> list[Impact]:
         """Return what is heard of contacts that were made since the last physics step, and of bells that swing."""
         known, time_s, impacts = self.last_s, data.time, list[Impact]()
-        solids = self._resonators.of_geom.take(data.contact.geom)
-        codes = (solids[:, 0] * self._resonators.count + solids[:, 1]).tolist()
-        for contact, code in enumerate(codes):
-            if code in known and time_s - known[code] < APART_S:
+        for contact, code in enumerate(self._resonators.codes(data)):
+            if time_s - known.get(code, -1.0) < APART_S:
                 known[code] = time_s
             elif data.contact.efc_address[contact] >= 0:
                 known[code] = time_s
@@ -187,6 +191,4 @@ class Contacts:
         """Begin an episode, in which what touches now has always touched."""
         self.last_s.clear()
         self.ringing.clear()
-        solids = self._resonators.of_geom.take(data.contact.geom)
-        for code in (solids[:, 0] * self._resonators.count + solids[:, 1]).tolist():
-            self.last_s[code] = data.time
+        self.last_s.update(dict.fromkeys(self._resonators.codes(data), data.time))

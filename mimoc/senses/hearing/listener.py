@@ -5,6 +5,7 @@ samples        |.....|.....|.....|.....|  mixed when the sense is sampled, of al
 the sense            ^           ^        so that they follow each other without a gap
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,14 +22,18 @@ from mimoc.senses.hearing.impacts import Contacts, Impact, Resonators
 from mimoc.senses.hearing.mixing import Mixer, Source
 from mimoc.senses.hearing.own_voice import OwnVoice
 from mimoc.senses.hearing.playback import Playback
-from mimoc.senses.hearing.timbres import Head, Timbre, resampled
+from mimoc.senses.hearing.timbres import Head, Timbre, partials_of, resampled
 from mimoc.senses.sense import FloatArray
+
+CLOSE_DB = 10.0
+"""Impacts end when all their partials are so far below their thresholds at the head: within 25 ms they are 7 dB louder
+than within the 125 ms of their level."""
 
 
 class Listener(Companion):
     """The ears of one infant: the sound pressure at each, of all sounds in its world."""
 
-    def __init__(self, entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle, samples: int, least_db: float):
+    def __init__(self, entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle, samples: int):
         """Listen in a model.
 
         Args:
@@ -36,10 +41,10 @@ class Listener(Companion):
             model: The model.
             bundle: The infant.
             samples: How many samples are kept.
-            least_db: Level of impacts at the head below which they are left out.
         """
         self._head = Head(entry.radius_m, float(entry.sample_rate_hz))
-        self._body, self._least_db = model.body(entry.head).id, least_db
+        self._body = model.body(entry.head).id
+        self._thresholds = np.log(entry.threshold_hz or (1.0,)), np.array(entry.threshold_db or (0.0,))
         self._timestep_s, self._samples = model.opt.timestep, samples
         self._contacts = Contacts(Resonators(model, bundle))
         self._mixer = Mixer(self._head, self._body, entry.centre_m)
@@ -76,7 +81,8 @@ class Listener(Companion):
         if impacts := self._contacts.impacts(data):
             start = (data.time - self._timestep_s) * self._head.sample_rate_hz
             head_m = data.xpos[self._body]
-            self._mixer.add([_of_impact(one, start) for one in impacts if self._is_heard(one, head_m)])
+            sources = [self._source(impact, start, head_m) for impact in impacts]
+            self._mixer.add([source for source in sources if source.lasts])
 
     def heard(self, data: mujoco.MjData) -> FloatArray:
         """Return the sound pressure at the left and the right ear until now, shape (2, samples), in [Pa]."""
@@ -101,9 +107,15 @@ class Listener(Companion):
         self.index = 0
         """Samples since the start of the episode."""
 
-    def _is_heard(self, impact: Impact, head_m: FloatArray) -> bool:
-        distance_m = max(float(np.linalg.norm(impact.place_m - head_m)), self._head.radius_m)
-        return impact.level_db - 20 * np.log10(distance_m) > self._least_db
+    def _source(self, impact: Impact, start: float, head_m: FloatArray) -> Source:
+        """Return the source of an impact, which ends when all its partials are well below their thresholds."""
+        frequencies_hz, shares = partials_of(impact.timbre, self._head)
+        distance_m = max(math.dist(impact.place_m, head_m), self._head.radius_m)
+        levels_db = impact.level_db + CLOSE_DB + 20 * np.log10(shares / distance_m)
+        margins_db = levels_db - np.interp(np.log(frequencies_hz), *self._thresholds)
+        heard_ms = float((margins_db / frequencies_hz).max()) * frequencies_hz[0] * impact.timbre.duration_ms / 60
+        lasts = max(heard_ms, 0.0) / 1000 * self._head.sample_rate_hz
+        return Source(impact.timbre, 10 ** (impact.level_db / 20), start, 0, impact.place_m, lasts)
 
     def _begin_sounds(self, data: mujoco.MjData) -> None:
         """Let sounds of others begin that have not yet."""
@@ -138,8 +150,8 @@ class Listener(Companion):
     def state(self, state: dict[str, Any]) -> None:
         check_form(state, {"index": 0, "pressure": self.pressure_pa}, "companions.hearing")
         sources = [
-            Source(what if isinstance(what, np.ndarray) else Timbre(*what), gain, start, body, point_m)
-            for what, gain, start, body, point_m in state["sources"]
+            Source(what if isinstance(what, np.ndarray) else Timbre(*what), *others)
+            for what, *others in state["sources"]
         ]
         for name in ("delays", "gains"):
             demand(np.shape(state[name]) == (len(sources), 2), f"companions.hearing.{name}", state[name])
@@ -152,10 +164,6 @@ class Listener(Companion):
         self._mixer.restore(sources, state["delays"], state["gains"])
 
 
-def _of_impact(impact: Impact, start: float) -> Source:
-    return Source(impact.timbre, 10 ** (impact.level_db / 20), start, 0, impact.place_m)
-
-
 def _listed(source: Source) -> list[Any]:
     what = list(source.what) if isinstance(source.what, Timbre) else source.what
-    return [what, source.gain, source.start, source.body, source.point_m]
+    return [what, source.gain, source.start, source.body, source.point_m, source.lasts]

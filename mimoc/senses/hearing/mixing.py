@@ -8,6 +8,7 @@ with the wave w and its low part v, the delay d = distance / c + T(β), a = a(β
 (`mimoc.geometry.spherical_head`).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +17,7 @@ import mujoco
 import numpy as np
 
 from mimoc.geometry.spherical_head import SOUND_M_S, ear_angles, ear_delays_s, high_share
-from mimoc.senses.hearing.timbres import FINER, Head, Timbre, Wave, wave_of, wave_of_pressure
+from mimoc.senses.hearing.timbres import FINER, LONGEST_S, Head, Timbre, Wave, wave_of, wave_of_pressure
 from mimoc.senses.sense import FloatArray, IntArray
 
 SILENCE = np.zeros(2, np.complex64)
@@ -39,6 +40,8 @@ class Source:
     """The body that it is on."""
     point_m: FloatArray
     """Its place in the frame of that body, shape (3,)."""
+    lasts: float = math.inf
+    """Samples after which nobody hears it any more."""
 
     def wave(self, head: Head) -> Wave:
         """Return its wave."""
@@ -93,6 +96,7 @@ class Mixer:
         first += self._offsets[:, None, None]
         wave = self._bank.take(first)
         wave += (places - whole).astype(np.float32) * (self._bank.take(first + 1) - wave)
+        wave *= whole < self._lengths[:, None, None]
         wave *= gains_before[..., None] + ((gains - gains_before) / count)[..., None] * later
         self.delays, self.gains = delays, gains
         self._keep(np.flatnonzero(places[:, :, -1].min(axis=1) < self._lengths))
@@ -127,7 +131,8 @@ class Mixer:
             starts[key] = sum(map(len, bank))
             bank += [wave, SILENCE]
         self._bank = np.concatenate(bank)
-        self._lengths = np.array([len(waves[key]) for key in keys], np.intp)
+        ends = [FINER * min(source.lasts, LONGEST_S * self._head.sample_rate_hz) for source in sources]
+        self._lengths = np.array([min(len(waves[key]), int(end)) for key, end in zip(keys, ends, strict=True)], np.intp)
         self._offsets = np.array([starts[key] for key in keys], np.intp)
         self._starts = np.array([source.start for source in sources])
         self._loudness = np.array([source.gain for source in sources])

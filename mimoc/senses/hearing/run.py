@@ -13,7 +13,7 @@ from mimoc.base.sound import SoundSources
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.senses.hearing import HearingEntry
-from mimoc.senses.hearing.cochlea import Bands, band_centres_hz, thresholds_at
+from mimoc.senses.hearing.cochlea import REFERENCE_PA, Bands, band_centres_hz, thresholds_at
 from mimoc.senses.hearing.listener import Listener
 from mimoc.senses.hearing.playback import checked_playback
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
@@ -22,8 +22,6 @@ WINDOW_S = 0.025
 """Time over which levels of bands are means, weighted by a Hann window, as is usual for speech."""
 LOUDEST_PA, LOUDEST_DB = 20.0, 140.0
 """Bounds of the observation: 120 dB, and what is above a threshold of adults then."""
-BELOW_DB = 10.0
-"""Impacts that are so far below the lowest threshold at the head are left out."""
 EARS = "left", "right"
 
 
@@ -36,6 +34,7 @@ class Output(ABC):
     def __init__(self, bands: Bands, thresholds_db: FloatArray, has_thresholds: bool):
         """Hear in some bands, with the threshold of each, or with none of all."""
         self.bands, self.thresholds_db, self.has_thresholds = bands, thresholds_db, has_thresholds
+        self._least_pa = REFERENCE_PA * 10 ** (float(thresholds_db.min()) / 20)
 
     @property
     @abstractmethod
@@ -45,6 +44,10 @@ class Output(ABC):
     @abstractmethod
     def __call__(self, pressure_pa: FloatArray) -> FloatArray:
         """Return the numbers of each ear, shape (2, n), from the sound pressure of the window, (2, samples)."""
+
+    def is_silent(self, pressure_pa: FloatArray) -> bool:
+        """Return whether no sample is as large as the root mean square of what is just heard in any band."""
+        return bool(max(pressure_pa.max(), -pressure_pa.min()) < self._least_pa)
 
     def above_threshold_db(self, pressure_pa: FloatArray) -> FloatArray:
         """Return how far the level of each band is above its threshold, shape (2, channels)."""
@@ -63,7 +66,7 @@ class Cochleagram(Output):
 
     def __call__(self, pressure_pa: FloatArray) -> FloatArray:
         """Return the levels of all bands."""
-        if not pressure_pa.any():
+        if self.is_silent(pressure_pa):
             return np.zeros((len(EARS), len(self.thresholds_db)))
         return np.maximum(self.above_threshold_db(pressure_pa), 0.0)
 
@@ -93,8 +96,10 @@ class Waveform(Output):
 
     def __call__(self, pressure_pa: FloatArray) -> FloatArray:
         """Return the samples of the window, which is as long as a control step."""
-        if not self.has_thresholds or not pressure_pa.any():
+        if not self.has_thresholds:
             return pressure_pa.copy()
+        if self.is_silent(pressure_pa):
+            return np.zeros_like(pressure_pa)
         return pressure_pa * (self.above_threshold_db(pressure_pa).max(axis=1, keepdims=True) > 0)
 
 
@@ -145,6 +150,5 @@ def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
     centres_hz = band_centres_hz(entry.channels, rate_hz)
     thresholds_db = thresholds_at(centres_hz, entry.threshold_hz, entry.threshold_db)
     output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
-    least_db = float(thresholds_db.min()) - BELOW_DB
     kept = max(2 * step, len(window))  # As long as it can be between two samples of the sense.
-    return Hearing(output, Listener(entry, model, bundle, kept, least_db), model.body(entry.head).id)
+    return Hearing(output, Listener(entry, model, bundle, kept), model.body(entry.head).id)

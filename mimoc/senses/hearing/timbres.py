@@ -91,17 +91,24 @@ def resampled(pressure_pa: FloatArray, rate_hz: float, wanted_hz: float) -> Floa
 
 def _impact(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
     """Return partials that decay together with their periods: each by 60 dB within the same number of them."""
-    frequencies_hz = _below(timbre.fundamental_hz * PARTIALS, head)
+    frequencies_hz, sizes = partials_of(timbre, head)
     decays_s = timbre.duration_ms / 1000 / math.log(1000) * frequencies_hz[0] / frequencies_hz
-    sizes = 1 / (np.arange(len(frequencies_hz)) + 1)
-    energy = float(np.sum(sizes**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
-    sizes /= 1 + (2e-3 * frequencies_hz * timbre.contact_ms) ** 2
+    hard = 1 / (np.arange(len(frequencies_hz)) + 1)
+    energy = float(np.sum(hard**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
     ends = np.minimum(1.0, (times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 2))
     wave = np.zeros(len(times_s), complex)
     for frequency_hz, decay_s, size in zip(frequencies_hz, decays_s, sizes, strict=True):
         partial = np.exp(-times_s / decay_s) * np.sin(2 * np.pi * frequency_hz * times_s)
         wave += size * (1 + 1j * low_part(frequency_hz, head.radius_m)) * partial
     return ends * wave / math.sqrt(energy / IMPACT_S)
+
+
+@lru_cache(maxsize=256)
+def partials_of(timbre: Timbre, head: Head) -> tuple[FloatArray, FloatArray]:
+    """Return the frequencies of an impact's partials, and their amplitudes relative to the first of a hard contact."""
+    frequencies_hz = _below(timbre.fundamental_hz * PARTIALS, head)
+    softness = 2e-3 * frequencies_hz * timbre.contact_ms
+    return frequencies_hz, 1 / (np.arange(len(frequencies_hz)) + 1) / (1 + softness**2)
 
 
 def _harmonic(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
