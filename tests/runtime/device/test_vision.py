@@ -191,7 +191,9 @@ def test_eyes_of_different_sizes_cannot_share_a_batch():
 
 
 def test_eyes_out_of_focus_are_refused_in_one_line():
-    with pytest.raises(DeviceError, match=r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on"):
+    with pytest.raises(
+        DeviceError, match=r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on"
+    ):
         mimoc.make_vec([build(1, focus="age")], device=DEVICE)
 
 

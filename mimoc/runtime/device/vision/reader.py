@@ -71,7 +71,6 @@ class Filters:
             pictures[worlds] = warped.permute(2, 3, 0, 1, 4)
         return pictures.clamp(0, 255).round().to(torch.uint8).reshape(len(pictures), -1)
 
-
     def _fields(self, entry: VisionEntry, fovy_deg: float) -> tuple[FloatArray, FloatArray]:
         """Return where an infant sees, and how much it notices, shape (height, width) each."""
         size = *self._size[::-1], fovy_deg
