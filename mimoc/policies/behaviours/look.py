@@ -27,8 +27,8 @@ NECK_WEIGHT, DAMPING = 0.05, 0.1
 class Look(Behaviour):
     """Turns eyes and head to a target, such that the eyes rest in the middle of their ranges.
 
-    With a vergence v below 1 (`senses.vision.vergence`), an eye at p turns as one at v p + (1 - v) q would, with q midway
-    between the eyes: with 0, both are parallel.
+    With a vergence v below 1 (`senses.vision.vergence`), an eye at p turns as one at v p + (1 - v) q would, with q
+    midway between the eyes: with 0, both are parallel.
     """
 
     def __init__(self, subject: Subject, target: Target):

@@ -104,7 +104,8 @@ def _immaturities(entry: Any) -> Iterator[str]:
             "degree."
         )
     if entry.purity_threshold is not None:
-        yield f"Sees colours of a purity from {100 * entry.purity_threshold:.2g} % on, {entry.chroma_gain:.0%} as strong."
+        share = f"{100 * entry.chroma_gain:.0f} % as strong"
+        yield f"Sees colours of a purity from {100 * entry.purity_threshold:.2g} % on, {share}."
     if entry.noticed_deg is not None:
         yield f"Notices what is within {entry.noticed_deg:.0f}° of where it looks."
     if entry.unfocused:

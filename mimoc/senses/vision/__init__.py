@@ -98,8 +98,8 @@ class VisionSpec(Model):
     """Accommodation: `off` (all is in focus), `age`, `adult`, or that of an age in months. Until four months, what is
     nearer or farther than 25 cm is out of focus."""
     vergence: Maturity | None = None
-    """How far the policy `look_at` turns both eyes to one point: `off` and `adult` (wholly), `age`, or an age in months;
-    until three months not at all: they stay parallel."""
+    """How far the policy `look_at` turns both eyes to one point: `off` and `adult` (wholly), `age`, or an age in
+    months; until three months not at all: they stay parallel."""
     fovea: Maturity | None = None
     """Maturity of the fovea, which lessens `foveation`: `off` and `adult` (all of it), `age`, or an age in months."""
     flicker: Maturity | None = None

@@ -53,14 +53,14 @@ CHROMA_GAIN = AgeCurve(
 )
 ADULT_PURITY, KNOBLAUCH_MONTHS, KNOBLAUCH_EXPONENT = 0.005, 192.0, 0.95
 PURITY = AgeCurve(
-    {0: 0.5}
+    {0.0: 0.5}
     | {
         months: ADULT_PURITY * (KNOBLAUCH_MONTHS / months) ** KNOBLAUCH_EXPONENT
-        for months in (3, 4, 6, 9, 12, 18, 24, 36)
+        for months in (3.0, 4.0, 6.0, 9.0, 12.0, 18.0, 24.0, 36.0)
     },
     ADULT_PURITY,
-    "half at birth (.41 to .65 by colour, Adams & Courage 1998), from three months on .005 (192 / months)^.95 (Knoblauch "
-    "et al. 2001: nearly half with each doubling of age), evenly in between (derived)",
+    "half at birth (.41 to .65 by colour, Adams & Courage 1998), from three months on .005 (192 / months)^.95 "
+    "(Knoblauch et al. 2001: nearly half with each doubling of age), evenly in between (derived)",
     is_logarithmic=True,
 )
 NOTICED_DEG = AgeCurve(
@@ -71,8 +71,8 @@ NOTICED_DEG = AgeCurve(
 UNFOCUSED = AgeCurve(
     {0: 1.0, 1.5: 1.0, 4: 0.0},
     0.0,
-    "derived: fixed focus near 25 cm at birth (19 cm in Haynes et al. 1965, 30 in Hainline et al. 1992), near adults' at "
-    "four months",
+    "derived: fixed focus near 25 cm at birth (19 cm in Haynes et al. 1965, 30 in Hainline et al. 1992), near adults' "
+    "at four months",
 )
 FOCUS_DEPTH_DIOPTRES = AgeCurve(
     {1: 1.0, 3: 0.5}, 0.5, "depth of focus (Banks 1980 as quoted from memory): ± 1 dioptre at 1, .5 at 3 months"
@@ -83,8 +83,8 @@ VERGENCE = AgeCurve(
 FLICKER_HZ = AgeCurve(
     {2: 2.0, 3: 5.0, 4: 10.0, 6: 15.0},
     50.0,
-    "derived: a low-pass filter whose limit is near the frequency that infants see best (Rasengane et al. 1997, Hartmann "
-    "& Banks 1992)",
+    "derived: a low-pass filter whose limit is near the frequency that infants see best (Rasengane et al. 1997, "
+    "Hartmann & Banks 1992)",
 )
 ITERATIONS = 100
 """More than enough for all digits that are written of any sensitivity from 3 on."""
@@ -97,7 +97,7 @@ SENSITIVITY_PEAK_RULE = (
 
 def maturity_of(vision: VisionSpec, age_months: float) -> dict[str, Any]:
     """Return the fields of a `VisionEntry` that say how mature eyes are, of those that are not off."""
-    fields = {name: curve(maturity, age_months) for name, maturity, curve in _asked(vision)}
+    fields: dict[str, Any] = {name: curve(maturity, age_months) for name, maturity, curve in _asked(vision)}
     if "sensitivity" in fields:
         fields["contrast"] = "threshold"
         acuity_cpd = resolve_acuity(vision, age_months) or _acuity_of(vision.contrast, vision, age_months)
@@ -196,4 +196,5 @@ UNITS = {
 }
 """Units of those that have one."""
 LIMITED_IN_ADULTS = ("purity_threshold", "chroma_gain")
-"""What has an entry for adults, too; their flicker fusion, at 50 Hz and more, is beyond what 100 pictures a second show."""
+"""What has an entry for adults, too; their flicker fusion, at 50 Hz and more, is beyond what 100 pictures a second
+show."""

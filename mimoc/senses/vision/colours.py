@@ -23,9 +23,9 @@ from mimoc.senses.vision.thresholds import Bands, Transform, above_threshold, st
 RED, GREEN, BLUE = 0.2126, 0.7152, 0.0722
 """Share of each in luminance, by recommendation BT.709 of the ITU."""
 CHROMA_ACUITY = 0.5
-"""Finest chroma that is seen, relative to the finest grating in luminance: derived, and a guess at most ages."""
+"""Finest chroma that is seen, relative to the finest grating in luminance: a guess."""
 LEAST_PURITY = 0.01
-"""Pictures of 8 bits hold no finer difference from grey, so that a lower threshold, such as adults', changes nothing."""
+"""Pictures of 8 bits hold no finer difference from grey: a lower threshold, such as adults', changes nothing."""
 TINY = 1e-6
 """Of 255 levels; below it, there is no colour."""
 

@@ -40,7 +40,7 @@ class Lens:
     depth_dioptres: float
     """Defocus that blurs nothing."""
 
-    def disc_deg(self, distance_m: FloatArray | float) -> FloatArray:
+    def disc_deg(self, distance_m: npt.NDArray[np.floating] | float) -> FloatArray:
         """Return the diameter of the disc that a point at a distance is seen as."""
         away = np.abs(1 / np.maximum(distance_m, NEAREST_M) - 1 / FOCUSED_M)
         return DEG_PER_DIOPTRE_MM * PUPIL_MM * np.maximum(self.unfocused * away - self.depth_dioptres, 0)

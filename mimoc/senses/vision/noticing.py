@@ -34,7 +34,8 @@ def fade(pictures: Any, share: Any) -> Any:
 
     Args:
         pictures: Shape (..., height, width, colours).
-        share: How much of each pixel is noticed, shape (..., height, width, 1).
+        share: How much of each pixel is noticed, shape (..., height, width, 1 or colours).
     """
-    mean = (pictures * share).sum((-3, -2))[..., None, None, :] / share.sum((-3, -2))[..., None, None, :]
-    return mean + (pictures - mean) * share
+    noticed = pictures * share
+    mean = noticed.sum((-3, -2))[..., None, None, :] / share.sum((-3, -2))[..., None, None, :]
+    return noticed + mean * (1 - share)

@@ -106,7 +106,7 @@ def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
     if entry.noticed_deg is not None:
         share = noticed_share(*drawn, fovy_deg, entry.noticed_deg)
         if share.min() < 1:
-            chain.append(partial(fade, share=share[..., None]))
+            chain.append(partial(fade, share=np.repeat(share[..., None], 3, axis=-1)))  # Three times as fast as one.
     if entry.supersample > 1:
         chain.append(partial(average_down, times=entry.supersample))
     if entry.foveation:

@@ -135,7 +135,7 @@ def threshold_bands(
     left = np.ones_like(sensitivity) if acuity_cpd is None else (1 - frequencies_cpd / acuity_cpd).clip(0)
     pairs = []
     for weight in weights:
-        rows, columns = (_grid_size(reach) for reach in (weight.any(axis=1), weight.any(axis=0)))
+        rows, columns = (_grid_size(reach) for reach in (weight.max(axis=1) > 0, weight.max(axis=0) > 0))
         scale = np.sqrt(rows * columns / (height * width))
         pairs.append(_kept(scale * np.stack([weight * sensitivity * (left > 0), weight * left])[:, :rows, :columns]))
     return Bands(_kept((1 - np.sum(weights, axis=0)).clip(0) * left), tuple(pairs))
@@ -172,7 +172,7 @@ def forward(planes: Planes) -> Planes:
     rows, columns = planes.shape[-2:]
     if max(rows, columns) > PRODUCT_PX:
         return np.asarray(fft.dctn(planes, axes=(-2, -1), norm="ortho"))
-    return cosines(rows) @ planes @ cosines(columns).T
+    return np.matmul(np.matmul(cosines(rows), planes), cosines(columns).T)
 
 
 def inverse(spectrum: Planes) -> Planes:
@@ -180,7 +180,7 @@ def inverse(spectrum: Planes) -> Planes:
     rows, columns = spectrum.shape[-2:]
     if max(rows, columns) > PRODUCT_PX:
         return np.asarray(fft.idctn(spectrum, axes=(-2, -1), norm="ortho"))
-    return cosines(rows).T @ spectrum @ cosines(columns)
+    return np.matmul(np.matmul(cosines(rows).T, spectrum), cosines(columns))
 
 
 NUMPY = Transform(forward, inverse, np)

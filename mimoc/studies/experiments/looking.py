@@ -41,7 +41,7 @@ THRESHOLD_SHARES: Sequence[float] = np.geomspace(0.7, 1.6, 14).tolist()
 """Contrasts of gratings, relative to the entered threshold."""
 MOST_CONTRAST, PROBE = 0.85, 0.5
 """Of a card at most, and of the one by which it is found out how much contrast pictures of it have."""
-CUT_OFFS_CPD = {1: 2.4, 3: 4.0}
+CUT_OFFS_CPD = {1.0: 2.4, 3.0: 4.0}
 """Of Banks & Salapatek 1978, Invest Ophthalmol Vis Sci 17: 361, by preferential looking."""
 
 
@@ -135,11 +135,12 @@ def contrast_thresholds(age_months: float) -> Iterator[tuple[float, Threshold]]:
     """Yield the frequencies at which an infant's contrast threshold can be measured, with it."""
     eyes = eyes_of(age_months, MATURING)
     entry = looking_infant(eyes).manifest.senses.vision
-    assert entry is not None and entry.sensitivity and entry.sensitivity_peak_cpd, "it has a contrast threshold"
+    assert entry is not None, "it sees"
+    peak, peak_cpd = entry.sensitivity or math.nan, entry.sensitivity_peak_cpd or math.nan
     for wanted_cpd in CONTRAST_CPD:
         with CardTrial(eyes, wanted_cpd) as trial:
             frequency_cpd = trial.frequency_cpd
-            entered = 1 / float(sensitivity_at(np.array(frequency_cpd), entry.sensitivity, entry.sensitivity_peak_cpd))
+            entered = 1 / float(sensitivity_at(np.array(frequency_cpd), peak, peak_cpd))
             if entered * THRESHOLD_SHARES[-1] > MOST_CONTRAST:
                 continue
             drawn_share = float(trial.look(PROBE).drawn[1]) / PROBE  # Textures are smoothed where they are drawn small.
@@ -217,5 +218,5 @@ def _contrast_plot(contrasts: dict[float, list[tuple[float, Threshold]]]) -> Plo
         y=Quantity("sensitivity", "Contrast sensitivity", "log10"),
         lines=tuple(lines),
         dots=tuple(dots),
-        title="Contrast sensitivity: entered (lines) and measured",
+        title="Contrast sensitivity",
     )

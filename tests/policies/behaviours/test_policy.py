@@ -244,3 +244,19 @@ def test_a_behaviour_from_outside_goes_with_the_others(nine):
         assert ran(nine, "sit+nod", 1.0).summary().metrics["held_share"] == 1.0
     finally:
         POLICIES.remove("nod")
+
+
+@pytest.mark.parametrize(("vergence", "share"), [("off", 1.0), (3, 0.0), (4, 0.5)])
+def test_eyes_converge_on_what_is_near_as_far_as_they_are_mature(vergence, share):
+    env = infant(9, senses={"vision": {"width_px": 8, "height_px": 8, "vergence": vergence}})
+    run, place_m, apart_deg = Run(env, "sit+look_at(0.45, 0, 0.35)", seed=0), (0.45, 0, 0.35), []
+    cameras = [env.data.camera(f"eye_{side}") for side in ("left", "right")]
+    for _ in range(200):
+        run.step()
+        lines = [-camera.xmat.reshape(3, 3)[:, 2] for camera in cameras]
+        wanted = [(place_m - camera.xpos) / np.linalg.norm(place_m - camera.xpos) for camera in cameras]
+        apart_deg.append([np.degrees(np.arccos(min(a @ b, 1.0))) for a, b in (lines, wanted)])
+    turned_deg, needed_deg = np.mean(apart_deg[100:], axis=0)
+    assert needed_deg > 5
+    assert turned_deg == pytest.approx(share * needed_deg, abs=0.6)
+    env.close()
