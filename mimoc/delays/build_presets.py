@@ -9,6 +9,7 @@ each sense is in its record.
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
     Delays of a preset are rounded to whole physics steps; those that a spec gives are whole already.
     """
     bodies = {body.name for body in tree.bodies}
-    delays = {signal: _longer(_delay(spec, signal), spec, bodies) for signal in signals()}
+    delays: dict[str, Any] = {signal: _longer(_delay(spec, signal), spec, bodies) for signal in signals()}
     entry = DelaysEntry(**delays, legs=tuple(leg for leg in LEGS if leg in bodies))
     return entry.model_copy(update={"processing": processing(spec, entry)})
 

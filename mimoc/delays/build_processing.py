@@ -13,8 +13,8 @@ SIGHT = "vision"
 SACCADE_MS: Mapping[float, float] = dict(
     zip((0, 1, 2, 3, 4, 6, 8.5, 12, 24), (800, 600, 500, 450, 420, 350, 300, 250, 230), strict=True)
 )
-"""From a new target to the beginning of a saccade, by months. Derived (D): below 500 ms on many trials at 1 and 2 months
-(R), 242 to 250 at 9 to 15 (S)."""
+"""From a new target to the beginning of a saccade, by months. Derived (D): below 500 ms on many trials at 1 and 2
+months (R), 242 to 250 at 9 to 15 (S)."""
 REACH_MS: Mapping[float, float] = {4: 1500, 6: 600, 8.5: 500, 12: 450, 24: 400}
 """From a seen object to the first movement of the hand, by months (from memory, M); earlier as at 4."""
 ADULT_SACCADE_MS, ADULT_REACH_MS = 180.0, 250.0
@@ -33,8 +33,8 @@ VARIES = "an infant's responses vary by .35 of their mean until 4 months, by .2 
 def processing(spec: InfantSpec, delays: DelaysEntry) -> ProcessingEntry | None:
     """Return the decisions of an infant with some delays, or None if it decides at once.
 
-    A response of mean t and variation v, of which conduction takes c, has a decision of mean d = max(t - c, 60 ms) and of
-    variation v t / d, so that the whole response varies by v.
+    A response of mean t and variation v, of which conduction takes c, has a decision of mean d = max(t - c, 60 ms) and
+    of variation v t / d, so that the whole response varies by v.
     """
     if spec.delays.processing in (None, "off"):
         return None

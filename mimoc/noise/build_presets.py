@@ -42,7 +42,8 @@ def _option(sense: str) -> NoiseOption:
 def _by_age(option: NoiseOption, amount: float | str | None, age_months: float) -> float:
     """Return an amount of noise as it is given, or that of the infant's age or of adults."""
     if amount == "age":
-        return float(np.interp(age_months, *zip(*option.by_age, strict=True)))
+        months, amounts = zip(*option.by_age, strict=True)
+        return float(np.interp(age_months, months, amounts))
     return option.adult if isinstance(amount, str) else amount or 0.0
 
 

@@ -1,7 +1,7 @@
 """The `noise` of a spec and of a manifest: of the commands, of each sense that has one, and of the delays."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, Union
 
 from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
@@ -26,20 +26,15 @@ def _kind_of_amount(value: Any) -> str | None:
     return "number" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-def _number_or_word(number: Any, words: Any, wanted: str) -> Any:
-    """Return the type of an amount that a number gives, or a word; *wanted* is what errors ask for."""
-    return Annotated[
-        Annotated[words, Tag("word")] | Annotated[number, Tag("number")],
-        Discriminator(_kind_of_amount),
-        Field(json_schema_extra={"wanted": wanted}),
-    ]
+def _discriminated(wanted: str) -> tuple[Any, ...]:
+    """Return what tells numbers from words, and what errors ask for."""
+    return Discriminator(_kind_of_amount), Field(json_schema_extra={"wanted": wanted})
 
 
-MotorNoise: TypeAlias = _number_or_word(
-    Annotated[Real, Field(ge=0, le=1)],
-    Literal["maturing"],
-    "a share of the command; write a number from 0 to 1, or maturing",
-)
+MotorNoise: TypeAlias = Annotated[
+    Annotated[Literal["maturing"], Tag("word")] | Annotated[Annotated[Real, Field(ge=0, le=1)], Tag("number")],
+    *_discriminated("a share of the command; write a number from 0 to 1, or maturing"),
+]
 """A share of the command, or that of the infant's age."""
 
 
@@ -49,15 +44,17 @@ def noise_keys() -> dict[str, str]:
 
 
 def _spec_fields() -> dict[str, FieldInfo]:
-    fields = {}
+    fields, word = {}, Annotated[Literal["age", "adult"], Tag("word")]
     for name, key in noise_keys().items():
         noise: Any = SENSES[name].noise
         amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
         if noise.by_age:
             wanted = f"an amount of noise; write a number from 0 to {noise.most:g}, age or adult"
-            amount = _number_or_word(amount, Literal["age", "adult"], wanted)
-        recent = noise.is_recent
-        fields[key] = described_field(amount | None if recent else amount, None if recent else 0.0, noise.about)
+            either: Any = Union[word, Annotated[amount, Tag("number")]]  # noqa: UP007 - Checkers do not know `|` here.
+            amount = Annotated[either, *_discriminated(wanted)]
+        if noise.is_recent:
+            amount = Union[amount, None]  # noqa: UP007
+        fields[key] = described_field(amount, None if noise.is_recent else 0.0, noise.about)
     return fields
 
 

@@ -72,8 +72,8 @@ def held(xp: Any, elapsed_s: float, time_constants_s: Any) -> tuple[Any, Any]:
 class Lags(Filter):
     """A linear filter of numbers, H(s) = d + Σ w / (1 + T s) over p lags: the partial fractions of H.
 
-    State and sample, one after the other, become response and state by a matrix that depends on the time between samples
-    alone: of few calls of NumPy, as a single infant pays for each.
+    State and sample, one after the other, become response and state by a matrix that depends on the time between
+    samples alone: of few calls of NumPy, as a single infant pays for each.
     """
 
     direct: FloatArray
@@ -157,5 +157,5 @@ def lags_of(
     numerators = np.prod([at * time_s for time_s in high_passes_s] + [1.0 + at * lead_s for lead_s in leads_s], axis=0)
     others = 1.0 + at[:, None] * poles_s
     np.fill_diagonal(others, 1.0)
-    direct = np.prod(leads_s) / np.prod(lags_s)
+    direct = float(np.prod(leads_s) / np.prod(lags_s))
     return Lags(np.array([direct]), numerators / others.prod(axis=1), poles_s, np.eye(count), first)

@@ -52,7 +52,7 @@ def device_worlds(data: mjw.Data) -> Worlds:
         return counts[group_of_geom]
 
     def contacts(group_of_geom: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        """Return the world of each contact, its groups, its rows of constraints, and whether there is such a contact."""
+        """Return the world of each contact, its groups, its rows of constraints, and whether it touches."""
         contact = data.contact
         world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
         is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(data.nacon)

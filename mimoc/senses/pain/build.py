@@ -12,11 +12,11 @@ from mimoc.mjcf.scene import Placed
 from mimoc.senses.pain import PainEntry, PainRegion, PainSpec
 
 WITHDRAWAL_MN: Mapping[float, float] = {0: 12.0, 3: 20.0, 6: 30.0, 12: 45.0}
-"""Force of a von Frey hair on the sole at which the leg is withdrawn, by months: 12 mN at three days and 45 at 12 months
-are medians (Kühne et al. 2012), those between are derived (D)."""
+"""Force of a von Frey hair on the sole at which the leg is withdrawn, by months: 12 mN at three days and 45 at 12
+months are medians (Kühne et al. 2012), those between are derived (D)."""
 HAIR_MM2, HAIR_MN = 0.045, 12.0
-"""Area of the tip of the hair that bends at a force (from memory, M); that of others is as the root of their force, since
-hairs of one length bend at a force like the fourth power of their diameter (Euler)."""
+"""Area of the tip of the hair that bends at a force (from memory, M); that of others is as the root of their force,
+since hairs of one length bend at a force like the fourth power of their diameter (Euler)."""
 OTHER_SKIN = 3.0
 """Threshold of skin that is not of hands, feet or head, relative to the sole's, as that at the knee is (Andrews &
 Fitzgerald 1994: higher towards the knee; the factor is derived, D). Hands and head are assumed to be as the sole is."""

@@ -1,6 +1,7 @@
 """Pain: pressure of contacts and strain of joints beyond their thresholds, which fades."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import mujoco
@@ -23,8 +24,8 @@ MOST = 100.0
 class Pain(Term):
     """How far the worst of a region exceeds its threshold, in thresholds, shape (k, g).
 
-    With the largest force F of a contact on a region, the angle b of its joint that is forced farthest beyond its range,
-    and their thresholds F₀ and b₀: max(F / F₀ - 1, b / b₀ - 1, 0).
+    With the largest force F of a contact on a region, the angle b of its joint that is forced farthest beyond its
+    range, and their thresholds F₀ and b₀: max(F / F₀ - 1, b / b₀ - 1, 0).
     """
 
     region_of_geom: IntArray
@@ -73,7 +74,7 @@ def bind(entry: PainEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
     joints = [name for region in entry.regions for name in region.joints]
     ends = np.cumsum([0, *(len(region.joints) for region in entry.regions)])
     table = np.full((len(entry.regions), max(1, *np.diff(ends))), len(joints))
-    for number, (first, last) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for number, (first, last) in enumerate(pairwise(ends)):
         table[number, : last - first] = np.arange(first, last)
     ids = np.array([model.joint(name).id for name in joints], np.intp)
     low_rad, high_rad = np.where(model.jnt_limited[ids], model.jnt_range[ids].T, [[-np.inf], [np.inf]])

@@ -48,7 +48,7 @@ def stroking(speed_m_s: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Adapting(Filter):
-    """The c channels of n points, one channel after the other: from pressures, or pressures and what of them strokes."""
+    """The c channels of n points, one channel after the other: from pressures, or these and what of them strokes."""
 
     time_constants_s: FloatArray
     """Of the slow loss, and of the rapidly adapting, shape (2,)."""

@@ -11,8 +11,8 @@ from mimoc.mjcf.scene import Placed
 from mimoc.senses.vestibular import CanalsEntry, VestibularEntry, VestibularSpec
 
 WHOLE_S: Mapping[float, float] = {0: 4.0, 2: 6.0, 6: 10.0, 24: 15.0}
-"""Time constant of felt rotation by months. Derived (D): nystagmus after a step lasts 10 s at birth and 15 s at two months
-(Weissman et al. 1989), and adults' time constants are 15 to 25 s, as the brain stores velocity."""
+"""Time constant of felt rotation by months. Derived (D): nystagmus after a step lasts 10 s at birth and 15 s at two
+months (Weissman et al. 1989), and adults' time constants are 15 to 25 s, as the brain stores velocity."""
 CUPULA_S, ADAPTATION_S = 5.7, 80.0
 """Time constants of the cupula and of adaptation of humans (Rader, Oman & Merfeld 2009)."""
 LEAD_S, LAG_S = 0.049, 0.003

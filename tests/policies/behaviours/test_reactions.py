@@ -67,12 +67,12 @@ def test_stimuli_are_reacted_to_in_their_order_and_never_before_they_could_be(ti
     reaction, generator = Reaction[int](0.1, 0.3, 0.5), np.random.default_rng(seed)
     for number, time_s in enumerate(sorted(times_s)):
         reaction.see(number, time_s, generator)
-    reacted = [reaction.at(time_s) for time_s in np.arange(0, 20, 0.05)]
+    clock_s = np.arange(0, 20, 0.05)
+    reacted = [reaction.at(time_s) for time_s in clock_s]
     known = [number for number in reacted if number is not None]
     assert known == sorted(known)
-    assert all(
-        number is None or sorted(times_s)[number] + 0.1 < at_s for number, at_s in zip(reacted, np.arange(0, 20, 0.05))
-    )
+    for number, at_s in zip(reacted, clock_s, strict=True):
+        assert number is None or sorted(times_s)[number] + 0.1 < at_s
     assert not times_s or reacted[-1] == len(times_s) - 1
 
 

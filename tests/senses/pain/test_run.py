@@ -142,7 +142,7 @@ def test_thresholds_are_explained_and_can_be_those_of_adults():
 
 
 def test_what_it_felt_is_in_its_state():
-    model, data, sense = pressed(60.0)
+    _, data, sense = pressed(60.0)
     organ = SignalNoise(processing_of("pain", sense, NoiseEntry()), "pain", NoiseStreams(0))
     assert organ.at(0.0, sense(data))[0] == pytest.approx(2, rel=0.01)
     assert organ.at(1.0, np.zeros(2))[0] == pytest.approx(2 / np.e, rel=0.01)
