@@ -15,10 +15,20 @@ FURNITURE = {
     "mat": {"sides_cm": sides, "thickness_cm": st.floats(0.5, 50), "sink_cm": st.floats(0.05, 3)},
     "table": {"sides_cm": sides, "top_cm": st.floats(5, 120)},
     "rail": {"width_cm": lengths, "bar_cm": st.floats(5, 100)},
-    "stairs": {"steps": st.integers(1, 20), "rise_cm": st.floats(1, 30), "run_cm": st.floats(5, 25), "width_cm": lengths},
+    "stairs": {
+        "steps": st.integers(1, 20),
+        "rise_cm": st.floats(1, 30),
+        "run_cm": st.floats(5, 25),
+        "width_cm": lengths,
+    },
     "slope": {"angle_deg": st.floats(0, 40), "length_cm": lengths, "width_cm": lengths},
     "wall": {"width_cm": lengths, "tall_cm": lengths, "thickness_cm": st.floats(1, 50), "grating": gratings},
-    "screen": {"width_cm": lengths, "tall_cm": st.floats(10, 100), "middle_cm": st.floats(50, 200), "grating": gratings},
+    "screen": {
+        "width_cm": lengths,
+        "tall_cm": st.floats(10, 100),
+        "middle_cm": st.floats(50, 200),
+        "grating": gratings,
+    },
     "seat": {"recline_deg": st.floats(15, 60), "seat_cm": st.floats(50, 100)},
 }
 """Sizes of each kind that a spec can ask for, up to what fits between the others."""
