@@ -37,6 +37,7 @@ PAGES = (
     "docs/touch.md",
     "docs/vision.md",
     "docs/delays.md",
+    "docs/lab_room.md",
     "docs/own_toys.md",
     "docs/tasks.md",
     "docs/behaviours.md",
