@@ -38,6 +38,7 @@ PAGES = (
     "docs/vision.md",
     "docs/hearing.md",
     "docs/delays.md",
+    "docs/lab_room.md",
     "docs/own_toys.md",
     "docs/objects.md",
     "docs/caregiver.md",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
+from mimoc.body.origins import Entry
 from mimoc.geometry.primitives import extents, volume
 from mimoc.geometry.rotations import (
     FloatArray,
@@ -135,6 +136,7 @@ def fixed_object(
     material: Material,
     surface: Surface | None = None,
     pictures: Furniture = BARE,
+    origins: Mapping[str, Entry] | None = None,
 ) -> BuiltObject:
     """Return furniture that does not move, from its pieces in a frame on the floor, x ahead of an infant at it."""
     corners_m = np.concatenate([_corners(piece) for piece in pieces])
@@ -151,6 +153,7 @@ def fixed_object(
         surface_m=surface.half_m if surface else None,
         discs=_discs(corners_m[:, :2]),
         pictures=pictures,
+        origins=origins or {},
     )
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import FloatArray, body_reaches, frames, frames_in_world, hip_in_world
+from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import RAIL_RADIUS_M, rail_height
+from mimoc.mjcf.furniture import RAIL_IN_CHILDREN, RAIL_RADIUS_M, rail_height
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
 from mimoc.objects.pieces import bar, finish, fixed_object, post
@@ -33,7 +34,10 @@ def build(spec: RailSpec, surroundings: Surroundings) -> BuiltObject:
     pieces = [bar(f"{name}_bar", half_m, (0.0, 0.0, height_m), wood)]
     for side, y_m in ("left", half_m), ("right", -half_m):
         pieces.append(post(f"{name}_post_{side}", POST_RADIUS_M, height_m, (0.0, y_m), wood))
-    return fixed_object(name, pieces, (wood,), "wood")
+    rule = f"given by the spec, or {RAIL_IN_CHILDREN:.4g} x the child's length, as that of its crib"
+    sources = ["spec.scene.objects", "child.length_cm"]
+    origins: Mapping[str, Entry] = {"height": {"value": height_m, "unit": "m", "rule": rule, "from": sources}}
+    return fixed_object(name, pieces, (wood,), "wood", origins=origins)
 
 
 def bar_height(spec: RailSpec, tree: BodyTree) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import FloatArray
+from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectGeom
@@ -33,7 +34,9 @@ def build(spec: SeatSpec, surroundings: Surroundings) -> BuiltObject:
     seated, name = fit(surroundings.tree, spec.recline_deg), object_name(spec.name)
     cloth, wood = finish(name, spec.colour, specular=0.0), finish(f"{name}_wood", WOOD)
     pieces = list(_boards(name, seated, seated.corner_m + np.array([0.0, 0.0, hip_height(spec, seated)]), cloth, wood))
-    return fixed_object(name, pieces, (cloth, wood), "wood")
+    rule = "of its back, which leans on trunk and head; all boards are as large as the infant that they touch"
+    size: Entry = {"value": pieces[0].sizes[0][1], "unit": "m", "rule": rule, "from": ["child.length_cm"]}
+    return fixed_object(name, pieces, (cloth, wood), "wood", origins={"size": size})
 
 
 def start(spec: SeatSpec, tree: BodyTree, states: Mapping[str, State]) -> FurnitureStart:
