@@ -12,6 +12,7 @@ from companions.conftest import kick, move, with_caregiver
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.companions.caregiver.run_motion import PEAK_M_S, PEAK_RAD_S
+from mimoc.compiler.explain import explain
 from mimoc.geometry.adult import SIDES
 
 BALL = {"name": "ball", "radius_cm": 3, "mass_g": 40, "at": {"x_cm": 15, "y_cm": 30}}
@@ -299,6 +300,12 @@ def test_what_it_cannot_do_is_refused(cared_for, order, error, message):
     with pytest.raises(UnknownNameError, match="duration_s"):
         env.caregiver.do("speak", duration_s=1)
     assert env.caregiver.orders == []
+
+
+def test_its_derived_numbers_are_explained(cared_for):
+    bundle = cared_for({"answers": {}}).bundle
+    for key in ("scale", "infant_face_m", "answers.kick_m"):
+        assert explain(bundle, f"caregiver.{key}")
 
 
 def test_an_infant_alone_has_no_caregiver():

@@ -144,7 +144,7 @@ def _origins(spec: CaregiverSpec, entry: CaregiverEntry) -> dict[str, Entry]:
         "infant_face_m": (entry.infant_face_m, "m", face, "geom.head.size"),
     }
     if entry.answers:
-        rules["kick_m"] = (entry.answers.kick_m, "m", kick, "measurements.crown_sole_length_cm")
+        rules["answers.kick_m"] = (entry.answers.kick_m, "m", kick, "measurements.crown_sole_length_cm")
     return {
         f"{key}.{name}": {"value": value, **({"unit": unit} if unit else {}), "rule": rule, "from": [source]}
         for name, (value, unit, rule, source) in rules.items()
