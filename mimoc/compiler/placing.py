@@ -13,7 +13,7 @@ from mimoc.base.random_streams import stream
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.companions.caregiver.build import place_caregiver
+from mimoc.companions.caregiver.build import place_caregiver, settings_at
 from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.object_check import free_poses
@@ -215,7 +215,14 @@ def place_in_scene(
     placed = replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
-        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *world.resting)) for pose in starts.values()),
+        keyframes=tuple(
+            replace(
+                pose,
+                qpos=(*pose.qpos, *world.resting),
+                settings=(*pose.settings, *settings_at(company, tree, pose.qpos, world.marks)),
+            )
+            for pose in starts.values()
+        ),
     )
     placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
     origins = {**built.origins, **trace_objects(things), **(company.origins if company else {})}

@@ -12,6 +12,7 @@ from companions.conftest import kick, move, with_caregiver
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.companions.caregiver.run_motion import PEAK_M_S, PEAK_RAD_S
+from mimoc.compiler.explain import explain
 from mimoc.geometry.adult import SIDES
 
 BALL = {"name": "ball", "radius_cm": 3, "mass_g": 40, "at": {"x_cm": 15, "y_cm": 30}}
@@ -24,14 +25,16 @@ def test_a_bundle_has_a_caregiver_only_if_its_spec_has_one(built):
     assert mimoc.build(with_caregiver()).manifest.caregiver is not None
 
 
-def test_plain_mujoco_opens_it_and_shows_it_where_the_runtime_does(tmp_path, cared_for):
+@pytest.mark.parametrize("pose", ["supine", "sitting", "standing"])
+def test_plain_mujoco_opens_it_and_shows_it_where_the_runtime_does(tmp_path, cared_for, pose):
     env = cared_for()
+    env.reset(options={"pose": pose})
     folder = mimoc.write_bundle(env.bundle, tmp_path / "out")
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(env.manifest.pose).id)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     mujoco.mj_forward(model, data)
-    for part in ("head", "trunk", "left_hand", "right_hand"):
+    for part in ("head", "trunk"):
         assert data.body(f"caregiver_{part}").xpos == pytest.approx(env.data.body(f"caregiver_{part}").xpos, abs=1e-6)
     with closing(mimoc.make(folder)) as again:
         assert again.unwrapped.manifest == env.manifest
@@ -299,6 +302,12 @@ def test_what_it_cannot_do_is_refused(cared_for, order, error, message):
     with pytest.raises(UnknownNameError, match="duration_s"):
         env.caregiver.do("speak", duration_s=1)
     assert env.caregiver.orders == []
+
+
+def test_its_derived_numbers_are_explained(cared_for):
+    bundle = cared_for({"answers": {}}).bundle
+    for key in ("scale", "infant_face_m", "answers.kick_m"):
+        assert explain(bundle, f"caregiver.{key}")
 
 
 def test_an_infant_alone_has_no_caregiver():

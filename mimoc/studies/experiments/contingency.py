@@ -227,9 +227,13 @@ def _answer(results: Sequence[Result]) -> str:
     """Return in how many pairs the infant that is answered kicks more than before, and than its partner."""
     rises, beyond = list(_differences(results).values())[:2]
     risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
+    gains = [np.mean(_of(results, f"{name}_leg_gain")) for name in CONDITIONS]
+    larger = sum(value > 0 for value in _differences(results)["a larger gain of the legs than the partner's"])
     return (
-        f"Of {len(results)} infants whose kicks are answered, {risen} kick more in the interaction than before, and "
-        f"{more} more than the infants that are answered likewise whatever they do."
+        f"Infants whose kicks are answered learn to drive their legs by a factor of {gains[0]:.2f}, those that are "
+        f"answered likewise whatever they do by {gains[1]:.2f}; the gain of the former is larger in {larger} of "
+        f"{len(results)} pairs. Kicks are counted within a minute, and come in bouts: {risen} of {len(results)} kick "
+        f"more in the interaction than before, and {more} more than their partners."
     )
 
 
