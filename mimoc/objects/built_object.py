@@ -50,6 +50,14 @@ class BuiltObject:
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by the end of their keys in `provenance.json`."""
 
+    def discs_at(self, pos_m: Vec3, yaw_rad: float) -> tuple[Vec3, ...]:
+        """Return the floor below it at a place in the world, as discs by x, y and radius, in [m]."""
+        (x_m, y_m, _), cosine, sine = pos_m, math.cos(yaw_rad), math.sin(yaw_rad)
+        return tuple(
+            (x_m + cosine * x - sine * y, y_m + sine * x + cosine * y, radius)
+            for x, y, radius in self.discs or ((0.0, 0.0, self.radius_m),)
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Tie:
@@ -80,11 +88,7 @@ class PlacedThing:
     @property
     def discs(self) -> tuple[Vec3, ...]:
         """The floor below it, as discs by x, y and radius, in [m]."""
-        (x_m, y_m, _), cosine, sine = self.pos_m, math.cos(self.yaw_rad), math.sin(self.yaw_rad)
-        return tuple(
-            (x_m + cosine * x - sine * y, y_m + sine * x + cosine * y, radius)
-            for x, y, radius in self.built.discs or ((0.0, 0.0, self.built.radius_m),)
-        )
+        return self.built.discs_at(self.pos_m, self.yaw_rad)
 
     def bears(self, x_m: float, y_m: float, radius_m: float = 0.0) -> bool:
         """Return whether a place, with a disc around it, is over the level surface on top of it."""

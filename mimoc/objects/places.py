@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.errors import ObjectError, suggestion
-from mimoc.base.units import cm_to_m
+from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import Vec3
 from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
@@ -108,7 +108,8 @@ def find_place(spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Sp
     """
     search = Search(spec, built, around)
     spot = _spot(search)
-    if (np.abs(spot.pos_m[:2]) + built.radius_m > around.half_size_m).any():
+    discs = np.array(built.discs_at(spot.pos_m, spot.yaw_rad + deg_to_rad(spec.yaw_deg)))
+    if (np.abs(discs[:, :2]) + discs[:, 2:] > around.half_size_m).any():
         message = "it is outside of the floor, or in a wall; give another place, or make it smaller"
         raise search.refusal("at" if spec.above is None else "above", message)
     return spot
