@@ -1,6 +1,7 @@
 """Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
 from collections.abc import Mapping
+from typing import Literal
 
 from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.kinds import function_of
@@ -17,6 +18,7 @@ from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
 from mimoc.mjcf.world import World
+from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import bodies_of
 from mimoc.senses import SENSES
@@ -49,6 +51,11 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
     }
 
 
+def multiccd(scene: SceneSpec) -> Literal["enable", "disable"]:
+    """Return whether MuJoCo looks for several contacts of two convex geoms, without which a cup on a table creeps."""
+    return "enable" if any(item.carries for item in scene.objects) else "disable"
+
+
 def assemble_infant(
     spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
 ) -> SceneTree:
@@ -62,7 +69,7 @@ def assemble_infant(
         solver=Solver(
             timestep_s=ms_to_s(spec.control.timestep_ms),
             integrator=actuation.integrator,
-            multiccd="enable" if any(item.carries for item in spec.scene.objects) else "disable",
+            multiccd=multiccd(spec.scene),
         ),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress_skin(expression, skin.names, round_head=round_head)

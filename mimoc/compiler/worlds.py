@@ -19,6 +19,7 @@ from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manifest_with_prefix, overlaps, world_bundle
+from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.manifest import describe_objects, describe_toys
 from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, surroundings, toys_around
@@ -217,9 +218,11 @@ def _world(
 
 
 def _mjcf(built: BuiltWorld) -> dict[str, bytes]:
-    parts, name = list(built.parts.values()), built.plan.spec.name
+    parts, spec = list(built.parts.values()), built.plan.spec
     states = states_of(START, parts, built.world.resting)
-    return printing.render_infants(name, [part.tree for part in parts], built.world, states)
+    solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
+    infants = [replace(part.tree, solver=solver) for part in parts]
+    return printing.render_infants(spec.name, infants, built.world, states)
 
 
 def _texts(built: BuiltWorld) -> dict[str, bytes]:

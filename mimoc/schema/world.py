@@ -63,10 +63,19 @@ class WorldSpec(FileModel):
     """The scene around all of them; what is an infant's own, `pose` and `held`, is in the scene of its spec."""
 
     @model_validator(mode="after")
-    def _poses_are_infants_own(self) -> Self:
-        for key in ("pose", "held"):
+    def _scene_is_for_all(self) -> Self:
+        own, single = (
+            "each infant of a world has its own; write this in the scene of its spec",
+            "only a single infant has",
+        )
+        refusals = {
+            "pose": own,
+            "held": own,
+            "start_at": f"{single} a place at furniture yet; leave it out, and give x_cm, y_cm and yaw_deg of infants",
+            "caregiver": f"{single} a caregiver yet; leave it out",
+        }
+        for key, message in refusals.items():
             if key in self.scene.model_fields_set:
-                message = "each infant of a world has its own; write this in the scene of its spec"
                 raise KeyedError(("scene", key), message)
         return self
 
