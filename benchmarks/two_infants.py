@@ -46,7 +46,7 @@ def measure(senses: dict[str, dict[str, Any]], age_months: float, rounds: int) -
     bundle = mimoc.build(spec)
     env, other = mimoc.make(bundle).unwrapped, mimoc.make(bundle).unwrapped
     world = SharedWorld(mimoc.build_world({"anna": spec, "ben": spec}))
-    shape = (2, CONTROL_STEPS, *env.action_space.shape)
+    shape = (2, CONTROL_STEPS, len(env.actuation.low))
     commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)
     candidates: dict[str, Callable[[], object]] = {
         "one": partial(felt, env, commands[0]),

@@ -26,6 +26,7 @@ EXTRAS: Mapping[str, str] = {
     "slurm": "cohorts on SLURM",
     "ray": "cohorts on Ray",
     "live": "a running infant in a browser",
+    "multi": "several infants in one world",
 }
 """What each optional part of the installation is for."""
 ESSENTIAL = "MuJoCo"

@@ -112,7 +112,8 @@ class InfantView:
             UnknownNameError: If this infant has no such sense.
         """
         check_name("sense of this infant", sense, self._senses)
-        return self._senses[sense].layout
+        layout, of_infant = self._senses[sense].layout, self.manifest.of_infant
+        return tuple(map(of_infant, layout)) if self.manifest.prefix else layout
 
     @property
     def skin(self) -> "SkinState":

@@ -33,6 +33,7 @@ def lifting():
     return mimoc.make_parallel(world(anna=ARM, ben=ARM), tasks={"anna": LiftHand(steps=50), "ben": LiftHand(steps=50)})
 
 
+@pytest.mark.slow
 def test_ppo_learns_with_two_infants(lifting):
     envs = mimoc.world_vec_env(lifting)
     learner = PPO("MultiInputPolicy", envs, n_steps=500, batch_size=500, n_epochs=1, seed=0, device="cpu")

@@ -231,7 +231,7 @@ def _parts(infant: InfantEnv | WorldInfant) -> dict[str, Any]:
         "task": manifest.task.kind,
         "senses": tuple(infant.senses),
         "observations": tuple(f"{name} {space.shape}" for name, space in arrays.spaces.items()),
-        **{f"numbers of '{name}'": sense.layout for name, sense in infant.senses.items() if name != "touch"},
+        **{f"numbers of '{name}'": infant.layout(name) for name in infant.senses if name != "touch"},
     }
 
 

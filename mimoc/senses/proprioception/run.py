@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.binding import all_commanded, bind_actuation
+from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import Manifest
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.custom import TermSense
@@ -72,7 +72,7 @@ class Component(NamedTuple):
 
 def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
     """Find the joints, sensors and actuators of *entry* in *model*."""
-    available = _components(entry, bundle.manifest, model)
+    available = _components(entry, bundle.manifest.actuation, model)
     components = [component for name in ("angle", *entry.include) for component in available[name]]
     high = np.repeat([component.high for component in components], [len(part.layout) for part in components])
     return TermSense(
@@ -85,9 +85,10 @@ def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> T
     )
 
 
-def _components(entry: ProprioceptionEntry, manifest: Manifest, model: mujoco.MjModel) -> dict[str, list[Component]]:
+def _components(
+    entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel
+) -> dict[str, list[Component]]:
     """Return what can be sensed, by the name with which it is included; angles always are."""
-    actuation, of_infant = manifest.actuation, manifest.of_infant
     joints = np.array([model.joint(name).id for name in entry.joints], np.intp)
     angles, velocities = model.jnt_qposadr[joints].astype(np.intp), model.jnt_dofadr[joints].astype(np.intp)
     low, high = model.jnt_range[joints].T
@@ -100,7 +101,7 @@ def _components(entry: ProprioceptionEntry, manifest: Manifest, model: mujoco.Mj
     torques = ActuatorTorques(bound.actuators, model.actuator_gear[bound.actuators, 0])
 
     def component(term: Term, high: float, names: Sequence[str], quantity: str, unit: str, bodies: Any) -> Component:
-        return Component(term, high, tuple(f"{of_infant(name)} {quantity} [{unit}]" for name in names), bodies)
+        return Component(term, high, tuple(f"{name} {quantity} [{unit}]" for name in names), bodies)
 
     of_joints, on_sites = model.jnt_bodyid[joints], np.repeat(model.site_bodyid[model.sensor_objid[sensors]], 3)
     driven = model.jnt_bodyid[model.actuator_trnid[bound.actuators, 0]]

@@ -18,15 +18,12 @@ MAX_RATE_RAD_S = 1e3
 def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
     """Return specific force, then angular velocity, in the frame of the head: shape (3,) each, [m/s², rad/s]."""
     wanted = ((entry.accelerometer, MAX_ACCELERATION_M_S2, "m/s²"), (entry.gyro, MAX_RATE_RAD_S, "rad/s"))
-    sensors, of_infant = (
-        [(model.sensor(name), high, unit) for name, high, unit in wanted if name],
-        bundle.manifest.of_infant,
-    )
+    sensors = [(model.sensor(name), high, unit) for name, high, unit in wanted if name]
     high = np.repeat([high for _, high, _ in sensors], 3)
     sense = TermSense(
         "vestibular",
         Field("sensordata", np.concatenate([sensor.adr[0] + np.arange(3) for sensor, *_ in sensors])),
-        [f"{of_infant(sensor.name)}.{axis} [{unit}]" for sensor, _, unit in sensors for axis in "xyz"],
+        [f"{sensor.name}.{axis} [{unit}]" for sensor, _, unit in sensors for axis in "xyz"],
         -high,
         high,
         np.repeat(model.site_bodyid[[sensor.objid[0] for sensor, *_ in sensors]], 3),

@@ -30,7 +30,7 @@ ARM = f"""
 ACTUATION = ActuationEntry(
     actuators=(ActuatorEntry(name="biceps", mimo_actuator="biceps", joint="elbow", action_low=-1, action_high=1),)
 )
-BUNDLE = SimpleNamespace(manifest=SimpleNamespace(actuation=ACTUATION, of_infant=str))
+BUNDLE = SimpleNamespace(manifest=SimpleNamespace(actuation=ACTUATION))
 ORDER = ("velocity", "torque", "limits", "actuation")
 SUBSETS = [subset for size in range(5) for subset in combinations(ORDER, size)]
 
