@@ -190,4 +190,4 @@ class Contacts:
     def forget(self, data: mujoco.MjData) -> None:
         """Begin an episode, in which what touches now has always touched."""
         self.ringing.clear()
-        self.last_s = {code: data.time for code in self._resonators.codes(data)}
+        self.last_s = dict.fromkeys(self._resonators.codes(data), float(data.time))
