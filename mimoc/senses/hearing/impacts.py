@@ -189,6 +189,5 @@ class Contacts:
 
     def forget(self, data: mujoco.MjData) -> None:
         """Begin an episode, in which what touches now has always touched."""
-        self.last_s.clear()
         self.ringing.clear()
-        self.last_s.update(dict.fromkeys(self._resonators.codes(data), data.time))
+        self.last_s = dict.fromkeys(self._resonators.codes(data), float(data.time))
