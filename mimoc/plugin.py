@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from mimoc.noise.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity
+    from mimoc.runtime.filter import Filter as Filter, Lags as Lags
     from mimoc.runtime.term import Concatenated as Concatenated, Field as Field, Term as Term
     from mimoc.runtime.term_contract import check_term as check_term
     from mimoc.runtime.worlds import Worlds as Worlds
