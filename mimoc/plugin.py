@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from mimoc.objects.spec_base import ObjectSpec as ObjectSpec
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity
+    from mimoc.runtime.filter import Filter as Filter, Lags as Lags
     from mimoc.runtime.term import Concatenated as Concatenated, Field as Field, Term as Term
     from mimoc.runtime.term_contract import check_term as check_term
     from mimoc.runtime.worlds import Worlds as Worlds

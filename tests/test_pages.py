@@ -34,6 +34,7 @@ PAGES = (
     "docs/individuals.md",
     "docs/muscles.md",
     "docs/senses.md",
+    "docs/maturing_senses.md",
     "docs/touch.md",
     "docs/vision.md",
     "docs/hearing.md",

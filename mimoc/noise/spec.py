@@ -74,7 +74,8 @@ def _entry_fields() -> dict[str, FieldInfo]:
     for kind in SENSES.values():
         if kind.noise and kind.noise.low_pass_ms:
             about = f"Time constant of the noise of {kind.name}, if it differs."
-            fields[low_pass_key(kind.name)] = described_field(Annotated[Duration, Field(ge=0.1)] | None, None, about)
+            time: Any = Union[Annotated[Duration, Field(ge=0.1)], None]  # noqa: UP007
+            fields[low_pass_key(kind.name)] = described_field(time, None, about)
     return fields
 
 

@@ -112,9 +112,9 @@ class Lags(Filter):
     def _begun(self, xp: Any, sample: Any) -> tuple[Any, Any]:
         """Return response and state at the start of an episode."""
         filtered = sample[:, self.first :]
-        has_settled = xp.where(self.time_constants_s < SLOW_S, 1.0, 0.0)
+        has_settled = xp.astype(self.time_constants_s < SLOW_S, self.time_constants_s.dtype)
         gain = self.direct + xp.sum(self.weights * has_settled, axis=1)[:, None]
-        lags = xp.reshape(has_settled[:, :, None] * filtered[:, None], (sample.shape[0], -1))
+        lags = xp.reshape(has_settled[:, :, None] * filtered[:, None, :], (sample.shape[0], -1))
         return xp.concat([sample[:, : self.first], gain * filtered], axis=1), xp.concat([lags, filtered], axis=1)
 
     def _matrix(self, xp: Any, interval_s: float) -> Any:
@@ -124,14 +124,13 @@ class Lags(Filter):
         of_lags = xp.where(times_s[:, :, None] == times_s[:, None, :], left[:, :, None], 0.0)
         rows = xp.concat([of_lags, (1.0 - left - ramp)[:, :, None], ramp[:, :, None]], axis=2)
         now = xp.concat([xp.zeros_like(rows[:, :1, :-1]), xp.ones_like(rows[:, :1, :1])], axis=2)
-        response = xp.sum(self.weights[:, :, None] * rows, axis=1)[:, None] + self.direct[:, :, None] * now
+        response = xp.sum(self.weights[:, :, None] * rows, axis=1)[:, None, :] + self.direct[:, :, None] * now
         of_one, same = xp.concat([response, rows, now], axis=1), self.identity[:, first:, first:]
         side = (lags + 2) * same.shape[1]
         of_all = xp.reshape(of_one[:, :, None, :, None] * same[:, None, :, None, :], (-1, side, side))
         kept = side - same.shape[1]
-        passed = xp.concat(
-            [self.identity[:, :first, :1] * xp.zeros_like(of_all[:, :1, :kept]), self.identity[:, :first]], 2
-        )
+        kept_zeros = xp.zeros_like(of_all[:, :1, :kept])
+        passed = xp.concat([self.identity[:, :first, :1] * kept_zeros, self.identity[:, :first, :]], axis=2)
         nothing = xp.zeros_like(of_all[:, :, :1]) * self.identity[:, :1, :first]
         return xp.concat([passed, xp.concat([of_all[:, :, :kept], nothing, of_all[:, :, kept:]], axis=2)], axis=1)
 

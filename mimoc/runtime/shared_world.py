@@ -281,7 +281,7 @@ class SharedWorld:
         if missing := [name for name in self.agents if name not in actions]:
             raise ValueError(f"expected an action of each of {', '.join(self.agents)}; there is none of {missing[0]}")
         return {
-            name: infant.actuation.controls(actions.get(name, infant.rest), self.data)
+            name: infant.schedule.controls(actions.get(name, infant.rest), self.data)
             for name, infant in self.infants.items()
         }
 

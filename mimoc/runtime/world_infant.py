@@ -84,7 +84,7 @@ class WorldInfant(InfantView):
     @cached_property
     def rest(self) -> np.ndarray:
         """The action that commands nothing, shape (n,)."""
-        return np.clip(0.0, self._act.low, self._act.high).astype(np.float32)
+        return np.clip(0.0, self.action_space.low, self.action_space.high).astype(np.float32)
 
     def seed(self, seed: int) -> None:
         """Draw random numbers as an environment of this infant alone does from this seed on."""

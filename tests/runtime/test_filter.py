@@ -1,5 +1,6 @@
 """Filters of senses: exact between samples, whenever these are taken."""
 
+import array_api_strict as strict
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -48,3 +49,13 @@ def test_many_infants_with_other_time_constants_are_each_filtered_as_one():
     for number, sample in enumerate(samples):
         felt, states = together(NUMPY, 0.01, sample, states)
         assert felt == pytest.approx(np.array([one[number] for one in single]), rel=1e-12)
+
+
+def test_lags_are_the_same_by_the_array_api():
+    term = lags_of(4, (80.0, 5.7), (0.049,), (0.003,), first=1)
+    samples, states, others = np.random.default_rng(2).normal(size=(4, 2, 4)), None, None
+    plain, standard = stack_terms([term] * 2), stack_terms([term] * 2, strict.asarray)
+    for sample in samples:
+        felt, states = plain(NUMPY, 0.01, sample, states)
+        again, others = standard(strict, 0.01, strict.asarray(sample), others)
+        assert np.asarray(again) == pytest.approx(felt, rel=1e-12)

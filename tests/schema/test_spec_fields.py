@@ -125,7 +125,7 @@ def test_any_wrong_value_gets_a_sentence_of_ours(path):
 
 def test_delays_are_known_for_every_sense():
     assert {f"{sense}_ms" for sense in SensesSpec.model_fields} == DelaysSpec.model_fields.keys() - {
-        *("preset", "sensory_ms", "motor_ms")
+        *("preset", "sensory_ms", "processing", "motor_ms")
     }
 
 

@@ -78,11 +78,11 @@ class DeviceNoise:
         return noisy
 
     def begin(self, signal: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
-        """Return the signal with noise of worlds that begin an episode, shape (worlds,); others keep their noise."""
+        """Return the signal with noise for worlds that begin an episode, shape (worlds,); others keep their noise."""
         noisy, state = self._noise(self._draw(self._first + PLACES, math.inf), signal, None)
         is_kept = state is not None and self.state is not None
         self.state = where_worlds(begins, state, self.state) if is_kept else state
-        return where_worlds(begins, noisy, signal)
+        return noisy
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:
         return Draw(array_library, elapsed_s, lambda shape, where=None: self._chance.normals(first, shape))

@@ -83,6 +83,12 @@ def test_seven_ages_live_side_by_side_with_delays_noise_and_touch(threads):
     live_alike(infants, 9, 12, threads=threads)
 
 
+def test_so_do_those_whose_senses_mature():
+    senses = {"vestibular": {"canals": "age"}, "touch": {"density": 0.3, "channels": ["sa1", "ra", "ct"]}, "pain": {}}
+    infants = at_ages((0, 6, 24), senses=senses, delays={"preset": "physiological"}, noise={"touch_n": 0.05})
+    live_alike(infants, 4, 12)
+
+
 def test_delays_that_differ_by_age_need_no_jitter():
     live_alike(at_ages((0, 6, 24), delays={"preset": "physiological"}), 3, 20)
 

@@ -44,6 +44,7 @@ def test_every_reset_and_step_tells_the_age(live):
     "keys",
     [
         {"senses": {**SENSES, "touch": {"density": 0.2}}},
+        {"senses": {**SENSES, "touch": {"density": 0.2, "channels": ["sa1", "ra"]}, "pain": {}}},
         {"actuation": {"model": "muscle"}},
         {"actuation": {"model": "position"}},
         {"body": {"hands": "five_finger", "chest_joint": True}},
