@@ -60,6 +60,7 @@ PAGES = (
 MARKS = {
     "README.md": pytest.mark.slow,
     "docs/tutorial.md": pytest.mark.slow,
+    "docs/objects.md": pytest.mark.slow,
     "docs/pictures.md": FULL,
     "docs/growth.md": FULL,
 }
