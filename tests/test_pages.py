@@ -66,6 +66,7 @@ MARKS = {
     "README.md": pytest.mark.slow,
     "docs/tutorial.md": pytest.mark.slow,
     "docs/two_infants.md": pytest.mark.slow,
+    "docs/objects.md": pytest.mark.slow,
     "docs/pictures.md": FULL,
     "docs/growth.md": FULL,
 }

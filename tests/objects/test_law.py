@@ -21,8 +21,9 @@ from mimoc.schema.json_schema import json_schema
 
 SETTLING_S = 20.0
 """Of an infant that may fall, whose ribbon may pull a mobile, which swings for several seconds."""
-STILL_M = 3e-3
-"""How far something at rest moves in half a second: a ball on a floor rolls on slowly for a while."""
+STILL_M = 1e-2
+"""How far something at rest moves in half a second. A ball that a falling infant pushes rolls on slowly for half a
+minute: MuJoCo's rolling friction is soft, and a push of 6 cm/s falls to a third in 9 s."""
 PARTS = ("head", "chest", "right_hand", "left_hand", "right_foot", "left_foot")
 LIMBS = ("right_foot", "left_foot", "right_hand", "left_hand")
 OPTIONAL = ("root", "mesh", "toy", "shape", "motion", "tied_to")

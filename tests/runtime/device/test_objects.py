@@ -36,6 +36,7 @@ def places(envs, name: str) -> np.ndarray:
     return envs.unwrapped.worlds.data.xpos.numpy()[:, infant.model.body(f"object_{name}").id].copy()
 
 
+@pytest.mark.slow
 def test_objects_move_and_stay_on_a_device_as_on_the_cpu():
     spec, still = mimoc.InfantSpec.model_validate(SPEC), np.zeros((2, 1), np.float32)
     with closing(mimoc.make(spec)) as single, closing(mimoc.make_vec(spec, num_envs=2, device=DEVICE)) as envs:
