@@ -34,10 +34,14 @@ if TYPE_CHECKING:
     from mimoc.bundle.regular_files import UnusableFileError as UnusableFileError
     from mimoc.mjcf.furniture import Furniture as Furniture, WorldGeom as WorldGeom, WorldMaterial as WorldMaterial
     from mimoc.mjcf.scene import Placed as Placed
-    from mimoc.mjcf.world import Ground as Ground, World as World
+    from mimoc.mjcf.world import Ground as Ground, ObjectBody as ObjectBody, ObjectJoint as ObjectJoint, World as World
     from mimoc.motion.options import ReadOptions as ReadOptions
     from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
     from mimoc.noise.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
+    from mimoc.objects.built_object import BuiltObject as BuiltObject, Surroundings as Surroundings
+    from mimoc.objects.names import object_name as object_name
+    from mimoc.objects.pieces import solid as solid
+    from mimoc.objects.spec_base import ObjectSpec as ObjectSpec
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity
     from mimoc.runtime.term import Concatenated as Concatenated, Field as Field, Term as Term

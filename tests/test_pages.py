@@ -39,6 +39,7 @@ PAGES = (
     "docs/delays.md",
     "docs/lab_room.md",
     "docs/own_toys.md",
+    "docs/objects.md",
     "docs/tasks.md",
     "docs/behaviours.md",
     "docs/pictures.md",

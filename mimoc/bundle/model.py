@@ -274,4 +274,5 @@ def pose_of(manifest: Manifest, pose: str | None) -> str:
         return pose or manifest.pose
     kept = manifest.constraints.locks or manifest.constraints.welds
     what = "pose for an infant with held bodies or locked joints" if kept else "pose"
+    what = "pose that is free of this infant's objects" if manifest.objects and not kept else what
     raise UnknownNameError(what, str(pose), manifest.poses)

@@ -91,12 +91,17 @@ def print_findings(findings: Sequence[Finding]) -> None:
 
 
 def print_toys(manifest: Manifest) -> None:
-    """Print the toys of the scene and the notes on the build."""
+    """Print the toys and the objects of the scene, and the notes on the build."""
     console = open_console()
     if manifest.toys:
         table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=f"{len(manifest.toys)} toys")
         for toy in manifest.toys:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+        console.print(table)
+    if manifest.objects:
+        table = new_table("object", TOY_MASS.heading, "place at the start", title=f"{len(manifest.objects)} objects")
+        for item in manifest.objects:
+            table.add_row(printable(item.name), f"{1000 * item.mass_kg:.0f}", printable(item.where))
         console.print(table)
     for note in manifest.notes:
         console.print(Text(f"note: {note}", style="yellow"))

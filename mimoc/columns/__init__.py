@@ -27,6 +27,7 @@ _PLACES, _FORCES = "mimoc.columns.places", "mimoc.columns.forces"
 _OWN = (
     ColumnGroup("keypoints", "the 25 keypoints of BODY_25", _PLACES),
     ColumnGroup("parts", "place, velocity and speed of hands, feet, head, trunk and the whole body", _PLACES),
+    ColumnGroup("objects", "place, velocity and speed of the objects of the spec", _PLACES),
     ColumnGroup("gaze", "where the eyes look, and at what", _PLACES),
     ColumnGroup("contacts", "what each part of the body touches, contact forces and ground reaction", _FORCES),
     ColumnGroup("joints", "angles of joints, and torques of motors or muscles about them", _FORCES),

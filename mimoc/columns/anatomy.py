@@ -60,11 +60,18 @@ class Parts:
         index = {name: number for number, name in enumerate(self.things)}
         return np.array([index[self._thing(geom)] for geom in range(self.model.ngeom)], np.intp)
 
+    @cached_property
+    def objects(self) -> dict[int, str]:
+        """The name of each of the spec's objects, by its outermost body."""
+        return {int(self.model.body(item.body).id): item.name for item in self.manifest.objects}
+
     def _thing(self, geom: int) -> str:
-        """Return what a geom belongs to: a part, a fixed thing named as its geom, or one that moves, as its body."""
+        """Return what a geom belongs to: a part, an object, a fixed thing named as its geom, or the body that moves."""
         body = int(self.model.geom_bodyid[geom])
         if body in self.part_of_body:
             return self.part_of_body[body]
+        if (outermost := int(self.model.body_rootid[body])) in self.objects:
+            return self.objects[outermost]
         if self.model.body_weldid[body] == 0:
             return self.model.geom(geom).name or self.model.body(body).name or SCENE
         return self.model.body(body).name or self.model.geom(geom).name or SCENE

@@ -66,6 +66,26 @@ def bind_parts(env: InfantEnv) -> Group:
     return Group(columns, values, (env.data.xipos, env.data.cvel, env.data.subtree_com[root]))
 
 
+def bind_objects(env: InfantEnv) -> Group:
+    """Return position, velocity and speed of the centre of mass of the outermost body of each object of the spec.
+
+    It moves with v = v' + w x (x - c), where (w, v') is its spatial velocity about c, the centre of mass of the object.
+    """
+    entries = env.manifest.objects
+    if not entries:
+        return NO_COLUMNS
+    bodies = np.array([env.model.body(item.body).id for item in entries], np.intp)
+
+    def values(fields: Sequence[FloatArray], moments: object) -> Values:
+        places_m, spatial, about_m = (field[:, bodies] for field in fields)
+        velocities = spatial[..., 3:] + np.cross(spatial[..., :3], places_m - about_m)
+        speeds = np.linalg.norm(velocities, axis=-1, keepdims=True)
+        return Values(np.concatenate([places_m, velocities, speeds], axis=-1).reshape(len(places_m), -1))
+
+    columns = [column for item in entries for column in _motion(f"object_{item.name}", _OBJECT)]
+    return Group(tuple(columns), values, (env.data.xipos, env.data.cvel, env.data.subtree_com))
+
+
 def bind_gaze(env: InfantEnv) -> Group:
     """Return where the line of sight first meets something that is not the head: of both eyes, or of the only one.
 
@@ -135,6 +155,7 @@ def _bodies_of_parts(parts: Parts) -> dict[str, list[int]]:
 
 _KEYPOINT = "keypoint of BODY_25, {}", "OpenPose's BODY_25; MuJoCo's site_xpos"
 _CENTRE = "centre of mass of the {}", "MuJoCo's xipos and cvel, weighted by mass"
+_OBJECT = "centre of mass of the {}, of its outermost body", "MuJoCo's xipos and cvel"
 
 
 def _place(name: str, what: str, source: str) -> list[Column]:
@@ -142,10 +163,10 @@ def _place(name: str, what: str, source: str) -> list[Column]:
     return [Column(f"{name}_{axis}_m", "m", f"{axis} of the {about}", source=source) for axis in AXES]
 
 
-def _motion(name: str) -> list[Column]:
-    what, source = _CENTRE[0].format(name.replace("_", " ")), _CENTRE[1]
+def _motion(name: str, centre: tuple[str, str] = _CENTRE) -> list[Column]:
+    what, source = centre[0].format(name.replace("_", " ")), centre[1]
     return [
-        *_place(name, *_CENTRE),
+        *_place(name, *centre),
         *(
             Column(f"{name}_velocity_{axis}_m_s", "m/s", f"{axis} of the velocity of the {what}", source=source)
             for axis in AXES

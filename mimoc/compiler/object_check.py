@@ -15,11 +15,16 @@ from mimoc.objects.spec_base import ObjectSpec
 TOUCH_M = 1.5e-4
 """Penetration of what lies on something: infants' poses have 1e-4 m (`runtime/penetrations.py`)."""
 
+LONGER_M = 1e-5
+"""By how much the way of a ribbon may be longer than that is: numbers are rounded."""
+
 
 def free_poses(
     scene: SceneTree, start: str, specs: Sequence[ObjectSpec], things: Sequence[PlacedThing]
 ) -> tuple[Keyframe, ...]:
     """Return the poses of a scene in which no object is inside of the infant, of another object or of furniture.
+
+    Nor is a ribbon shorter than its way in any of them.
 
     Raises:
         ObjectError: If the pose in which the infant starts is none of them.
@@ -33,7 +38,7 @@ def free_poses(
     for pose in scene.keyframes:
         overlap = _deepest(model, data, pose, numbers)
         if overlap is None:
-            kept.append(pose)
+            kept += [pose] if _ribbons_reach(model, data, things) else []
         elif pose.name == start:
             raise _refusal(model, overlap, numbers, specs)
     return tuple(kept)
@@ -64,6 +69,13 @@ def _deepest(
         return None
     first, second = data.contact.geom[int(depths_m.argmax())].tolist()
     return first, second
+
+
+def _ribbons_reach(model: mujoco.MjModel, data: mujoco.MjData, things: Sequence[PlacedThing]) -> bool:
+    """Return whether all ribbons are long enough in a state whose kinematics have been computed."""
+    mujoco.mj_tendon(model, data)
+    ribbons = [ribbon for thing in things for ribbon in thing.elements.ribbons]
+    return all(data.ten_length[model.tendon(ribbon.name).id] <= ribbon.range_m[1] + LONGER_M for ribbon in ribbons)
 
 
 def _refusal(

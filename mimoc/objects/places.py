@@ -107,6 +107,15 @@ def find_place(spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Sp
         ObjectError: If there is none, such as in the air for something that lies.
     """
     search = Search(spec, built, around)
+    spot = _spot(search)
+    if (np.abs(spot.pos_m[:2]) + built.radius_m > around.half_size_m).any():
+        message = "it is outside of the floor, or in a wall; give another place, or make it smaller"
+        raise search.refusal("at" if spec.above is None else "above", message)
+    return spot
+
+
+def _spot(search: Search) -> Spot:
+    spec = search.spec
     if spec.above is not None:
         return _above(search, spec.above)
     if isinstance(spec.at, PointSpec):

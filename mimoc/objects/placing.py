@@ -11,7 +11,7 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axi
 from mimoc.mjcf.world import ObjectBody, PlacedObject
 from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
-from mimoc.objects.places import Spot, find_place
+from mimoc.objects.places import WHOLE, Spot, find_place
 from mimoc.objects.ribbon import tie_ribbon
 from mimoc.objects.spec_base import ObjectEntry, ObjectSpec
 
@@ -24,7 +24,10 @@ def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> 
     Raises:
         ObjectError: If one cannot be built or placed.
     """
+    taken = {*(body.name for body in surroundings.tree.bodies), WHOLE}
     for number, spec in enumerate(objects):
+        if spec.name in taken:
+            raise ObjectError("name", f"'{spec.name}' is a part of the infant; give the object another name", number)
         try:
             built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
             place = find_place(spec, built, surroundings)
@@ -50,10 +53,14 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
         material=built.material,
         size_m=built.size_m,
         mass_kg=built.mass_kg,
+        height_m=built.height_m,
+        origin_m=built.root.pos_m[2],
+        surface_m=built.surface_m,
         where=spot.where,
         bells=built.bells,
         ribbon=ribbons[0].name if ribbons else None,
         tied_to=built.tie.limb if built.tie else None,
+        slack_m=built.tie.slack_m if built.tie else 0.0,
     )
     elements = PlacedObject(root, built.materials, built.meshes, ribbons)
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
@@ -74,6 +81,7 @@ def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
 def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
     key, at = f"object.{thing.name}", f"scene.xml: body[@name='{thing.entry.body}']"
     source = ["spec.scene.objects"]
-    place: Entry = {"value": thing.pos_m, "unit": "m", "rule": f"the place of its lowest point: {thing.entry.where}"}
+    rule = f"its body's, {thing.entry.origin_m:.4g} m above its lowest point, which is {thing.entry.where}"
+    place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}
     entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
     return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]

@@ -1,6 +1,7 @@
 """What a user can ask of every object, and what the manifest tells the runtime of it."""
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
@@ -127,6 +128,12 @@ class ObjectEntry(Model):
     """Length of its longest side."""
     mass_kg: Amount
     """Its mass."""
+    height_m: Amount
+    """From its lowest point, as it stands or hangs, to its highest."""
+    origin_m: Amount
+    """How far the origin of its body is above its lowest point."""
+    surface_m: tuple[Amount, Amount] | None = None
+    """Half lengths of the level surface on top of it, on which other objects can lie."""
     where: Label
     """Its place at the start, in words."""
     bells: tuple[Geom, ...] = ()
@@ -135,5 +142,12 @@ class ObjectEntry(Model):
     """The ribbon that is tied to the infant, if there is one."""
     tied_to: Body | None = None
     """The part of the infant that this is tied to."""
+    slack_m: Amount = 0.0
+    """By how much the ribbon is longer than its way when it is tied."""
 
-    _serialized = omitting("joint", "bells", "ribbon", "tied_to")
+    _serialized = omitting("joint", "surface_m", "bells", "ribbon", "tied_to", "slack_m")
+
+
+def names_of(entries: Sequence[ObjectEntry]) -> list[str]:
+    """Return the names of objects."""
+    return [entry.name for entry in entries]

@@ -18,7 +18,7 @@ from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import bounded, is_unstable, pose_of
+from mimoc.bundle.model import bounded, is_unstable
 from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.timing import timing_of
@@ -201,19 +201,19 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
 
-        The infant can also have another age from now on: `options={"age_months": 9.5}`. An environment made from a spec
-        can also change its scene: `options={"scene_seed": N}`, and any its arousal: `options={"arousal": 0}` is slack.
+        Other options: `age_months`, from now on; `scene_seed`, if it was made from a spec; `arousal`, where 0 is slack;
+        and `objects`, which are elsewhere in this episode: `{"ball": {"x_cm": 20, "y_cm": 10}}` (docs/objects.md).
 
         Raises:
             UnknownNameError: If there is no such pose or option.
             TypeError: If the options are no dictionary.
-            ValueError: If the seed is not a non-negative integer, the age none from 0 to 24, or the arousal none to 2.
+            ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
             MimocError: If there is no such infant; nothing has changed then.
         """
-        options = growing.checked_options(options, self._variants)
+        options = growing.checked_options(options, self._variants, self.manifest)
         seed = None if seed is None else checked_seed(seed)
         variant = growing.find_variant(self._variants, self.manifest, options)
-        pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
+        pose, elsewhere = growing.find_start(options, variant or self._infant, self._living, is_new=bool(variant))
         self.observer.resetting()
         super().reset(seed=seed)
         if seed is not None:
@@ -221,7 +221,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if variant:
             self._become(variant)
         self._living.arousal.level = options.get(growing.AROUSAL, self.manifest.actuation.arousal)
-        observation = self._start(pose)
+        observation = self._start(pose, elsewhere)
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
         self._renderer.show()
@@ -385,10 +385,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
 
     @bounded()
-    def _start(self, pose: str) -> Observation:
-        """Put the infant into a pose, at rest, start its task, and return the observation."""
+    def _start(self, pose: str, elsewhere: Mapping[str, Any] = MappingProxyType({})) -> Observation:
+        """Put the infant into a pose, at rest, and objects elsewhere, start its task, and return the observation."""
         self._steps = 0
-        self._living.start(pose, self.np_random)
+        self._living.start(pose, self.np_random, elsewhere)
         return self._observe()
 
     def _observe(self) -> Observation:

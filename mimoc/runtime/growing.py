@@ -14,13 +14,17 @@ from mimoc.base.model_fields import WORLD
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant, Variants
+from mimoc.objects.spec_base import names_of
+from mimoc.objects.spec_move import checked_moves
+from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
 from mimoc.runtime.simulation_state import STATE, SimulationState, physics_of
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
-AGE, SEED, POSE, AROUSAL = "age_months", "scene_seed", "pose", "arousal"
+AGE, SEED, POSE, AROUSAL, OBJECTS = "age_months", "scene_seed", "pose", "arousal", "objects"
 """Options of a reset."""
 
 
@@ -35,21 +39,46 @@ def options_given(options: Any) -> dict[str, Any]:
     return dict(options or {})
 
 
-def checked_options(options: Any, variants: Variants | None) -> dict[str, Any]:
+def checked_options(options: Any, variants: Variants | None, manifest: Manifest) -> dict[str, Any]:
     """Return the options of a reset, none for None.
 
     Raises:
         TypeError: If they are no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
-        ValueError: If the arousal is not a number from 0 to 2.
+        ValueError: If the arousal is not a number from 0 to 2, or a place of an object is none.
     """
     options = options_given(options)
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
+    known += [OBJECTS] if manifest.objects else []
     for key in options.keys() - known:
         raise UnknownNameError("reset option", str(key), known)
     if AROUSAL in options:
         options[AROUSAL] = checked_arousal(options[AROUSAL])
+    checked_moves(options.get(OBJECTS, {}), names_of(manifest.objects))
     return options
+
+
+def find_start(
+    options: Mapping[str, Any], infant: Variant, present: SimulationState, *, is_new: bool
+) -> tuple[str, Mapping[str, Pose]]:
+    """Return the pose that an infant starts in, and where the objects are put that the options of a reset move.
+
+    Args:
+        options: Of the reset.
+        infant: The infant that is reset.
+        present: What lives now.
+        is_new: Whether that is another infant.
+
+    Raises:
+        UnknownNameError: If there is no such pose or object.
+        ValueError: If an object would be inside of anything, or there is no such place; nothing has changed then.
+    """
+    manifest = infant.bundle.manifest
+    pose = pose_of(manifest, options.get(POSE))
+    if not options.get(OBJECTS):
+        return pose, NOWHERE
+    objects = Objects(manifest, infant.bare) if is_new else present.objects
+    return pose, objects.find_poses(pose, checked_moves(options[OBJECTS], names_of(manifest.objects)))
 
 
 def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[str, Any]) -> Variant | None:
@@ -132,6 +161,7 @@ def carry_body(former: SimulationState, now: SimulationState) -> None:
     """Let the body, the task and what lies around go on as in `carry_on`."""
     mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
     now.fields.inherit(former.fields)
+    now.objects.stay(former.objects)
     now.arousal.level = former.arousal.level
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)

@@ -17,6 +17,7 @@ from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields
+from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.task import Task
 
@@ -32,6 +33,7 @@ class SimulationState:
     model: mujoco.MjModel
     data: mujoco.MjData
     constraints: Constraints
+    objects: Objects
     fields: ModelFields
     task: Task
     schedule: Schedule
@@ -50,16 +52,19 @@ class SimulationState:
     ) -> "SimulationState":
         """Find in a model, in which no episode has changed anything yet, what episodes change."""
         constraints, arousal = Constraints(manifest.constraints, model), Arousal(manifest.actuation, model)
-        changed = *constraints.model_fields, *task.model_fields, *expression_fields(manifest, model)
-        return cls(manifest, model, data, constraints, ModelFields(model, changed), task, schedule, noise, arousal)
+        objects, of_face = Objects(manifest, model), expression_fields(manifest, model)
+        changed = *constraints.model_fields, *task.model_fields, *of_face, *objects.model_fields
+        fields = ModelFields(model, changed)
+        return cls(manifest, model, data, constraints, objects, fields, task, schedule, noise, arousal)
 
-    def start(self, pose: str, chance: np.random.Generator) -> None:
-        """Put the infant into a pose, at rest, and start its task.
+    def start(self, pose: str, chance: np.random.Generator, elsewhere: Mapping[str, Pose] = NOWHERE) -> None:
+        """Put the infant into a pose, at rest, and start its task; some objects may be elsewhere (`Objects.start`).
 
         Raises:
             ModelError: If there are more contacts than in any scene.
         """
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
+        self.objects.start(self.data, elsewhere)
         mujoco.mj_kinematics(self.model, self.data)
         self.constraints.keep(self.data)
         begin(self.model, self.data)

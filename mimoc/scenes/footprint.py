@@ -8,10 +8,9 @@ import numpy as np
 
 from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose
 from mimoc.body.tree import BodyTree, Geom
+from mimoc.geometry.leaning import leaning_reach
 from mimoc.toys.placing import FADING, ReachableFloor
 
-LEAN_DEG = 60.0
-"""How far a sitting infant leans over to reach something."""
 FINE = 0.5
 """Distance of the discs that cover a long part, in its radii."""
 NOT_OF_ARMS = ("leg", "foot", "toe", "eye")
@@ -41,7 +40,7 @@ def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | 
         return None
     length_m, (x_m, y_m, height_m) = max(lengths), np.mean(shoulders, axis=0).tolist()
     across_m = float(np.linalg.norm(np.subtract(shoulders, (x_m, y_m, height_m))[:, :2], axis=1).max())
-    return ReachableFloor((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
+    return ReachableFloor((x_m, y_m), across_m + leaning_reach(length_m, height_m, state[2]), FADING * length_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,17 +61,7 @@ def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> Arm | None:
     if upper_arm not in tree.geoms:
         return None
     shoulder_m, length_m = _shoulder(_placed(tree, state), upper_arm), _arm_length(pose(tree, {}), upper_arm, side)
-    return Arm(shoulder_m, length_m, _leaning(length_m, float(shoulder_m[2]), state[2]))
-
-
-def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
-    """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches."""
-    lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))
-    ahead_m, height_m = (shoulder_m - hip_m) * np.sin(lean), hip_m + (shoulder_m - hip_m) * np.cos(lean)
-    reaches_floor = height_m < arm_m
-    if not reaches_floor.any():
-        return arm_m
-    return float((ahead_m + np.sqrt(np.maximum(arm_m**2 - height_m**2, 0.0)))[reaches_floor].max())
+    return Arm(shoulder_m, length_m, leaning_reach(length_m, float(shoulder_m[2]), state[2]))
 
 
 def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:

@@ -47,7 +47,7 @@ class Fault:
 
 def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fault:
     """Return the fault that corresponds to one of pydantic's errors."""
-    path = _path(details, data)
+    path = _path(details, data, language)
     if details["type"] == "value_error":
         return _own_fault(details, path)
     if details["type"] == "extra_forbidden":
@@ -77,10 +77,16 @@ def missing_value(path: KeyPath, language: Language) -> Fault:
     return Fault(path, "value", f"has no value; {advice}")
 
 
-def _path(details: ErrorDetails, data: Any) -> KeyPath:
-    """Return pydantic's location without the steps that are not keys: the tags of unions, and `[key]`."""
-    path = []
+def _path(details: ErrorDetails, data: Any, language: Language) -> KeyPath:
+    """Return pydantic's location without the steps that are not keys: the tags of unions, and `[key]`.
+
+    A tag may be a key of its section as well: `kind: shape` has a key `shape`.
+    """
+    path, tagged = list[str | int](), None
     for step in details["loc"]:
+        if tagged != path and step in language.kinds_of(tuple(path)):
+            tagged = [*path]
+            continue
         children: Any = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
         if step in children:
             data = children[step]

@@ -75,6 +75,7 @@ BUILT = {
     "noise.delay_jitter_ms": 5,
     "scene.kind": "room",
     "scene.toys": {"count": [1, 2]},
+    "scene.objects": [{"name": "ball", "at": {"x_cm": 60}}],
     "scene.pose": "prone",
     "scene.held": ["chest"],
     "task": {"kind": "reach"},

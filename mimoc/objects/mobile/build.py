@@ -27,12 +27,12 @@ from mimoc.geometry.rotations import (
     quaternion_product,
 )
 from mimoc.mjcf.elements import Site
-from mimoc.mjcf.furniture import SOLID, Rgba, WorldMaterial
+from mimoc.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings, Tie
 from mimoc.objects.mobile.spec import MobileSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.strings import DAMPING_RATIO, bar, moved, pendulum_damping, seen, string
+from mimoc.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
 from mimoc.toys.builtin import load_toy
 from mimoc.toys.choosing import DARK, LIGHT, Toy
 from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
@@ -44,10 +44,8 @@ ARM_M, SLOPE_M = 0.004, 0.04
 """Radius of the arms, and how far they go down to their ends."""
 THREAD_M = 0.05
 """From the end of an arm to its figure."""
-BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.045, 0.03
-"""Smallest and largest radius and mass of the bell, which is of brass and hollow."""
-FLAT = 0.5
-"""Height of the bell over its breadth."""
+BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.035, 0.03
+"""Smallest and largest radius and mass of the bell: a hollow ball of brass."""
 ROD_M, ROD_HZ = 0.0025, 8.0
 """Radius of the rod that carries the bell, and the frequency at which it vibrates."""
 GAP_M = 0.008
@@ -91,7 +89,7 @@ class Layout:
     @property
     def lowest_m(self) -> float:
         """How far its lowest point is below the hook."""
-        return self.cord_m + self.bell_m + max(FLAT * self.radius_m, self.figure_m)
+        return self.cord_m + self.bell_m + max(self.radius_m, self.figure_m)
 
     def end_m(self, turn_rad: float) -> FloatArray:
         """Return where an arm ends, from the hook, shape (3,)."""
@@ -110,7 +108,7 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
     rule = f"hub {HUB_KG:g} kg, bell {BELL_KG:g} kg, and {count} figures of {spec.figure_g:g} g"
     mass: Entry = {"value": mass_kg, "unit": "kg", "rule": rule, "from": ["spec.scene.objects"]}
     return BuiltObject(
-        root=_hanging(name, spec, layout, figures, mass_kg),
+        root=_hanging(name, spec, layout, figures),
         materials=(
             WorldMaterial(f"{name}_wood", WOOD),
             WorldMaterial(f"{name}_bell", BRASS, specular=0.6, shininess=0.6),
@@ -141,20 +139,23 @@ def _thickest_m(figures: Sequence[Figure]) -> float:
     return max(figure.half_m[1] for figure in figures)
 
 
-def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figure], mass_kg: float) -> ObjectBody:
+def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figure]) -> ObjectBody:
     """Return cord, hub and arms, which swing about the hook; figures and bell hang on them."""
     wood, hub_m = f"{name}_wood", (0.0, 0.0, -layout.cord_m)
     hub = replace(seen(f"{name}_hub", wood, "sphere", (HUB_M,), hub_m), mass_kg=HUB_KG)
     arms, children = list[ObjectGeom](), [_bell(name, layout)]
     for number, figure in enumerate(figures):
         turn_rad = math.tau * (number + 0.5) / len(figures)
-        end_m, own = layout.end_m(turn_rad), f"{name}_figure{number + 1}"
+        end_m = layout.end_m(turn_rad)
         arms.append(bar(f"{name}_arm{number + 1}", wood, ARM_M, np.array(hub_m), end_m))
-        children.append(_hung(own, wood, spec, figure, end_m, turn_rad))
+        children.append(_hung(f"{name}_figure{number + 1}", wood, spec, figure, end_m, turn_rad))
+    low_m, figures_kg = layout.cord_m + layout.bell_m, len(figures) * spec.figure_g / 1000
+    bodies = (HUB_KG, layout.cord_m, HUB_M), (BELL_KG, low_m, layout.radius_m), (figures_kg, low_m, layout.arm_m)
+    damping = pendulum_damping(*bodies)
     return ObjectBody(
         name,
         pos_m=(0.0, 0.0, layout.lowest_m),
-        joints=(ObjectJoint(f"{name}_cord", "ball", pendulum_damping(mass_kg, layout.cord_m, layout.arm_m)),),
+        joints=(ObjectJoint(f"{name}_cord", "ball", damping),),
         geoms=(string(f"{name}_cord", wood, layout.cord_m), hub, *arms),
         sites=(Site(f"{name}_hub", hub_m, SITE_M),),
         children=tuple(children),
@@ -170,15 +171,14 @@ def _bell(name: str, layout: Layout) -> ObjectBody:
     inertia_kgm2 = BELL_KG * (layout.bell_m**2 + 0.4 * layout.radius_m**2)
     stiffness = inertia_kgm2 * (math.tau * ROD_HZ) ** 2
     rod = ObjectJoint(bell, "ball", 2 * DAMPING_RATIO * math.sqrt(stiffness * inertia_kgm2), stiffness=stiffness)
-    axes_m = layout.radius_m, layout.radius_m, FLAT * layout.radius_m
-    ball = seen(bell, bell, "ellipsoid", axes_m, (0.0, 0.0, -layout.bell_m))
+    ball = solid(bell, bell, "sphere", (layout.radius_m,), (0.0, 0.0, -layout.bell_m), BELL_KG)
     return ObjectBody(
         bell,
         pos_m=(0.0, 0.0, -layout.cord_m),
         joints=(rod,),
         geoms=(
             bar(f"{bell}_rod", f"{name}_wood", ROD_M, np.zeros(3), np.array([0.0, 0.0, -layout.bell_m])),
-            replace(ball, mass_kg=BELL_KG, contype=SOLID, conaffinity=SOLID),
+            ball,
         ),
     )
 
@@ -187,7 +187,7 @@ def _hung(name: str, wood: str, spec: MobileSpec, figure: Figure, end_m: FloatAr
     """Return a figure on its thread, its length across the arm."""
     low_m = THREAD_M + figure.half_m[2]
     x_m, y_m, z_m = end_m.tolist()
-    damping = pendulum_damping(spec.figure_g / 1000, low_m, max(figure.half_m))
+    damping = pendulum_damping((spec.figure_g / 1000, low_m, max(figure.half_m)))
     return ObjectBody(
         name,
         pos_m=(x_m, y_m, z_m),

@@ -1,8 +1,9 @@
 """What a user can ask of a mobile."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, JsonValue
 
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.schema.quantities import Centimetres, Real
@@ -14,13 +15,28 @@ Figure = Literal[
 """The toys of mimoc's whose sides are worth looking at."""
 
 
+COUNT: dict[str, JsonValue] = {"minItems": 2, "maxItems": 8}
+"""Of figures: one alone would pull the mobile askew."""
+
+
+def _counted(figures: Sequence[str]) -> Sequence[str]:
+    if not 2 <= len(figures) <= 8:
+        raise ValueError(f"a mobile with {len(figures)} of them does not hang well; name 2 to 8 figures")
+    return figures
+
+
 class MobileSpec(ObjectSpec):
     """A mobile whose figures swing about a bell, with a ribbon that can be tied to a hand or a foot."""
 
     kind: Literal["mobile"]
     """Kind of object."""
-    figures: Annotated[tuple[Figure, ...], Field(min_length=1, max_length=8)] = ("fish", "bunny", "whale", "chicken")
-    """Its figures, by names of mimoc's toys; each hangs from an arm, its side downwards."""
+    figures: Annotated[tuple[Figure, ...], AfterValidator(_counted), Field(json_schema_extra=COUNT)] = (
+        "fish",
+        "bunny",
+        "whale",
+        "chicken",
+    )
+    """Its figures, 2 to 8, by names of mimoc's toys; each hangs from an arm, its side downwards."""
     size_cm: Annotated[Centimetres, Field(ge=3, le=12)] = 6.0
     """Longest side of a figure."""
     figure_g: Annotated[Real, Field(ge=5, le=200, json_schema_extra={"unit": "g"})] = 15.0

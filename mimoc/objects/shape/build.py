@@ -6,10 +6,12 @@ from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectBody, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
+from mimoc.objects.pieces import GRAVITY_M_S2, moved, pendulum_damping, string
 from mimoc.objects.shape.build_solid import Solid, solid_of
 from mimoc.objects.shape.spec import ShapeSpec
-from mimoc.objects.strings import GRAVITY_M_S2, moved, pendulum_damping, string
 
+RAIL_M = 0.001
+"""How far a sliding object is above what is below it, so that nothing but its own friction stops it."""
 STRING = (0.88, 0.86, 0.8, 1.0)
 
 
@@ -59,7 +61,7 @@ def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
     middle_m = solid.half_m[2]
     return ObjectBody(
         name,
-        pos_m=(0.0, 0.0, middle_m),
+        pos_m=(0.0, 0.0, middle_m + (RAIL_M if spec.moves == "sliding" else 0.0)),
         free_joints=(f"{name}_free",) if spec.moves == "free" else (),
         joints=(slide,) if spec.moves == "sliding" else (),
         geoms=tuple(moved(geom, (0.0, 0.0, -middle_m)) for geom in solid.geoms),
@@ -69,7 +71,7 @@ def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
 def _hung(name: str, solid: Solid, tether_m: float) -> ObjectBody:
     """Return an object that swings about the upper end of its tether."""
     top_m = 2 * solid.half_m[2] + tether_m
-    damping = pendulum_damping(solid.mass_kg, top_m - solid.half_m[2], max(solid.half_m))
+    damping = pendulum_damping((solid.mass_kg, top_m - solid.half_m[2], max(solid.half_m)))
     return ObjectBody(
         name,
         pos_m=(0.0, 0.0, top_m),

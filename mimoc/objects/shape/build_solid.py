@@ -12,11 +12,11 @@ from mimoc.base.units import cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.geometry import primitives
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_from_axis
-from mimoc.mjcf.furniture import SOLID, Rgba, WorldMaterial
+from mimoc.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectGeom
+from mimoc.objects.pieces import moved, solid
 from mimoc.objects.shape.spec import ShapeSpec
 from mimoc.objects.spec_base import Material
-from mimoc.objects.strings import moved
 from mimoc.toys import builtin
 from mimoc.toys.choosing import DARK, LIGHT, Toy
 from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of
@@ -40,8 +40,6 @@ COLOURS: dict[Material, Vec3] = {
     "cloth": (0.55, 0.62, 0.82),
     "rubber": (0.2, 0.55, 0.35),
 }
-CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "capsule": 6, "box": 4}
-"""`condim`: 4 is sliding and spinning friction, 6 adds rolling friction, without which what is round never rests."""
 TURNING = (0.005, 0.0005)
 """Spinning and rolling friction, as of toys."""
 WOODEN, STUFFED = 620.0, 150.0
@@ -83,22 +81,9 @@ def _of_shape(spec: ShapeSpec, name: str) -> Solid:
     half_m = (half_m[2], half_m[1], half_m[0]) if spec.lies else half_m
     material, volume_m3 = spec.material or "plastic", primitives.volume(shape, size_m)
     mass_kg, origin = _mass(spec, volume_m3, DENSITIES_KG_M3[material], f"of {material}")
-    geom = ObjectGeom(
-        name=name,
-        type=shape,
-        names=(),
-        sizes=(("size", size_m),),
-        pos_m=(0.0, 0.0, half_m[2]),
-        quat=ALONG_X if spec.lies else UPRIGHT,
-        mass_kg=mass_kg,
-        material=name,
-        contype=SOLID,
-        conaffinity=SOLID,
-        condim=CONDIM[shape],
-        friction=(spec.friction, *TURNING),
-        solmix=1.0,
-        group=0,
-    )
+    quat = ALONG_X if spec.lies else UPRIGHT
+    geom = solid(name, name, shape, size_m, (0.0, 0.0, half_m[2]), mass_kg, quat)
+    geom = replace(geom, friction=(spec.friction, *TURNING))
     return Solid(
         geoms=(geom,),
         materials=(WorldMaterial(name, (*(spec.colour or COLOURS[material]), 1.0)),),

@@ -94,8 +94,8 @@ class ShapeSpec(ObjectSpec):
         """Whether other things can stand on it."""
         return self.moves != "hanging" and self.source in ("box", "cylinder", "toy", "mesh")
 
-    def _says(self, key: str) -> bool:
-        """Return whether a key has another value than by default, which a resolved spec writes for all."""
+    def _is_unusual(self, key: str) -> bool:
+        """Return whether a key has another value than its default; a spec with all defaults written out is valid."""
         return getattr(self, key) != type(self).model_fields[key].default
 
     @model_validator(mode="after")
@@ -105,7 +105,7 @@ class ShapeSpec(ObjectSpec):
             message = f"it is a {given[0]} already; keep one of 'shape', 'toy' and 'mesh'"
             raise KeyedError((given[1],), message, against=(given[0],))
         for key in ("radius_cm", "length_cm", "lying", "sides_cm", "size_cm", "root"):
-            if self._says(key) and key not in SIZES[self.source]:
+            if self._is_unusual(key) and key not in SIZES[self.source]:
                 usual = " and ".join(f"'{name}'" for name in SIZES[self.source])
                 raise KeyedError((key,), f"a {self.source} has no '{key}'; leave it out (it has {usual})")
         if self.mass_g is not None and self.density_kg_m3 is not None:
@@ -117,7 +117,7 @@ class ShapeSpec(ObjectSpec):
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> Self:
         for key, motion in OF_MOTIONS.items():
-            if self._says(key) and self.moves != motion:
+            if self._is_unusual(key) and self.moves != motion:
                 raise KeyedError((key,), f"this object is not {motion}; write 'motion: {motion}', or leave this out")
         low_cm, high_cm = self.slide_cm
         if not low_cm <= 0 <= high_cm:

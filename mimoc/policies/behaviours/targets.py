@@ -36,7 +36,9 @@ class Target:
 
 
 def find_target(subject: Subject, behaviour: str, word: str) -> Target:
-    """Return what a word means: `toy`, the name of a toy, of any body in the scene, or a place `(x, y, z)` in metres.
+    """Return what a word means: `toy`, the name of a toy, an object or any body in the scene, or a place `(x, y, z)`.
+
+    A place is in metres.
 
     Raises:
         PolicyError: If it is no place, or there is no toy.
@@ -51,6 +53,8 @@ def find_target(subject: Subject, behaviour: str, word: str) -> Target:
     names: dict[str, list[int]] = {TOY: [model.body(toy.body).id for toy in toys]} if toys else {}
     for toy in toys:
         names.setdefault(toy.object, []).append(model.body(toy.body).id)
+    for item in subject.manifest.objects:
+        names.setdefault(item.name, [model.body(item.body).id])
     for body in range(1, model.nbody):
         names.setdefault(model.body(body).name, [body])
     if word not in names:

@@ -1,5 +1,6 @@
 """How episodes begin on a device: a table of starts of each infant, which single environments have drawn."""
 
+import json
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ from mimoc.runtime.device.arrays import put, where_worlds
 from mimoc.runtime.device.bodies import BATCHED
 from mimoc.runtime.device.vision.reader import VISION
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.objects import Objects
 from mimoc.senses.sense import IntArray
 from mimoc.tasks.task import FORCES, NOTHING
 
@@ -24,6 +26,9 @@ STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 Start = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]
 """Fields, what the task remembers, and samples at a start."""
+StartOptions = str
+"""Options of a reset that decide on starts, `pose` and `objects`, as JSON with sorted keys."""
+AS_BUILT: StartOptions = "{}"
 BITS_32 = 2**32 - 1
 
 
@@ -42,7 +47,7 @@ class Table(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class InitialStates:
-    """All starts of all bodies in one pose, those of a body side by side."""
+    """All starts of all bodies with the same options, those of a body side by side."""
 
     first: torch.Tensor
     """The first one of the body in each world, shape (worlds,)."""
@@ -78,8 +83,11 @@ def _hash(numbers: torch.Tensor) -> torch.Tensor:
 
 def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
     """Return which rows of fields of its model an infant's episodes change, if MuJoCo Warp reads these fields."""
-    constraints = Constraints(infant.manifest.constraints, infant.model)
-    rows = rows_by_name([*constraints.model_fields, *infant.task.model_fields])
+    constraints, objects = (
+        Constraints(infant.manifest.constraints, infant.model),
+        Objects(infant.manifest, infant.model),
+    )
+    rows = rows_by_name([*constraints.model_fields, *infant.task.model_fields, *objects.model_fields])
     return {name: rows[name] for name in rows.keys() & BATCHED if len(rows[name])}
 
 
@@ -93,13 +101,13 @@ def sample_initial_states(
     infants: Sequence[InfantEnv],
     body: torch.Tensor,
     most: int,
-    pose: str | None,
+    options: StartOptions,
     readers: Mapping[str, Any],
     model: mjw.Model,
     data: mjw.Data,
-    drawn: MutableMapping[InfantEnv, dict[str | None, list[Start]]],
+    drawn: MutableMapping[InfantEnv, dict[StartOptions, list[Start]]],
 ) -> InitialStates:
-    """Return the starts of all infants.
+    """Return the starts of all infants with some options of a reset.
 
     Start k of an infant is that of a single environment with seed k; an infant without chance in its starts has one.
 
@@ -107,17 +115,17 @@ def sample_initial_states(
         infants: The different bodies.
         body: Which of them lives in each world, shape (worlds,).
         most: How many starts each has, if there is chance in them.
-        pose: The pose, or their own.
+        options: The pose and the places of objects, or their own.
         readers: What reads senses that are no terms.
         model: The model of all worlds.
         data: Their states, which are lent to see what eyes see at the starts.
-        drawn: The starts that have been drawn before, by infant and pose; others are added.
+        drawn: The starts that have been drawn before, by infant and options; others are added.
     """
-    options, rows = {} if pose is None else {"pose": pose}, changed_rows(infants[0])
+    rows = changed_rows(infants[0])
     for infant in infants:
-        if pose not in drawn.setdefault(infant, {}):
-            drawn[infant][pose] = _starts(infant, most, options, rows, readers)
-    starts = [drawn[infant][pose] for infant in infants]
+        if options not in drawn.setdefault(infant, {}):
+            drawn[infant][options] = _starts(infant, most, options, rows, readers)
+    starts = [drawn[infant][options] for infant in infants]
     counts = [len(of_infant) for of_infant in starts]
     fields, memory, samples = (
         {name: put(np.stack([part[name] for part in parts])) for name in parts[0]}
@@ -135,12 +143,12 @@ def sample_initial_states(
 
 
 def _starts(
-    infant: InfantEnv, most: int, options: dict[str, Any], rows: Mapping[str, IntArray], readers: Mapping[str, Any]
+    infant: InfantEnv, most: int, options: StartOptions, rows: Mapping[str, IntArray], readers: Mapping[str, Any]
 ) -> list[Start]:
     """Return fields, what the task remembers, and samples at each start of an infant; of noise, each episode draws."""
     starts: list[Start] = []
     for seed in range(most):
-        infant.reset(seed=seed, options=options)
+        infant.reset(seed=seed, options=json.loads(options))
         fields = {name: getattr(infant.data, name).copy() for name in STATE}
         fields |= {name: getattr(infant.model, name)[which] for name, which in rows.items()}
         senses = {name: sense for name, sense in infant.senses.items() if name != VISION}
@@ -149,6 +157,7 @@ def _starts(
         starts.append((fields, infant.task.state, samples))
         if infant.np_random.bit_generator.state == seeding.np_random(seed)[0].bit_generator.state:
             break  # Nothing was drawn.
+    infant.reset(seed=0)  # Its objects are where they were built.
     return starts
 
 

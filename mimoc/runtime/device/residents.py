@@ -11,12 +11,16 @@ import numpy as np
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant, Variants
+from mimoc.objects.spec_base import names_of
+from mimoc.objects.spec_move import checked_moves
 from mimoc.runtime import growing
 from mimoc.runtime.device.initial_states import changed_rows
 from mimoc.runtime.device.states import PHYSICS
 from mimoc.runtime.device.vision.reader import VISION, NoVision
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.objects import Objects
 from mimoc.runtime.spaces import check_same_space
 from mimoc.senses.sense import IntArray, Sense
 
@@ -76,6 +80,19 @@ class StartingInfant(InfantEnv):
             living.arousal.level = living.arousal.as_built
             living.fields.forget()
         return {"physics": physics, "model": model}
+
+
+def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
+    """Check the pose and the places of objects in the options of a reset.
+
+    Raises:
+        UnknownNameError: If there is no such pose or object.
+        ValueError: If an object would be inside of something, or there is no such place.
+    """
+    pose = pose_of(infant.manifest, options.get(growing.POSE))
+    if growing.OBJECTS in options:
+        moves = checked_moves(options[growing.OBJECTS], names_of(infant.manifest.objects))
+        Objects(infant.manifest, infant.model).find_poses(pose, moves)
 
 
 def _set(data: mujoco.MjData, name: str, values: Any) -> None:

@@ -18,7 +18,14 @@ from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, pla
 from mimoc.runtime.device.bound import Bound
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
 from mimoc.runtime.device.episode_ends import EpisodeEnds
-from mimoc.runtime.device.initial_states import InitialStates, changed_fields, changed_rows, sample_initial_states
+from mimoc.runtime.device.initial_states import (
+    AS_BUILT,
+    InitialStates,
+    StartOptions,
+    changed_fields,
+    changed_rows,
+    sample_initial_states,
+)
 from mimoc.runtime.device.noise import CounterRandom
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.runtime.device.states import PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
@@ -68,7 +75,7 @@ class DeviceSimulation:
             name: put(np.zeros((count, *space.shape))).to(torch.uint8 if space.dtype == np.uint8 else torch.float32)
             for name, space in spaces.items()
         }
-        self.default_starts = self.starts(None)
+        self.default_starts = self.starts(AS_BUILT)
 
     def become(self, infants: Sequence[InfantEnv], body_of_world: IntArray, worlds: IntArray) -> None:
         """Let other bodies live in some worlds, as they are built; all else goes on as it is.
@@ -95,7 +102,7 @@ class DeviceSimulation:
         self.arousal = self._aroused()
         write_to(self.slots(), kept)
         self.ended.limit(infants, self.bound.body)
-        self.default_starts = self.starts(None)
+        self.default_starts = self.starts(AS_BUILT)
 
     def slots(self) -> dict[Path, Slot]:
         """Return all that the next steps of the worlds depend on."""
@@ -122,11 +129,11 @@ class DeviceSimulation:
         arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
         return DeviceArousal(arousals, self.bound.body, model.jnt_qposadr, self.model)
 
-    def starts(self, pose: str | None) -> InitialStates:
-        """Return the starts of all bodies in a pose."""
+    def starts(self, options: StartOptions) -> InitialStates:
+        """Return the starts of all bodies with some options."""
         readers = {name: sense.reader for name, sense in self.bound.senses.items() if sense.reader}
         infants, body, most = self.bound.infants, self.bound.body, self._most_starts
-        return sample_initial_states(infants, body, most, pose, readers, self.model, self.data, self._drawn)
+        return sample_initial_states(infants, body, most, options, readers, self.model, self.data, self._drawn)
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Give new seeds to some worlds, which choose the same starts again, after the first."""

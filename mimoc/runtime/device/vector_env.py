@@ -1,6 +1,7 @@
 """The Gymnasium vector environment of many infants on a device."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import UnknownNameError
-from mimoc.bundle.model import pose_of
 from mimoc.runtime.batch.gymnasium_forms import (
     RESET_MASK,
     InfantVectorEnv,
@@ -24,13 +24,13 @@ from mimoc.runtime.batch.gymnasium_forms import (
 from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
-from mimoc.runtime.device.initial_states import InitialStates
-from mimoc.runtime.device.residents import Residents
+from mimoc.runtime.device.initial_states import AS_BUILT, InitialStates, StartOptions
+from mimoc.runtime.device.residents import Residents, check_start
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
 from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, AROUSAL, SEED, options_given, variant_of_state
+from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given, variant_of_state
 
 CARRIED = ("physics", "model", "arousal")
 STARTS = 256
@@ -103,7 +103,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
             self._ages = self._present_ages()
-            self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
+            self._starts: dict[StartOptions, InitialStates] = {AS_BUILT: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
             self.worlds.observe()
         self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode)
@@ -120,13 +120,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
         Args:
             seed: Infant i is reset with `seed + i`, or with the i-th of a list.
-            options: `pose`, one for all; `arousal`, `age_months` and, if the infants were made from specs,
+            options: `pose` and `objects`, one for all; `arousal`, `age_months` and, if infants were made from specs,
                 `scene_seed`, for all or, as a list or an array, for each, where None is none; and `reset_mask`.
 
         Raises:
             TypeError: If the options are no dictionary.
             ValueError: If a seed is not a non-negative integer, an arousal is none from 0 to 2, an age none from 0 to
-                24 months, or a list has not one value for each infant.
+                24 months, a list has not one value for each infant, or an object would be inside of something.
             UnknownNameError: If there is no such pose or option.
             MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
             ClosedEnvironmentError: If the environment is closed.
@@ -141,13 +141,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         chosen = set(which)
         residents = self.residents.become([given[world] if world in chosen else {} for world in range(self.num_envs)])
         for infant in residents.infants:
-            pose_of(infant.manifest, options.get("pose"))
+            check_start(infant, options)
         with present(self.device):
             self.worlds.settle()
             self._live(residents)
             if isinstance(seed, (int, np.integer)):
                 self._np_random, self._np_random_seed = seeding.np_random(int(seed))
-            starts = self._starts_in(options.get("pose"))
+            starts = self._starts_with(options)
             self.worlds.begin(starts, put(self._choices(starts, seeds, which)))
             self.worlds.arouse(levels)
             self.worlds.ended.ended[which] = False
@@ -292,7 +292,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             for infant in residents.infants:
                 check_infant(infant)
             self.worlds.become(residents.infants, residents.body, worlds)
-            self.residents, self._starts = residents, {None: self.worlds.default_starts}
+            self.residents, self._starts = residents, {AS_BUILT: self.worlds.default_starts}
             self._ages = self._present_ages()
 
     def _carried(self) -> dict[Path, Slot]:
@@ -301,8 +301,9 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
     def _known_options(self) -> list[str]:
         """Return the options of a reset."""
+        has_objects = all(infant.manifest.objects for infant in self.infants)
         has_scenes = all(getattr(infant, "has_other_scenes", False) for infant in self.infants)
-        return ["pose", AROUSAL, RESET_MASK, AGE, *([SEED] if has_scenes else [])]
+        return [POSE, AROUSAL, RESET_MASK, AGE, *([OBJECTS] if has_objects else []), *([SEED] if has_scenes else [])]
 
     def _present_ages(self) -> torch.Tensor:
         """Return the age of the infant in each world, in months."""
@@ -319,11 +320,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         self.worlds.seed({world: seed for world in which if (seed := seeds[world]) is not None})
         return choices
 
-    def _starts_in(self, pose: str | None) -> InitialStates:
-        """Return the starts in a pose, which are drawn when they are first asked for."""
-        if pose not in self._starts:
-            self._starts[pose] = self.worlds.starts(pose)
-        return self._starts[pose]
+    def _starts_with(self, options: Mapping[str, Any]) -> InitialStates:
+        """Return the starts with a pose and places of objects, which are drawn when they are first asked for."""
+        chosen = {name: options[name] for name in (POSE, OBJECTS) if options.get(name)}
+        key = json.dumps(chosen, sort_keys=True, default=float)
+        if key not in self._starts:
+            self._starts[key] = self.worlds.starts(key)
+        return self._starts[key]
 
     def _observed(self) -> dict[str, Any]:
         return {name: self._give(array) for name, array in self.worlds.observation.items()}

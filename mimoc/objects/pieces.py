@@ -1,4 +1,4 @@
-"""What objects hang from: strings and bars that are only seen, and the damping of a swing."""
+"""Pieces of objects: solids, what is only seen, strings and bars, and the damping of a swing."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_between
-from mimoc.mjcf.furniture import UNTOUCHED
+from mimoc.mjcf.furniture import SOLID, UNTOUCHED
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.toys.shape import UPRIGHT
 
@@ -16,6 +16,8 @@ DAMPING_RATIO = 0.05
 """Of what hangs: a swing falls to a third in about three and a half periods; an assumption."""
 STRING_M = 0.001
 """Radius of a string."""
+CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "capsule": 6, "box": 4}
+"""`condim`: 4 is sliding and spinning friction, 6 adds rolling friction, without which what is round never rests."""
 SEEN_GROUP = 1
 """Geom group of what is only seen."""
 
@@ -42,6 +44,20 @@ def seen(
     )
 
 
+def solid(
+    name: str,
+    material: str,
+    shape: str,
+    size_m: tuple[float, ...],
+    pos_m: Vec3,
+    mass_kg: float,
+    quat: Quaternion = UPRIGHT,
+) -> ObjectGeom:
+    """Return a primitive that touches things, sized as in MuJoCo, whose material has this name."""
+    geom = seen(name, material, shape, size_m, pos_m, quat)
+    return replace(geom, mass_kg=mass_kg, contype=SOLID, conaffinity=SOLID, condim=CONDIM[shape], group=0)
+
+
 def bar(name: str, material: str, radius_m: float, start_m: FloatArray, end_m: FloatArray) -> ObjectGeom:
     """Return a capsule between two points, shape (3,) each."""
     length_m = float(np.linalg.norm(end_m - start_m))
@@ -61,13 +77,13 @@ def moved(geom: ObjectGeom, by_m: Vec3) -> ObjectGeom:
     return replace(geom, pos_m=(x_m, y_m, z_m))
 
 
-def pendulum_damping(mass_kg: float, length_m: float, radius_m: float) -> float:
-    """Return the damping of a ball joint that a body hangs from, in [N m s/rad]: c = 2 z sqrt(m g l I).
+def pendulum_damping(*hanging: tuple[float, float, float]) -> float:
+    """Return the damping of a ball joint that bodies hang from, in [N m s/rad]: c = 2 z sqrt(g (sum m l) (sum I)).
 
     Args:
-        mass_kg: m, of the body.
-        length_m: l, from the joint to its centre.
-        radius_m: r, about as large as the body is: its moment of inertia about the joint is I = m (l² + 2 r² / 5).
+        hanging: Of each body, its mass m, the distance l from the joint to its centre, and about how large it is, r:
+            its moment of inertia about the joint is I = m (l² + 2 r² / 5).
     """
-    inertia_kgm2 = mass_kg * (length_m**2 + 0.4 * radius_m**2)
-    return 2 * DAMPING_RATIO * math.sqrt(mass_kg * GRAVITY_M_S2 * length_m * inertia_kgm2)
+    moment_kgm = math.fsum(mass_kg * length_m for mass_kg, length_m, _ in hanging)
+    inertia_kgm2 = math.fsum(mass_kg * (length_m**2 + 0.4 * radius_m**2) for mass_kg, length_m, radius_m in hanging)
+    return 2 * DAMPING_RATIO * math.sqrt(GRAVITY_M_S2 * moment_kgm * inertia_kgm2)

@@ -1,0 +1,192 @@
+"""Objects that a reset puts elsewhere: the option `objects`."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import mujoco
+import numpy as np
+
+from mimoc.base.model_fields import ModelField
+from mimoc.base.units import cm_to_m, deg_to_rad
+from mimoc.bundle.manifest import Manifest
+from mimoc.geometry.leaning import leaning_reach
+from mimoc.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
+from mimoc.objects.spec_move import Move, NewPlace
+from mimoc.senses.sense import FloatArray
+
+TOUCH_M = 1.5e-4
+"""Penetration of what lies on something."""
+STRETCHED = 0.6
+"""How far from the shoulder an object is in the air within reach, in lengths of the arm."""
+STEP_M, DIRECTIONS = 0.01, 16
+"""Of the search for a free place within reach."""
+
+Pose = tuple[FloatArray, Quaternion]
+"""Position, shape (3,), and orientation of an object's outermost body in the world."""
+NOWHERE: Mapping[str, Pose] = {}
+"""No object is anywhere else than it was built."""
+
+
+class Objects:
+    """The objects of a scene, bound to a model."""
+
+    def __init__(self, manifest: Manifest, model: mujoco.MjModel):
+        """Find them in *model*, in which no episode has changed anything yet."""
+        self._manifest, self._model = manifest, model
+        self._entries = {item.name: item for item in manifest.objects}
+        self._bodies = {item.name: int(model.body(item.body).id) for item in manifest.objects}
+        self._free = {
+            item.name: int(model.joint(item.joint).qposadr[0])
+            for item in manifest.objects
+            if item.motion == "free" and item.joint
+        }
+        self._ribbons = {item.name: int(model.tendon(item.ribbon).id) for item in manifest.objects if item.ribbon}
+        held = [body for name, body in self._bodies.items() if name not in self._free]
+        self._rows = {"body_pos": held, "body_quat": held, "tendon_range": [*self._ribbons.values()]}
+        self._built = {name: getattr(model, name)[rows].copy() for name, rows in self._rows.items()}
+
+    @property
+    def model_fields(self) -> tuple[ModelField, ...]:
+        """What moving them changes in the model."""
+        fields = (ModelField(name, np.array(rows, np.intp)) for name, rows in self._rows.items() if rows)
+        return tuple(fields)
+
+    def start(self, data: mujoco.MjData, poses: Mapping[str, Pose]) -> None:
+        """Put objects elsewhere in a state that is a keyframe, and all others where they were built; tie ribbons.
+
+        Args:
+            data: The state, whose kinematics are computed anew if anything is elsewhere.
+            poses: Where they are put, by name; see `find_poses`.
+        """
+        self._write(self._built)
+        if not poses:
+            return
+        for name, pose in poses.items():
+            self._put(name, pose, data)
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_comPos(self._model, data)
+        mujoco.mj_tendon(self._model, data)
+        for name, ribbon in self._ribbons.items():
+            if name in poses:
+                self._model.tendon_range[ribbon, 1] = data.ten_length[ribbon] + self._entries[name].slack_m
+
+    def stay(self, former: "Objects") -> None:
+        """Be where they are for the same infant at another age; of free ones, that is a part of the state."""
+        self._write({name: getattr(former._model, name)[rows] for name, rows in former._rows.items()})
+
+    def find_poses(self, keyframe: str, moves: Mapping[str, Move]) -> dict[str, Pose]:
+        """Return where objects are put that are moved, one after another, as the infant starts; nothing changes.
+
+        Raises:
+            ValueError: If one would be inside of anything, or there is no such place.
+        """
+        if not moves:
+            return {}
+        model, data = self._model, mujoco.MjData(self._model)
+        before = {name: getattr(model, name)[rows].copy() for name, rows in self._rows.items()}
+        poses = dict[str, Pose]()
+        try:
+            mujoco.mj_resetDataKeyframe(model, data, model.key(keyframe).id)
+            self._write(self._built)
+            for name, move in moves.items():
+                mujoco.mj_kinematics(model, data)
+                poses[name] = self._pose(name, move, data)
+                self._put(name, poses[name], data)
+            for name in moves:
+                if other := self._touched(name, data):
+                    raise ValueError(f"object '{name}' would be inside of '{other}'; give it another place")
+        finally:
+            self._write(before)
+        return poses
+
+    def _write(self, arrays: Mapping[str, FloatArray]) -> None:
+        for name, rows in self._rows.items():
+            getattr(self._model, name)[rows] = arrays[name]
+
+    def _put(self, name: str, pose: Pose, data: mujoco.MjData) -> None:
+        """Put an object somewhere: into the state if it is free, else into the model."""
+        body, (pos_m, quat) = self._bodies[name], pose
+        if name in self._free:
+            address = self._free[name]
+            data.qpos[address : address + 7] = (*pos_m, *quat)
+        else:
+            self._model.body_pos[body], self._model.body_quat[body] = pos_m, quat
+
+    def _pose(self, name: str, move: Move, data: mujoco.MjData) -> Pose:
+        """Return where an object is put in a state whose kinematics have been computed."""
+        entry, body = self._entries[name], self._bodies[name]
+        w, x, y, z = data.xquat[body].tolist()
+        if isinstance(move, NewPlace):
+            height_m = cm_to_m(move.z_cm) + entry.origin_m
+            turn = quaternion_from_axis((0.0, 0.0, 1.0), deg_to_rad(move.yaw_deg))
+            place_m = np.array([cm_to_m(move.x_cm), cm_to_m(move.y_cm), height_m])
+            return place_m, quaternion_product(turn, (w, x, y, z))
+        relation, other = move
+        place_m = self._on(name, other, data) if relation == "on" else self._within_reach(name, other, data)
+        return place_m, (w, x, y, z)
+
+    def _on(self, name: str, other: str, data: mujoco.MjData) -> FloatArray:
+        """Return the place of an object on the middle of another one."""
+        below = self._entries.get(other)
+        if below is None or below.surface_m is None or other == name:
+            raise ValueError(f"object '{name}': there is no object '{other}' with a level top to lie on")
+        place_m = data.xpos[self._bodies[other]].copy()
+        place_m[2] += below.height_m - below.origin_m + self._entries[name].origin_m
+        return place_m
+
+    def _within_reach(self, name: str, hand: str, data: mujoco.MjData) -> FloatArray:
+        """Return the free place on the floor nearest to a hand that it reaches; in the air for what does not lie."""
+        arms = {arm.end: arm for arm in self._manifest.anatomy.arms if arm.end}
+        if hand not in arms:
+            raise ValueError(f"object '{name}': '{hand}' is no hand of this infant")
+        model, entry = self._model, self._entries[name]
+        root, end = model.body(arms[hand].root).id, model.body(hand).id
+        shoulder_m, length_m = data.xpos[root].copy(), _length_m(model, root, end)
+        if entry.motion not in ("free", "sliding"):
+            ahead = data.xmat[model.body(self._manifest.anatomy.trunk[-1]).id].reshape(3, 3)[:, 0]
+            return shoulder_m + STRETCHED * length_m * ahead + (0.0, 0.0, entry.origin_m - entry.height_m / 2)
+        hip_m = float(data.xpos[model.body(self._manifest.root_body).id][2])
+        reach_m = leaning_reach(length_m, float(shoulder_m[2]), hip_m)
+        w, x, y, z = data.xquat[self._bodies[name]].tolist()
+        for across_m in _outwards(data.xpos[end][:2] - shoulder_m[:2], 2 * length_m):
+            place_m = np.array([*(data.xpos[end][:2] + across_m), entry.origin_m])
+            if np.linalg.norm(place_m[:2] - shoulder_m[:2]) > reach_m:
+                continue
+            self._put(name, (place_m, (w, x, y, z)), data)
+            if not self._touched(name, data):
+                return place_m
+        raise ValueError(f"object '{name}': there is no free place within reach of {hand}; give coordinates")
+
+    def _touched(self, name: str, data: mujoco.MjData) -> str:
+        """Return what an object is inside of, by name; nothing if it is free."""
+        model, body = self._model, self._bodies[name]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        bodies = model.geom_bodyid[data.contact.geom]
+        inside = np.isin(model.body_rootid[bodies], [body]) & (data.contact.dist < -TOUCH_M)[:, None]
+        for contact in np.flatnonzero(inside.sum(axis=1) == 1):
+            geom = int(data.contact.geom[contact][~inside[contact]][0])
+            other = int(model.geom_bodyid[geom])
+            return model.body(other).name if other else model.geom(geom).name
+        return ""
+
+
+def _length_m(model: mujoco.MjModel, root: int, end: int) -> float:
+    """Return how far an arm reaches from its root: along its bodies, and to where the geoms of the last one end."""
+    length_m, body = 0.0, end
+    while body != root:
+        length_m += float(np.linalg.norm(model.body_pos[body]))
+        body = int(model.body_parentid[body])
+    geoms = np.flatnonzero(model.geom_bodyid == end)
+    tips_m = np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms]
+    return length_m + float(tips_m.max(initial=0.0))
+
+
+def _outwards(direction: FloatArray, farthest_m: float) -> Iterator[FloatArray]:
+    """Yield places around the origin, shape (2,), the nearest first, beginning with those in a direction."""
+    ahead = math.atan2(direction[1], direction[0])
+    for away_m in np.arange(0.0, farthest_m, STEP_M):
+        for number in range(DIRECTIONS if away_m else 1):
+            turn = ahead + (-1) ** number * ((number + 1) // 2) * math.tau / DIRECTIONS
+            yield away_m * np.array([math.cos(turn), math.sin(turn)])
