@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from mimoc.noise.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
     from mimoc.objects.built_object import BuiltObject as BuiltObject, Surroundings as Surroundings
     from mimoc.objects.names import object_name as object_name
-    from mimoc.objects.solids import solid as solid
+    from mimoc.objects.pieces import solid as solid
     from mimoc.objects.spec_base import ObjectSpec as ObjectSpec
     from mimoc.plugins import register as register
     from mimoc.quantities import Quantity as Quantity

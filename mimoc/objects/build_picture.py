@@ -11,7 +11,7 @@ from mimoc.looks.pictures import encode_png
 from mimoc.looks.user_textures import read_picture_file
 from mimoc.mjcf.furniture import BARE, UNTINTED, Furniture, Rgba, WorldMaterial, WorldTexture
 from mimoc.mjcf.world import ObjectGeom
-from mimoc.objects.pieces import piece, seen
+from mimoc.objects.boards import piece, seen
 from mimoc.objects.spec_picture import MOST_CYCLES, GratingSpec, PicturedSpec
 
 TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))

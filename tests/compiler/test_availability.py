@@ -26,8 +26,8 @@ development: published
 """One of each, so that one refusal shows them all."""
 
 INERT = {"impairments.side", "body.extra", "scene.seed", "scene.room", "scene.textures", "scene.start_at"}
-"""The smallest spec is in no room and at no furniture, nothing in it is random, and it has no disorder of one side; parts
-besides a child's come from others."""
+"""The smallest spec is in no room and at no furniture, nothing in it is random, and it has no disorder of one side;
+parts besides a child's come from others."""
 
 BUILT = {
     "name": "other",

@@ -18,7 +18,7 @@ from mimoc.mjcf.world import ObjectBody
 from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.solids import solid
+from mimoc.objects.pieces import solid
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.quantities import Centimetres

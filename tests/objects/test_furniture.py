@@ -69,13 +69,13 @@ def test_stairs_rise_step_by_step():
 
 def test_a_slope_rises_from_the_floor_by_its_angle_and_a_ball_rolls_down_as_on_an_inclined_plane():
     """A solid ball rolls with 5/7 g sin a, less what resists rolling."""
-    slope = {"name": "slope", "kind": "slope", "angle_deg": 20, "length_cm": 200, "at": FAR}
+    slope = {"name": "slope", "kind": "slope", "angle_deg": 20, "length_cm": 200, "at": {"x_cm": 300}}
     up = np.array([np.cos(np.radians(20)), 0.0, np.sin(np.radians(20))])
     normal = np.array([-up[2], 0.0, up[0]])
-    scene = furnished([slope, {**BALL, "at": {**FAR, "z_cm": 300}}])
+    scene = furnished([slope, {**BALL, "at": {"x_cm": 300, "z_cm": 300}}])
     top = corners_of(scene, "object_slope_top")
-    assert (top @ normal).max() == pytest.approx((1.2 - np.cos(np.radians(20)), 0, 0) @ normal, abs=1e-6)
-    middle = np.array([1.2, 0.0, np.sin(np.radians(20))]) + 0.0399 * normal
+    assert (top @ normal).max() == pytest.approx((3.0 - np.cos(np.radians(20)), 0, 0) @ normal, abs=1e-6)
+    middle = np.array([3.0, 0.0, np.sin(np.radians(20))]) + 0.0399 * normal
     scene.data.joint("object_ball_free").qpos[:3] = middle
     scene.run(0.4)
     rolled_m = (middle - scene.data.body("object_ball").xpos) @ up
@@ -83,7 +83,7 @@ def test_a_slope_rises_from_the_floor_by_its_angle_and_a_ball_rolls_down_as_on_a
 
 
 def test_a_rail_is_by_default_as_high_as_that_of_the_childs_crib():
-    scene = furnished([{"name": "rail", "kind": "rail", "at": FAR}], kind="crib")
+    scene = furnished([{"name": "rail", "kind": "rail", "at": FAR}])
     crib = furnished([], kind="crib")
     assert scene.data.geom("object_rail_bar").xpos[2] == pytest.approx(crib.data.geom("crib_rail_front").xpos[2])
 

@@ -23,7 +23,7 @@ def bundle(age_months: float) -> mimoc.Bundle:
 
 def test_an_infant_in_a_batch_is_that_of_a_single_environment_to_the_bit():
     bundles = [bundle(6), bundle(12)]
-    batch, singles = mimoc.make_vec(bundles, 2, threads=1), [mimoc.make(each) for each in bundles]
+    batch, singles = mimoc.make_vec(bundles, 2, threads=1), [mimoc.make(item) for item in bundles]
     batch.reset(seed=[3, 4])
     for seed, env in enumerate(singles, start=3):
         env.reset(seed=seed)
@@ -53,7 +53,7 @@ def test_on_a_device_furniture_bears_what_it_does_on_the_cpu():
     for index, infant in enumerate(theirs.infants):
         for name in ("object_cup_free", "object_ball_free", "mimo_location"):
             address = infant.model.joint(name).qposadr[0]
-            there = infant.data.qpos[address : address + 3]
-            assert qpos[index, address : address + 3] == pytest.approx(there, abs=1e-3), name
+            expected = infant.data.qpos[address : address + 3]
+            assert qpos[index, address : address + 3] == pytest.approx(expected, abs=1e-3), name
     for env in (ours, theirs):
         env.close()

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from mimoc.base.units import cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
+from mimoc.objects.boards import UNTURNED, Surface, board, finish, fixed_object, softened
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.mat.spec import MatSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import UNTURNED, Surface, board, finish, fixed_object, softened
 from mimoc.objects.starts import FurnitureStart, State, turned
 
 
@@ -19,7 +19,7 @@ def build(spec: MatSpec, surroundings: Surroundings) -> BuiltObject:
     foam = finish(name, spec.colour, specular=0.0)
     box = board(name, (half_x_m, half_y_m, height_m / 2), (0.0, 0.0, height_m / 2), foam)
     piece = softened(box, cm_to_m(spec.sink_cm))
-    rule = "time constant with which what rests on one point sinks in by sink_cm (mimoc/objects/pieces.py)"
+    rule = "time constant with which what rests on one point sinks in by sink_cm (mimoc/objects/boards.py)"
     solref: Entry = {"value": piece.solref[0], "unit": "s", "rule": rule, "from": ["spec.scene.objects"]}
     surface = Surface((half_x_m, half_y_m), height_m)
     return fixed_object(name, (piece,), (foam,), "cloth", surface, origins={"solref": solref})

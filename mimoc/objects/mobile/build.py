@@ -32,7 +32,7 @@ from mimoc.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings, Tie
 from mimoc.objects.mobile.spec import MobileSpec
 from mimoc.objects.names import object_name
-from mimoc.objects.solids import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
+from mimoc.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
 from mimoc.toys.builtin import load_toy
 from mimoc.toys.choosing import DARK, LIGHT, Toy
 from mimoc.toys.objects import centre_of_mass, materials_of, pieces_of

@@ -12,9 +12,9 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import RAIL_IN_CHILDREN, RAIL_RADIUS_M, rail_height
+from mimoc.objects.boards import bar, finish, fixed_object, post
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import bar, finish, fixed_object, post
 from mimoc.objects.rail.spec import RailSpec
 from mimoc.objects.starts import FurnitureStart, State
 from mimoc.schema.names import SIDES

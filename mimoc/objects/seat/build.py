@@ -10,9 +10,9 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectGeom
+from mimoc.objects.boards import board, finish, fixed_object
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import board, finish, fixed_object
 from mimoc.objects.seat.build_fit import SHANKS, THIGHS, Fit, fit
 from mimoc.objects.seat.spec import SeatSpec
 from mimoc.objects.spec_furniture import WOOD

@@ -12,7 +12,7 @@ from mimoc.body.poses import CONTACT_DEPTH_M, Pose, clip, pose_angles, poses_of,
 from mimoc.body.tree import BodyTree, remove_parts
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis
 from mimoc.geometry.solvers import root
-from mimoc.objects.pieces import ACROSS
+from mimoc.objects.boards import ACROSS
 from mimoc.objects.starts import State
 from mimoc.schema.names import SIDES
 

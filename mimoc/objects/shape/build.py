@@ -8,7 +8,7 @@ from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
 from mimoc.objects.shape.build_solid import Solid, solid_of
 from mimoc.objects.shape.spec import ShapeSpec
-from mimoc.objects.solids import GRAVITY_M_S2, moved, pendulum_damping, string
+from mimoc.objects.pieces import GRAVITY_M_S2, moved, pendulum_damping, string
 
 RAIL_M = 0.001
 """How far a sliding object is above what is below it, so that nothing but its own friction stops it."""

@@ -8,9 +8,9 @@ import numpy as np
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import quaternion_from_axis
+from mimoc.objects.boards import ACROSS, board, finish, fixed_object
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import ACROSS, board, finish, fixed_object
 from mimoc.objects.slope.spec import SlopeSpec
 from mimoc.objects.starts import FurnitureStart, State, turned
 

@@ -1,9 +1,9 @@
 """Stairs."""
 
 from mimoc.base.units import cm_to_m
+from mimoc.objects.boards import board, finish, fixed_object
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import board, finish, fixed_object
 from mimoc.objects.stairs.spec import StairsSpec
 
 

@@ -7,9 +7,9 @@ from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import body_reaches
 from mimoc.body.poses import poses_of, resting_state
 from mimoc.body.tree import BodyTree
+from mimoc.objects.boards import Surface, board, finish, fixed_object
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import Surface, board, finish, fixed_object
 from mimoc.objects.starts import FurnitureStart, State
 from mimoc.objects.table.spec import TableSpec
 from mimoc.tasks.skills.build_starts import AT_TABLE, CLEAR_M, ON_TABLE, OVER_M

@@ -1,10 +1,10 @@
 """A wall."""
 
 from mimoc.base.units import cm_to_m
+from mimoc.objects.boards import board, finish, fixed_object
 from mimoc.objects.build_picture import show
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import board, finish, fixed_object
 from mimoc.objects.wall.spec import WallSpec
 
 
