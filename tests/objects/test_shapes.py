@@ -10,8 +10,8 @@ from support.scenes_of_objects import built_with, fastest_m_s, spec_with, starte
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.objects.shape.build_solid import DENSITIES_KG_M3
 from mimoc.objects.pieces import DAMPING_RATIO
+from mimoc.objects.shape.build_solid import DENSITIES_KG_M3
 
 AT = {"at": {"x_cm": 60, "y_cm": 0}}
 

@@ -6,9 +6,9 @@ from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectBody, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
+from mimoc.objects.pieces import GRAVITY_M_S2, moved, pendulum_damping, string
 from mimoc.objects.shape.build_solid import Solid, solid_of
 from mimoc.objects.shape.spec import ShapeSpec
-from mimoc.objects.pieces import GRAVITY_M_S2, moved, pendulum_damping, string
 
 RAIL_M = 0.001
 """How far a sliding object is above what is below it, so that nothing but its own friction stops it."""

@@ -14,8 +14,8 @@ from mimoc.geometry import primitives
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_from_axis
 from mimoc.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectGeom
-from mimoc.objects.shape.spec import ShapeSpec
 from mimoc.objects.pieces import moved, solid
+from mimoc.objects.shape.spec import ShapeSpec
 from mimoc.objects.spec_base import Material
 from mimoc.toys import builtin
 from mimoc.toys.choosing import DARK, LIGHT, Toy
