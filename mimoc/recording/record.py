@@ -265,7 +265,7 @@ def film_of(
         _save(video, track)
 
 
-def _open_track(env: InfantEnv, video: Video) -> SoundTrack | None:
+def _open_track(env: InfantView, video: Video) -> SoundTrack | None:
     """Return the sound of a video without frames, if its infant hears."""
     if not hears(env):
         return None
