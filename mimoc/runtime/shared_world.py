@@ -97,8 +97,9 @@ class SharedWorld:
         self._segments: dict[str, tuple[Segment, ...]] = {}
         self._merged: list[MergedSegment[str]] = []
         self._start({})
-        objects = self.bundle.manifest.objects
-        self._renderer = EnvRenderer(render_mode, self.model, self.data, self._roots, objects, self._picture_size)
+        self._renderer = EnvRenderer(
+            render_mode, self.model, self.data, bundle.manifest, self._roots, self._picture_size
+        )
 
     def observation_space(self, agent: str) -> Any:
         """Return the space of what an infant observes.

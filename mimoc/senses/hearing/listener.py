@@ -104,8 +104,8 @@ class Listener(Companion):
     @property
     def _tracks(self) -> list[VoiceTrack]:
         """All voices that it hears."""
-        own = [self._voice.track] if self._voice else []
-        return [*own, *(other.track for other in self._others)]
+        voices = [*([self._voice] if self._voice else []), *self._others]
+        return [voice.track for voice in voices]
 
     def _forget(self) -> None:
         self._mixer.forget()
