@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from mimoc.schema.base import KeyedError, Model, omitting
-from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Length, Tendon
+from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Length, Lengths, Tendon
 from mimoc.schema.quantities import Centimetres, Degrees, Identifier, Real
 
 Coordinate = Annotated[Real, Field(ge=-1000, le=1000, json_schema_extra={"unit": "cm"})]
@@ -111,8 +111,10 @@ class ObjectSpec(Model):
 
 
 class WaterEntry(Model):
-    """What there is to know of water, besides its place and its surface."""
+    """What there is to know of water, besides its place: a box on the origin of its body."""
 
+    half_sides_m: Lengths
+    """Half lengths along x and y."""
     depth_m: Length
     """Height of its surface above its bottom."""
     infant_kg_m3: Annotated[Amount, Field(ge=100)]

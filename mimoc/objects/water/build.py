@@ -37,7 +37,7 @@ def build(spec: WaterSpec, surroundings: Surroundings) -> BuiltObject:
         name, (box,), (looks,), "cloth", Surface((half_x_m, half_y_m), depth_m), origins={"infant_kg_m3": origin}
     )
     mass_kg = WATER_KG_M3 * 4 * half_x_m * half_y_m * depth_m
-    water = WaterEntry(depth_m=depth_m, infant_kg_m3=spec.infant_kg_m3)
+    water = WaterEntry(half_sides_m=(half_x_m, half_y_m), depth_m=depth_m, infant_kg_m3=spec.infant_kg_m3)
     return replace(block, material="water", mass_kg=mass_kg, water=water)
 
 

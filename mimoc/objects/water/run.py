@@ -9,7 +9,7 @@ from mimoc.base.model_fields import ModelField
 from mimoc.bundle.model import in_subtrees
 from mimoc.companions.companion import Companion
 from mimoc.geometry import primitives
-from mimoc.objects.spec_base import WATER_KG_M3, ObjectEntry
+from mimoc.objects.spec_base import WATER_KG_M3, WaterEntry
 from mimoc.senses.sense import FloatArray
 
 NAME = "water"
@@ -60,7 +60,7 @@ class Water(Companion):
         self._waters = [
             (
                 model.body(item.body).id,
-                *_corners(item),
+                *_corners(item.water),
                 np.where(is_infant[self._bodies], masses / item.water.infant_kg_m3, volumes),
             )
             for item in bundle.manifest.objects
@@ -126,11 +126,10 @@ def _share_below(heights: FloatArray) -> FloatArray:
     return (2 + 3 * t - t**3) / 4
 
 
-def _corners(item: ObjectEntry) -> tuple[FloatArray, FloatArray]:
+def _corners(water: WaterEntry) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest corner of water in the frame of its body, shape (3,) each, [m]."""
-    assert item.water
-    assert item.surface_m
-    return np.array([*(-half for half in item.surface_m), 0.0]), np.array([*item.surface_m, item.water.depth_m])
+    x_m, y_m = water.half_sides_m
+    return np.array([-x_m, -y_m, 0.0]), np.array([x_m, y_m, water.depth_m])
 
 
 def _half_axes(model: mujoco.MjModel, geom: int) -> FloatArray:
