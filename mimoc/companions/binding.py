@@ -12,6 +12,7 @@ from mimoc.base.kinds import check_custom_object
 from mimoc.companions.caregiver.run import NAME, Caregiver
 from mimoc.companions.companion import Companion, Companions, channel_of
 from mimoc.noise.noise import NoiseStreams
+from mimoc.objects.water.run import NAME as WATER, Water
 from mimoc.senses.sense import Sense
 
 
@@ -36,12 +37,17 @@ def bind_companions(
     Raises:
         KindError: If one of them is none.
     """
-    companions = {NAME: Caregiver()} if bundle.manifest.caregiver and NAME not in custom else {}
+    companions = dict[str, Companion]()
+    if bundle.manifest.caregiver and NAME not in custom:
+        companions[NAME] = Caregiver()
     for name, companion in custom.items():
         check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
-    for name, companion in (companions := {**companions, **custom}).items():
+    companions |= custom
+    if WATER not in custom and any(item.water for item in bundle.manifest.objects):
+        companions[WATER] = Water()  # The last one, which leaves what others apply as they left it.
+    for name, companion in companions.items():
         companion.bind(model, bundle, streams[channel_of(name)])
     bound = Companions(
         companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}

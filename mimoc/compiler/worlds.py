@@ -172,6 +172,9 @@ def _objects(
     if tied := [number for number, thing in enumerate(things) if thing.built.tie]:
         message = "nothing can be tied to one of several infants yet; leave out what ties it"
         raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in tied)
+    if wet := [number for number, thing in enumerate(things) if thing.built.water]:
+        message = "only a single infant can be in water yet; leave it out"
+        raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in wet)
     return things
 
 

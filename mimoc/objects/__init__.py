@@ -15,5 +15,6 @@ OBJECTS: Kinds[ObjectKind] = Kinds(
         "slope": "mimoc.objects.slope",
         "wall": "mimoc.objects.wall",
         "screen": "mimoc.objects.screen",
+        "water": "mimoc.objects.water",
     },
 )

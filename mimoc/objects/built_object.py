@@ -14,7 +14,7 @@ from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import BARE, Furniture, Rgba, WorldMaterial
 from mimoc.mjcf.world import MeshFile, ObjectBody, PlacedObject
-from mimoc.objects.spec_base import Material, Motion, ObjectEntry
+from mimoc.objects.spec_base import Motion, ObjectEntry, Substance, WaterEntry
 from mimoc.scenes.built_scene import Placement
 from mimoc.scenes.footprint import footprint
 
@@ -27,7 +27,7 @@ class BuiltObject:
     """Its outermost body; its place there is in this frame."""
     materials: tuple[WorldMaterial, ...]
     motion: Motion
-    material: Material
+    material: Substance
     """What it is made of."""
     radius_m: float
     """Radius of a vertical cylinder about the origin that encloses it."""
@@ -47,6 +47,8 @@ class BuiltObject:
     """Names of the geoms that ring."""
     tie: "Tie | None" = None
     """Its ribbon, if it has one."""
+    water: WaterEntry | None = None
+    """What the runtime must know if it is water."""
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by the end of their keys in `provenance.json`."""
 

@@ -83,8 +83,12 @@ class Search:
         return np.array([x - radius_m, y - radius_m, z]), np.array([x + radius_m, y + radius_m, thing.top_m])
 
     def support_m(self, x_m: float, y_m: float, key: str) -> float:
-        """Return the height of what is below a place: the level top of an object, or the floor."""
-        tops = [thing.top_m for thing in self.around.things if thing.bears(x_m, y_m)]
+        """Return the height of what is below a place: the level top of an object, or the floor.
+
+        Only what is free begins on water.
+        """
+        floats = self.built.motion == "free"
+        tops = [item.top_m for item in self.around.things if item.bears(x_m, y_m) and (floats or not item.built.water)]
         if not tops and not self.around.has_floor:
             raise self.refusal(
                 key, "there is no floor that it could lie on; fix it or hang it, or give its height z_cm"

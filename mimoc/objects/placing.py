@@ -61,6 +61,7 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
         ribbon=ribbons[0].name if ribbons else None,
         tied_to=built.tie.limb if built.tie else None,
         slack_m=built.tie.slack_m if built.tie else 0.0,
+        water=built.water,
     )
     elements = PlacedObject(root, built.materials, built.meshes, ribbons)
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)

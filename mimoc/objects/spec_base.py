@@ -7,13 +7,16 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from mimoc.schema.base import KeyedError, Model, omitting
-from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Tendon
+from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Length, Lengths, Tendon
 from mimoc.schema.quantities import Centimetres, Degrees, Identifier, Real
 
 Coordinate = Annotated[Real, Field(ge=-1000, le=1000, json_schema_extra={"unit": "cm"})]
 Distance = Annotated[Centimetres, Field(le=1000)]
 Material = Literal["wood", "plastic", "metal", "cloth", "rubber"]
+Substance = Material | Literal["water"]
 Motion = Literal["fixed", "free", "hanging", "sliding"]
+WATER_KG_M3 = 1000.0
+"""Density of water, rounded."""
 
 RELATIONS = ("within reach of", "in front of", "beside", "on")
 """What a place in words can begin with; a name follows."""
@@ -107,6 +110,17 @@ class ObjectSpec(Model):
         return self
 
 
+class WaterEntry(Model):
+    """What there is to know of water, besides its place: a box on the origin of its body."""
+
+    half_sides_m: Lengths
+    """Half lengths along x and y."""
+    depth_m: Length
+    """Height of its surface above its bottom."""
+    infant_kg_m3: Annotated[Amount, Field(ge=100)]
+    """Density of the infant, the same in all its parts."""
+
+
 class ObjectEntry(Model):
     """An object of the spec's `scene.objects`."""
 
@@ -122,7 +136,7 @@ class ObjectEntry(Model):
     """How it moves as a whole."""
     geoms: tuple[Geom, ...]
     """All its geoms that touch."""
-    material: Material
+    material: Substance
     """What it is made of."""
     size_m: Amount
     """Length of its longest side."""
@@ -144,8 +158,10 @@ class ObjectEntry(Model):
     """The part of the infant that this is tied to."""
     slack_m: Amount = 0.0
     """By how much the ribbon is longer than its way when it is tied."""
+    water: WaterEntry | None = None
+    """What there is to know of it if it is water."""
 
-    _serialized = omitting("joint", "surface_m", "bells", "ribbon", "tied_to", "slack_m")
+    _serialized = omitting("joint", "surface_m", "bells", "ribbon", "tied_to", "slack_m", "water")
 
 
 def names_of(entries: Sequence[ObjectEntry]) -> list[str]:

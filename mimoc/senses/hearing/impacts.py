@@ -90,7 +90,7 @@ class Resonators:
         for body in np.flatnonzero(in_subtrees(model, [model.body(manifest.root_body).id])).tolist():
             materials[body] = "body"
         materials[WORLD] = "floor"
-        for thing in manifest.objects:
+        for thing in (item for item in manifest.objects if item.geoms):
             for body in np.flatnonzero(in_subtrees(model, [model.body(thing.body).id])).tolist():
                 materials[body] = thing.material
         self.substances = [SUBSTANCES[material] for material in materials]
