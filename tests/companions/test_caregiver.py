@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 from contextlib import closing
 
 import mujoco
@@ -10,7 +11,7 @@ import pytest
 from companions.conftest import kick, move, with_caregiver
 
 import mimoc
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, SpecError, UnknownNameError
 from mimoc.companions.caregiver.run_motion import PEAK_M_S, PEAK_RAD_S
 from mimoc.compiler.explain import explain
 from mimoc.geometry.adult import SIDES
@@ -302,6 +303,19 @@ def test_what_it_cannot_do_is_refused(cared_for, order, error, message):
     with pytest.raises(UnknownNameError, match="duration_s"):
         env.caregiver.do("speak", duration_s=1)
     assert env.caregiver.orders == []
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [
+        ({"objects": [{**BALL, "motion": "fixed"}]}, "'ball' is fixed; offer something that moves freely"),
+        ({"objects": [], "toys": {"count": [1, 1], "subset": ["cup"]}}, "there is no 'ball' in this scene; choose from"),
+    ],
+)
+def test_a_script_offers_only_what_it_can_take(scene, message):
+    data = with_caregiver({"script": [{"do": "offer", "object": "ball"}]}, scene=scene)
+    with pytest.raises(SpecError, match=re.escape(f"scene.caregiver.script[0].object: {message}")):
+        mimoc.build(data)
 
 
 def test_its_derived_numbers_are_explained(cared_for):
