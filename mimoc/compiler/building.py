@@ -177,8 +177,8 @@ class Builder:
         """Return the scene of a seed, before it is written.
 
         Raises:
-            SpecError: If there is not enough space for the toys, a mesh cannot be used, or the caregiver is to offer what
-                it cannot take.
+            SpecError: If there is not enough space for the toys, a mesh cannot be used, or the script of the caregiver
+                offers what it cannot take.
         """
         spec = _with_seed(self.spec, seed)
         try:
