@@ -13,8 +13,13 @@ from mimoc.schema.base import KeyedError, KeyPath, dotted, shown
 from mimoc.schema.outline import Language, Outline
 
 _UNIT_WORDS = {
-    **{"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": "", "n": "newtons"},
-    **{"hz": "Hz", "db": "dB"},
+    "deg": "degrees",
+    "px": "pixels",
+    "cpd": "cycles per degree",
+    "percentile": "",
+    "n": "newtons",
+    "hz": "Hz",
+    "db": "dB",
 }
 _UNIT_SUFFIX = re.compile(
     "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels|n)$"
