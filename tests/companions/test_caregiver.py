@@ -197,6 +197,17 @@ def test_copies_go_on_alike(cared_for, clone):
         assert twin.caregiver.acts == env.caregiver.acts
 
 
+def test_a_copy_sees_what_the_original_sees_from_its_first_physics_step_on(cared_for):
+    env = cared_for({"place": "above", "distance_cm": 30})
+    for seed in range(4):
+        move(env, 0.05, strength=1.0, seed=seed)
+        with closing(copy.deepcopy(env)) as twin:
+            assert (env.data.xmat == twin.data.xmat).all()
+            assert env.data.ncon == twin.data.ncon
+            assert (env.data.contact.dist == twin.data.contact.dist).all()
+            assert (move(env, 0.01, strength=1.0) == move(twin, 0.01, strength=1.0)).all()
+
+
 def test_states_include_the_caregiver(cared_for):
     env = cared_for(BUSY)
     move(env, 0.4, strength=1.0)
