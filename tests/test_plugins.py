@@ -112,7 +112,9 @@ def test_a_registered_sense_is_in_the_spec_language_and_among_the_delays(registe
         spec = mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}}, delays={"echo_ms": 10})
         assert spec.senses.echo == VestibularSpec()
         assert spec.delays.echo_ms == 10
-    with pytest.raises(SpecError, match=r"<a>: senses\.echo: unknown key; choose from proprioception, touch"):
+    with pytest.raises(
+        SpecError, match=r"<a>: senses\.echo: unknown key; choose from hearing, pain, proprioception, touch"
+    ):
         mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}})
 
 

@@ -75,7 +75,7 @@ def test_the_wheel_says_what_it_is(wheel):
         assert any(name.endswith("/LICENSE") for name in archive.namelist())
     assert (metadata["Name"], metadata["Version"]) == ("mimoc", mimoc.__version__)
     assert metadata["License-Expression"] == "MIT"
-    extras = {"report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "live"} | {
+    extras = {"multi", "report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "live"} | {
         "test",
         "pages",
         "docs",

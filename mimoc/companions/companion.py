@@ -81,8 +81,8 @@ class Companion:
         """Take one of `orders`, as it was recorded."""
         self.orders = [*self.orders, dict(order)]
 
-    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
-        """Hear these sources from now on, which include itself, and the infant's voice."""
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
+        """Hear these sources from now on, which include itself, the infant's voice, and those of others."""
         return
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:

@@ -1,6 +1,6 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -199,8 +199,7 @@ def place_in_scene(
     things = place_objects(objects, surroundings(spec.scene, built, tree, start, built.start, folder))
     company = place_caregiver(spec.scene.caregiver, tree, start.qpos)
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
-    taken = np.concatenate([taken, np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))])
-    toys = toys_around(spec.scene, built, tree, start, taken, assets.toybox)
+    toys = toys_around(spec.scene, built, tree, start, np.concatenate([taken, discs_of(things)]), assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
         built.world,
@@ -212,18 +211,12 @@ def place_in_scene(
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
-    placed = replace(
-        scene,
-        world=replace(world, pairs=barrier_pairs(world, scene.roots)),
-        keyframes=tuple(
-            replace(
-                pose,
-                qpos=(*pose.qpos, *world.resting),
-                settings=(*pose.settings, *settings_at(company, tree, pose.qpos, world.marks)),
-            )
-            for pose in starts.values()
-        ),
+    ends = {name: settings_at(company, tree, pose.qpos, world.marks) for name, pose in starts.items()}
+    poses = tuple(
+        replace(pose, qpos=(*pose.qpos, *world.resting), settings=(*pose.settings, *ends[name]))
+        for name, pose in starts.items()
     )
+    placed = replace(scene, world=replace(world, pairs=barrier_pairs(world, scene.roots)), keyframes=poses)
     placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
     origins = {**built.origins, **trace_objects(things), **(company.origins if company else {})}
     return PlacedScene(placed, toys, task_objects, origins, things, company and company.entry)
@@ -241,6 +234,11 @@ def missing_offers(caregiver: CaregiverSpec | None, placed: PlacedScene) -> dict
         for number, act in enumerate(caregiver.script if caregiver else ())
         if act.object is not None and act.object not in names
     }
+
+
+def discs_of(things: Iterable[PlacedThing]) -> FloatArray:
+    """Return the floor below objects, as discs by x, y and radius, shape (n, 3), [m]."""
+    return np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))
 
 
 def surroundings(

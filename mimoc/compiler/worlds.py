@@ -22,7 +22,7 @@ from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manif
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.manifest import describe_objects, describe_toys
-from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, surroundings, toys_around
+from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, discs_of, surroundings, toys_around
 from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
 from mimoc.compiler.world_places import InfantPart, part_of, places_of, states_of, trace_places, within
 from mimoc.compiler.world_provenance import trace_around, trace_infant
@@ -185,8 +185,7 @@ def _toys(
 ) -> tuple[FreeObject, ...]:
     """Return the toys, around the first infant and outside of what all cover."""
     name, part = next(iter(parts.items()))
-    discs = np.reshape([disc for thing in things for disc in thing.discs], (-1, 3))
-    taken = np.concatenate([*(other.taken for other in parts.values()), discs])
+    taken = np.concatenate([*(other.taken for other in parts.values()), discs_of(things)])
     try:
         return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)
     except (NoSpaceError, ToyError) as error:

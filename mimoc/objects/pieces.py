@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_between
 from mimoc.mjcf.furniture import SOLID, UNTOUCHED
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.toys.shape import UPRIGHT
 
-GRAVITY_M_S2 = 9.81
 DAMPING_RATIO = 0.05
 """Of what hangs: a swing falls to a third in about three and a half periods; an assumption."""
 STRING_M = 0.001

@@ -16,8 +16,8 @@ from mimoc.base.units import ms_to_s
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.sound_track import SoundTrack, hears, sound_file
 from mimoc.recording.video import Video, check_video, open_video
-from mimoc.render.body_camera import BodyCamera, objects_near
-from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_bodies
+from mimoc.render.body_camera import BodyCamera, company, view_of_scene
+from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant_view import InfantView
@@ -61,10 +61,9 @@ class VideoFrames:
         self._observed = vision.cameras if eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
         self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
-        root = env.manifest.root_body
-        roots = roots or [root]
-        view = view_of_bodies(FROM_THE_SIDE, env.data, roots)
-        size_px, beside = (round(SHAPE * height_px), height_px), objects_near(env.manifest.objects, roots, env.data)
+        roots = roots or [env.manifest.root_body]
+        view = view_of_scene(FROM_THE_SIDE, env.manifest, roots, env.data)
+        size_px, beside = (round(SHAPE * height_px), height_px), company(env.manifest, roots, env.data)
         self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=shown, beside=beside)
         """The camera outside."""
         self.camera.turn(env.data)
@@ -265,7 +264,7 @@ def film_of(
         _save(video, track)
 
 
-def _open_track(env: InfantEnv, video: Video) -> SoundTrack | None:
+def _open_track(env: InfantView, video: Video) -> SoundTrack | None:
     """Return the sound of a video without frames, if its infant hears."""
     if not hears(env):
         return None

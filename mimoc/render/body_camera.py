@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.manifest import ObjectEntry
+from mimoc.bundle.manifest import CaregiverEntry, Manifest
+from mimoc.bundle.world import WorldManifest
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -19,6 +20,7 @@ from mimoc.render.camera import (
     fit_shot,
     planes_of,
     unobstructed_view,
+    view_of_bodies,
 )
 from mimoc.render.markers import Markers, add_markers
 from mimoc.render.renderer import Picture, Renderer, Setting, Shown, average_down, visual_settings
@@ -45,11 +47,24 @@ NEAR_M, STRING_M = 1.0, 0.15
 """Distance from an infant within which its objects are in its pictures, but for what is longer, such as strings."""
 
 
-def objects_near(objects: Sequence[ObjectEntry], roots: Sequence[str], data: mujoco.MjData) -> list[str]:
-    """Return the outermost bodies of a spec's objects that are near one of the infants."""
+def company(manifest: Manifest | WorldManifest, roots: Sequence[str], data: mujoco.MjData) -> list[str]:
+    """Return the outermost bodies in pictures of infants besides theirs: objects near them, and who is with them."""
     places_m = np.array([data.body(root).xpos for root in roots])
-    middles_m = {item.body: data.body(item.body).subtree_com for item in objects}
-    return [name for name, at in middles_m.items() if (np.linalg.norm(places_m - at, axis=1) < NEAR_M).any()]
+    middles_m = {item.body: data.body(item.body).subtree_com for item in manifest.objects}
+    near = [name for name, at in middles_m.items() if (np.linalg.norm(places_m - at, axis=1) < NEAR_M).any()]
+    adult = _adult(manifest)
+    return [*near, adult.head, *(body for arm in adult.arms for body in arm.bodies)] if adult else near
+
+
+def view_of_scene(view: View, manifest: Manifest | WorldManifest, roots: Sequence[str], data: mujoco.MjData) -> View:
+    """Return a view of infants, see `view_of_bodies`; with an adult by them, across the line between both."""
+    if (adult := _adult(manifest)) is None:
+        return view_of_bodies(view, data, roots)
+    return view_of_bodies(view, data, [*roots, adult.trunk])[0], view[1]
+
+
+def _adult(manifest: Manifest | WorldManifest) -> CaregiverEntry | None:
+    return manifest.caregiver if isinstance(manifest, Manifest) else None
 
 
 def backdrop_m(

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import check_name
-from mimoc.bundle.manifest import ObjectEntry
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.world import WorldManifest
 from mimoc.render.opengl import has_screen
 from mimoc.render.renderer import Picture
 
@@ -47,8 +48,8 @@ class EnvRenderer:
         mode: str | None,
         model: mujoco.MjModel,
         data: mujoco.MjData,
+        manifest: Manifest | WorldManifest,
         root_bodies: Sequence[str],
-        objects: Sequence[ObjectEntry],
         size_px: tuple[int, int],
     ):
         """Look at some bodies, all that is attached to them, and the objects near them, in a window for `human`.
@@ -58,7 +59,7 @@ class EnvRenderer:
         Raises:
             RenderingError: If the mode needs a screen, and there is none.
         """
-        self._mode, self._root_bodies, self._objects, self._size_px = mode, root_bodies, objects, size_px
+        self._mode, self._manifest, self._root_bodies, self._size_px = mode, manifest, root_bodies, size_px
         self._camera: BodyCamera | None = None
         self._window: Window | None = None
         self._show_model(model, data)
@@ -92,11 +93,11 @@ class EnvRenderer:
         if self._mode != "rgb_array":
             return None
         if self._camera is None:
-            from mimoc.render.body_camera import BodyCamera, objects_near
-            from mimoc.render.camera import FROM_THE_SIDE, view_of_bodies
+            from mimoc.render.body_camera import BodyCamera, company, view_of_scene
+            from mimoc.render.camera import FROM_THE_SIDE
 
-            beside = objects_near(self._objects, self._root_bodies, self._data)
-            view = view_of_bodies(FROM_THE_SIDE, self._data, self._root_bodies)
+            beside = company(self._manifest, self._root_bodies, self._data)
+            view = view_of_scene(FROM_THE_SIDE, self._manifest, self._root_bodies, self._data)
             self._camera = BodyCamera(self._model, self._root_bodies, *self._size_px, view, beside=beside)
             self._camera.turn(self._data)
         return self._camera.render(self._data)

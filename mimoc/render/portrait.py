@@ -12,8 +12,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
-from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m, objects_near
-from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_bodies, view_of_body
+from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m, company, view_of_scene
+from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.renderer import Picture, Shown
@@ -224,8 +224,8 @@ def portrait(
     model, data = load_posed(bundle, pose)
     root = bundle.manifest.root_body
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
-    view = framing.view(view_of_body(FROM_THE_SIDE, data, root), front_deg)
-    beside = objects_near(bundle.manifest.objects, [root], data)
+    view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, [root], data), front_deg)
+    beside = company(bundle.manifest, [root], data)
     return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing, beside)
 
 
@@ -247,8 +247,8 @@ def world_portrait(
     mujoco.mj_forward(model, data)
     roots = [infant.manifest.root_body for infant in bundle.infants.values()]
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
-    view = framing.view(view_of_bodies(FROM_THE_SIDE, data, roots), front_deg)
-    beside = objects_near(bundle.manifest.objects, roots, data)
+    view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, roots, data), front_deg)
+    beside = company(bundle.manifest, roots, data)
     return _picture(model, data, roots, (width, height), (view, FOVY_DEG), None, shown, framing, beside)
 
 
@@ -327,8 +327,7 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     model, data = load_posed(bundle)
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
     shown = [root, *(toy.body for toy in toys)]
-    view = view_of_body(FROM_ABOVE, data, root)
-    beside = objects_near(bundle.manifest.objects, [root], data)
+    view, beside = view_of_scene(FROM_ABOVE, bundle.manifest, [root], data), company(bundle.manifest, [root], data)
     with closing(BodyCamera(model, shown, width, height, view, supersample=STILL, beside=beside)) as camera:
         camera.turn(data)
         return camera.render(data)

@@ -249,8 +249,8 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:
-        roots, objects = [self.manifest.root_body], self.manifest.objects
-        return EnvRenderer(self.render_mode, self._infant.bare, self.data, roots, objects, self._picture_size)
+        manifest, model = self.manifest, self._infant.bare
+        return EnvRenderer(self.render_mode, model, self.data, manifest, [manifest.root_body], self._picture_size)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""

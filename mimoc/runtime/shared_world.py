@@ -88,6 +88,8 @@ class SharedWorld:
             name: WorldInfant(infant, self.model, self.data, tasks.get(name), senses.get(name), companions.get(name))
             for name, infant in bundle.infants.items()
         }
+        for infant in self.infants.values():
+            infant.hear([other.voice for other in self.infants.values() if other.voice and other is not infant])
         self.possible_agents, self.agents = list(self.infants), list[str]()
         rate_hz = round(1 / ms_to_s(bundle.manifest.step_ms))
         self.metadata = {**type(self).metadata, "render_modes": available_modes(), "render_fps": rate_hz}
@@ -95,8 +97,9 @@ class SharedWorld:
         self._segments: dict[str, tuple[Segment, ...]] = {}
         self._merged: list[MergedSegment[str]] = []
         self._start({})
-        objects = self.bundle.manifest.objects
-        self._renderer = EnvRenderer(render_mode, self.model, self.data, self._roots, objects, self._picture_size)
+        self._renderer = EnvRenderer(
+            render_mode, self.model, self.data, bundle.manifest, self._roots, self._picture_size
+        )
 
     def observation_space(self, agent: str) -> Any:
         """Return the space of what an infant observes.

@@ -1,6 +1,6 @@
 """An infant in a world that it shares with others."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -61,7 +61,7 @@ class WorldInfant(InfantView):
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(bundle, model, custom=by_name(senses or {}))
         self._task = bind_task(bundle, model, task)
-        voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
+        self.voice = voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
         beside = bind_companions(model, bundle, self.noise, dict(companions or {}), self._senses, voice)
         timing = timing_of(self.manifest, self._senses)
         self._schedule = Schedule(self._senses, self._act, model, timing, self.noise, beside, voice)
@@ -85,6 +85,11 @@ class WorldInfant(InfantView):
     def rest(self) -> np.ndarray:
         """The action that commands nothing, shape (n,)."""
         return np.clip(0.0, self.action_space.low, self.action_space.high).astype(np.float32)
+
+    def hear(self, others: Sequence[Voice]) -> None:
+        """Hear the voices of other infants as well."""
+        for sense in self._senses.values():
+            sense.listen_to(self._schedule.companions, self.voice, others)
 
     def seed(self, seed: int) -> None:
         """Draw random numbers as an environment of this infant alone does from this seed on."""

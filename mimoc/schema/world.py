@@ -41,6 +41,15 @@ class PlacedInfantSpec(Model):
     """By how much it is turned to its left about the vertical; at 0 it faces along x."""
 
 
+OF_EACH = "each infant of a world has its own; write this in the scene of its spec"
+NOT_OF_ALL = {
+    "pose": OF_EACH,
+    "held": OF_EACH,
+    "start_at": "only a single infant can start at furniture; leave this out, and give places of infants",
+    "caregiver": "only a single infant can have a caregiver; leave this out",
+}
+"""Keys of a scene that a world does not have, and why."""
+
 InfantChoice = Annotated[
     Annotated[PathText, Tag("a word")] | Annotated[PlacedInfantSpec, Tag("a section")],
     *by_shape("an infant; write the path of its spec, or {spec: anna.yaml, y_cm: 40}"),
@@ -64,17 +73,7 @@ class WorldSpec(FileModel):
 
     @model_validator(mode="after")
     def _scene_is_for_all(self) -> Self:
-        own, single = (
-            "each infant of a world has its own; write this in the scene of its spec",
-            "only a single infant has",
-        )
-        refusals = {
-            "pose": own,
-            "held": own,
-            "start_at": f"{single} a place at furniture yet; leave it out, and give x_cm, y_cm and yaw_deg of infants",
-            "caregiver": f"{single} a caregiver yet; leave it out",
-        }
-        for key, message in refusals.items():
+        for key, message in NOT_OF_ALL.items():
             if key in self.scene.model_fields_set:
                 raise KeyedError(("scene", key), message)
         return self

@@ -85,8 +85,11 @@ class Sense(ABC):
         """
         return False
 
-    def listen_to(self, sources: SoundSources, voice: Any = None) -> None:
-        """Hear these sources besides what sounds by itself, and the infant's own `Voice`; most senses hear nothing."""
+    def listen_to(self, sources: SoundSources, voice: Any = None, others: Sequence[Any] = ()) -> None:
+        """Hear these sources besides what sounds by itself, and the infant's own `Voice` and those of others.
+
+        Most senses hear nothing.
+        """
         return
 
     def close(self) -> None:

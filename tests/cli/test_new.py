@@ -34,7 +34,14 @@ def test_comments_can_be_turned_into_keys():
     lines = [re.sub("^( *)# ", r"\1", line) for line in new_spec(Choices()).splitlines()]
     spec = read_spec(source.parse("\n".join(lines), "x.yaml"))
     assert (spec.body.individual.sex, spec.delays.preset, spec.task.kind) == ("female", "physiological", "catch")
-    assert {name for name, sense in spec.senses if sense} == {"proprioception", "vestibular", "touch", "vision"}
+    assert {name for name, sense in spec.senses if sense} == {
+        "proprioception",
+        "vestibular",
+        "touch",
+        "vision",
+        "hearing",
+        "pain",
+    }
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,7 @@ BUILT = {
     "actuation.strength": {"neck": 0.5},
     "actuation.regions": ["arms"],
     "actuation.locked": ["legs"],
+    "actuation.voice": True,
     "senses.proprioception": {"include": ["velocity"]},
     "senses.vestibular": {"include": ["gyro"], "canals": "age"},
     "senses.pain": {"threshold": "adult"},

@@ -26,8 +26,12 @@ def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
 
 def test_every_preset_of_the_language_and_every_signal_is_known():
     assert tuple(PRESETS) == DelaysSpec.model_fields["preset"].annotation.__args__
-    assert {f"{signal}_ms" for signal in signals()} == DelaysSpec.model_fields.keys() - {"preset", "sensory_ms"}
-    assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs"}
+    assert {f"{signal}_ms" for signal in signals()} == DelaysSpec.model_fields.keys() - {
+        "preset",
+        "sensory_ms",
+        "processing",
+    }
+    assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs", "processing"}
 
 
 def test_there_is_no_delay_by_default():
@@ -36,7 +40,7 @@ def test_there_is_no_delay_by_default():
 
 def test_the_more_specific_key_takes_precedence():
     found = entry(preset="physiological", sensory_ms=50, vision_ms=100)
-    assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100, 50)]
+    assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100, 50, 50)]
     assert found.motor == entry(preset="physiological").motor
 
 

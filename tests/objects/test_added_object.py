@@ -29,14 +29,14 @@ class StoolSpec(ObjectSpec):
 
     kind: Literal["stool"]
     """Kind of object."""
-    seat_cm: Annotated[Centimetres, Field(ge=5, le=60)] = 20.0
+    stool_cm: Annotated[Centimetres, Field(ge=5, le=60)] = 20.0
     """Height of its seat."""
 
 
 def build_stool(spec: StoolSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a block to sit on, as broad as the infant is long."""
     assert surroundings.tree.bodies
-    name, half_m = object_name(spec.name), spec.seat_cm / 200
+    name, half_m = object_name(spec.name), spec.stool_cm / 200
     geom = solid(name, name, "box", (0.1, 0.1, half_m), (0.0, 0.0, 0.0), 1.0)
     return BuiltObject(
         root=ObjectBody(name, pos_m=(0.0, 0.0, half_m), geoms=(geom,)),
@@ -54,7 +54,7 @@ def build_stool(spec: StoolSpec, surroundings: Surroundings) -> BuiltObject:
 
 STOOL = ObjectKind("stool", "A stool.", StoolSpec, build_stool)
 SPEC = spec_with(
-    {"name": "stool", "kind": "stool", "seat_cm": 12, "at": {"x_cm": 60}},
+    {"name": "stool", "kind": "stool", "stool_cm": 12, "at": {"x_cm": 60}},
     {"name": "cup", "toy": "cup", "at": "on stool"},
 )
 
@@ -81,8 +81,10 @@ def test_an_added_kind_is_built_placed_explained_and_in_the_schema(stool):
 
 
 def test_what_it_refuses_is_said_at_its_key(stool):
-    with pytest.raises(SpecError, match=r"scene.objects\[0\].seat_cm: 2 is too small; give 5 to 60 cm"):
-        mimoc.InfantSpec.model_validate(spec_with({"name": "stool", "kind": "stool", "seat_cm": 2, "at": {"x_cm": 60}}))
+    with pytest.raises(SpecError, match=r"scene.objects\[0\].stool_cm: 2 is too small; give 5 to 60 cm"):
+        mimoc.InfantSpec.model_validate(
+            spec_with({"name": "stool", "kind": "stool", "stool_cm": 2, "at": {"x_cm": 60}})
+        )
 
 
 def test_without_it_the_kind_is_unknown():

@@ -37,7 +37,7 @@ NO_UNIT = {
 }
 OF_AN_AGE = {"acuity", "contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"}
 """Keys of which one kind of value has a unit, months."""
-NO_UNIT |= OF_AN_AGE
+NO_UNIT |= OF_AN_AGE | {"thresholds"}
 WRONG = [
     "a word",
     "9 apples",

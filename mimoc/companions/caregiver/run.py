@@ -118,7 +118,7 @@ class Caregiver(Companion):
         """What it changes in the model: the material of its face, and what its hands hold."""
         return self.body.model_fields
 
-    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
         """Hear the infant's voice."""
         if self._onsets:
             self._onsets.listen_to(sources, voice)

@@ -1,12 +1,12 @@
 """Simple shapes, toys and meshes as objects that are fixed, free, hang or slide."""
 
 from mimoc.base.errors import ObjectError, ToyError
-from mimoc.base.units import cm_to_m
+from mimoc.base.units import GRAVITY_M_S2, cm_to_m
 from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.world import ObjectBody, ObjectJoint
 from mimoc.objects.built_object import BuiltObject, Surroundings
 from mimoc.objects.names import object_name
-from mimoc.objects.pieces import GRAVITY_M_S2, moved, pendulum_damping, string
+from mimoc.objects.pieces import moved, pendulum_damping, string
 from mimoc.objects.shape.build_solid import Solid, solid_of
 from mimoc.objects.shape.spec import ShapeSpec
 

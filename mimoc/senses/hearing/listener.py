@@ -20,9 +20,9 @@ from mimoc.companions.companion import Companion
 from mimoc.senses.hearing import HearingEntry
 from mimoc.senses.hearing.impacts import Contacts, Impact, Resonators
 from mimoc.senses.hearing.mixing import Mixer, Source
-from mimoc.senses.hearing.own_voice import OwnVoice
 from mimoc.senses.hearing.playback import Playback
 from mimoc.senses.hearing.timbres import Head, Timbre, partials_of, resampled
+from mimoc.senses.hearing.voices import OtherVoice, OwnVoice, VoiceTrack
 from mimoc.senses.sense import FloatArray
 
 CLOSE_DB = 10.0
@@ -42,7 +42,7 @@ class Listener(Companion):
             bundle: The infant.
             samples: How many samples are kept.
         """
-        self._head = Head(entry.radius_m, float(entry.sample_rate_hz))
+        self._model, self._head = model, Head(entry.radius_m, float(entry.sample_rate_hz))
         self._body = model.body(entry.head).id
         self._thresholds = np.log(entry.threshold_hz or (1.0,)), np.array(entry.threshold_db or (0.0,))
         self._timestep_s, self._samples = model.opt.timestep, samples
@@ -50,6 +50,7 @@ class Listener(Companion):
         self._mixer = Mixer(self._head, self._body, entry.centre_m)
         self._sources: Sequence[SoundSources] = ()
         self._voice: OwnVoice | None = None
+        self._others: list[OtherVoice] = []
         self._forget()
 
     @property
@@ -57,10 +58,11 @@ class Listener(Companion):
         """Samples per second."""
         return self._head.sample_rate_hz
 
-    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
-        """Hear what these let sound, and the infant's own voice."""
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
+        """Hear what these let sound, the infant's own voice, and those of others in its world."""
         self._sources = (sources,)
         self._voice = OwnVoice(voice, self._head) if voice else None
+        self._others = [OtherVoice(other, self._model.body(other.entry.head).id, self._head) for other in others]
 
     def play(self, sound: Playback, data: mujoco.MjData) -> None:
         """Let a sound begin now."""
@@ -76,8 +78,8 @@ class Listener(Companion):
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Notice what hits what, and how the infant's voice sounds."""
-        if self._voice:
-            self._voice.after_step(round(data.time * self._head.sample_rate_hz))
+        for track in self._tracks:
+            track.after_step(round(data.time * self._head.sample_rate_hz))
         if impacts := self._contacts.impacts(data):
             start = (data.time - self._timestep_s) * self._head.sample_rate_hz
             head_m = data.xpos[self._body]
@@ -92,15 +94,25 @@ class Listener(Companion):
             count = min(count, 4 * self._samples)
             mixed = self._mixer.mix(data, self.index, count)
             if self._voice:
-                mixed += self._voice.heard(self.index, count)
+                mixed += self._voice.heard(count)
+            for other in self._others:
+                mixed += other.heard(self._mixer.way(data, other.body, other.point_m), count)
             self.pressure_pa = np.concatenate([self.pressure_pa, mixed], axis=1)[:, -self._samples :]
             self.index += count
         return self.pressure_pa
 
+    @property
+    def _tracks(self) -> list[VoiceTrack]:
+        """All voices that it hears."""
+        voices = [*([self._voice] if self._voice else []), *self._others]
+        return [voice.track for voice in voices]
+
     def _forget(self) -> None:
         self._mixer.forget()
         if self._voice:
-            self._voice.forget()
+            self._voice.track.forget()
+        for other in self._others:
+            other.forget()
         self._begun: list[list[Any]] = []
         self.pressure_pa = np.zeros((2, self._samples))
         """The sound pressure at both ears, up to the sample before `index`."""
@@ -143,7 +155,8 @@ class Listener(Companion):
             "sources": [_listed(source) for source in self._mixer.sources],
             "delays": self._mixer.delays,
             "gains": self._mixer.gains,
-            "voice": self._voice and self._voice.state,
+            "voice": self._voice and self._voice.track.state,
+            "others": [other.state for other in self._others],
         }
 
     @state.setter
@@ -160,7 +173,9 @@ class Listener(Companion):
         self._contacts.ringing = set(state["ringing"])
         self._begun = [list(key) for key in state["begun"]]
         if self._voice:
-            self._voice.state = state["voice"]
+            self._voice.track.state = state["voice"]
+        for other, kept in zip(self._others, state["others"], strict=True):
+            other.state = kept
         self._mixer.restore(sources, state["delays"], state["gains"])
 
 

@@ -84,7 +84,7 @@ class Mixer:
         """Return what reaches the ears in some samples from the one with an index on, shape (2, count), in [Pa]."""
         if not self.sources:
             return np.zeros((2, count))
-        delays, gains = self._ways_now(data)
+        delays, gains = self._ways(data, self._bodies, self._points_m, self._loudness)
         delays_before, gains_before = (
             np.where(np.isnan(self.delays), now, before) for now, before in ((delays, self.delays), (gains, self.gains))
         )
@@ -102,18 +102,25 @@ class Mixer:
         self._keep(np.flatnonzero(places[:, :, -1].min(axis=1) < self._lengths))
         return np.add.reduce(wave.real, axis=0, dtype=np.float64)
 
-    def _ways_now(self, data: mujoco.MjData) -> tuple[FloatArray, Any]:
+    def way(self, data: mujoco.MjData, body: int, point_m: FloatArray) -> tuple[FloatArray, Any]:
+        """Return delays and gains of a sound of a place on a body, shape (2,) each; see `_ways`."""
+        delays, gains = self._ways(data, np.array([body]), point_m[None], np.ones(1))
+        return delays[0], gains[0]
+
+    def _ways(
+        self, data: mujoco.MjData, bodies: IntArray, points_m: FloatArray, loudness: FloatArray
+    ) -> tuple[FloatArray, Any]:
         """Return the delays of each sound to each ear [samples], and the gains a - i b, shape (sounds, 2) each."""
         world_from_head = data.xmat[self._body].reshape(3, 3)
         centre_m = data.xpos[self._body] + world_from_head @ self._centre_m
-        turned_m = (data.xmat.take(self._bodies, 0).reshape(-1, 3, 3) @ self._points_m[:, :, None])[:, :, 0]
-        towards_m = (data.xpos.take(self._bodies, 0) + turned_m - centre_m) @ world_from_head
+        turned_m = (data.xmat.take(bodies, 0).reshape(-1, 3, 3) @ points_m[:, :, None])[:, :, 0]
+        towards_m = (data.xpos.take(bodies, 0) + turned_m - centre_m) @ world_from_head
         distances_m = np.maximum(np.sqrt(np.add.reduce(towards_m**2, axis=1)), 1e-6)[:, None]
         angles = ear_angles(towards_m / distances_m)
         distances_m = np.maximum(distances_m, self._head.radius_m)
         delays_s = distances_m / SOUND_M_S + ear_delays_s(angles, self._head.radius_m)
         high = high_share(angles)
-        gains = (high - 1j * (1 - high)) * (self._loudness[:, None] / distances_m)
+        gains = (high - 1j * (1 - high)) * (loudness[:, None] / distances_m)
         return delays_s * self._head.sample_rate_hz, gains
 
     def _keep(self, kept: IntArray) -> None:

@@ -135,9 +135,9 @@ class Hearing(Sense):
         """Let a recorded sound begin now; see `mimoc.InfantEnv.play`."""
         self.listener.play(checked_playback(pressure_pa, rate_hz, point_m, body), data)
 
-    def listen_to(self, sources: SoundSources, voice: Voice | None = None) -> None:
-        """Hear companions, and the infant's own voice."""
-        self.listener.listen_to(sources, voice)
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
+        """Hear companions, the infant's own voice, and those of others."""
+        self.listener.listen_to(sources, voice, others)
 
 
 def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:

@@ -240,8 +240,8 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     ("arguments", "message"),
     [
         (
-            ["walking", "-o", "out"],
-            f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
+            ["swimming", "-o", "out"],
+            f"'swimming' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
         ),
         (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
         (
