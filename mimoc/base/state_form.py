@@ -65,7 +65,7 @@ def _check_array(given: Any, expected: np.ndarray, where: str) -> None:
 
 def check_finite(given: npt.NDArray[Any], where: str) -> None:
     """Raise a ValueError if an array of a state has a NaN or an infinity."""
-    if given.dtype.kind == "f" and not np.isfinite(given).all():
+    if given.dtype.kind in "fc" and not np.isfinite(given).all():
         raise ValueError(f"state cannot be restored: {where} has a NaN or an infinity")
 
 

@@ -100,7 +100,8 @@ def print_toys(manifest: Manifest | WorldManifest) -> None:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
     if manifest.objects:
-        table = new_table("object", TOY_MASS.heading, "place at the start", title=f"{len(manifest.objects)} objects")
+        title = counted(len(manifest.objects), "object")
+        table = new_table("object", TOY_MASS.heading, "place at the start", title=title)
         for item in manifest.objects:
             table.add_row(printable(item.name), f"{1000 * item.mass_kg:.0f}", printable(item.where))
         console.print(table)

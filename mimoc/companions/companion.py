@@ -15,11 +15,17 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.actuation.voice import Voice
 from mimoc.base.model_fields import ModelField
 from mimoc.base.sound import Sound, SoundSources
 from mimoc.noise.noise import NoiseStreams
+
+FloatArray = npt.NDArray[np.float64]
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+"""All of MuJoCo's state that its next steps depend on."""
+NOTHING: FloatArray = np.zeros(0)
 
 
 class Companion:
@@ -108,6 +114,8 @@ class Companions(Mapping[str, Companion]):
         """
         self._companions, self._streams = dict(companions), streams
         self._all = {**companions, **{f"senses.{name}": companion for name, companion in of_senses.items()}}
+        self.before: FloatArray = NOTHING
+        """MuJoCo's state from which the last physics step was made, shape (n,); n is 0 before the first."""
 
     def __getitem__(self, name: str) -> Companion:
         """Return the companion of a name."""
@@ -134,6 +142,7 @@ class Companions(Mapping[str, Companion]):
         """Start an episode of all of them, in which their streams begin again if the environment's have."""
         for name in self._companions:
             _ = self._streams[channel_of(name)]
+        self.before = NOTHING
         for companion in self._all.values():
             companion.reset(data)
 
@@ -141,6 +150,9 @@ class Companions(Mapping[str, Companion]):
         """Let them act before a physics step."""
         for companion in self._all.values():
             companion.before_step(data)
+        if self._companions:  # They see bodies and contacts of the step before: a state must lead to these as well.
+            self.before = np.empty(mujoco.mj_stateSize(data.model, STATE))
+            mujoco.mj_getState(data.model, data, self.before, STATE)
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Let them see the state after a physics step."""

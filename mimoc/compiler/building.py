@@ -32,6 +32,7 @@ from mimoc.compiler.placing import (
     SceneAssets,
     covered_floor,
     load_scene_assets,
+    missing_offers,
     place_in_scene,
     set_up_task,
 )
@@ -176,7 +177,8 @@ class Builder:
         """Return the scene of a seed, before it is written.
 
         Raises:
-            SpecError: If there is not enough space for the toys, or a mesh cannot be used.
+            SpecError: If there is not enough space for the toys, a mesh cannot be used, or the script of the caregiver
+                offers what it cannot take.
         """
         spec = _with_seed(self.spec, seed)
         try:
@@ -187,6 +189,9 @@ class Builder:
         except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
+        if missing := missing_offers(spec.scene.caregiver, furnished):
+            script, written = ("scene", "caregiver", "script"), as_written(spec)
+            raise SpecError(written.problem((*script, number, "object"), text) for number, text in missing.items())
         return replace(furnished, scene=find_target(self.target).world(furnished.scene))
 
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.actuation.build_setup import ActuationSetup
-from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError
+from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError, suggestion
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.companions.caregiver.build import place_caregiver, settings_at
-from mimoc.companions.caregiver.spec import CaregiverEntry
+from mimoc.companions.caregiver.spec import CaregiverEntry, CaregiverSpec
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.object_check import free_poses
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
@@ -220,6 +220,20 @@ def place_in_scene(
     placed = replace(placed, keyframes=free_poses(placed, start.name, spec.scene.objects, things))
     origins = {**built.origins, **trace_objects(things), **(company.origins if company else {})}
     return PlacedScene(placed, toys, task_objects, origins, things, company and company.entry)
+
+
+def missing_offers(caregiver: CaregiverSpec | None, placed: PlacedScene) -> dict[int, str]:
+    """Return what is wrong with acts of a caregiver's script that offer something, by their number in it."""
+    objects = {thing.entry.name: thing.entry.motion for thing in placed.things}
+    names = {name for toy in placed.toys for name in (toy.name, toy.object, toy.category)}
+    names |= {name for name, motion in objects.items() if motion == "free"}
+    return {
+        number: f"'{act.object}' is {objects[act.object]}; offer something that moves freely"
+        if act.object in objects
+        else f"there is no '{act.object}' in this scene; {suggestion(act.object, names) if names else 'add it'}"
+        for number, act in enumerate(caregiver.script if caregiver else ())
+        if act.object is not None and act.object not in names
+    }
 
 
 def discs_of(things: Iterable[PlacedThing]) -> FloatArray:

@@ -56,7 +56,8 @@ def check_start(objects: Sequence[ObjectSpec], name: str, pose: str) -> None:
     """
     number = next((number for number, item in enumerate(objects) if item.name == name), None)
     if number is None:
-        message = f"there is no object '{name}'; {suggestion(name, [item.name for item in objects])}"
+        known = [item.name for item in objects]
+        message = f"there is no object '{name}'; {suggestion(name, known) if known else 'add it to the objects'}"
         raise KeyedError(("start_at",), message, against=("objects",))
     item, kind = objects[number], OBJECTS[objects[number].kind]
     if not kind.poses:

@@ -13,8 +13,8 @@ from mimoc.base.errors import RecordingError
 ARRAY, TUPLE, ITEMS, FLOAT = "array", "tuple", "items", "float"
 """Keys of dictionaries that stand for what JSON does not have; each is the only key that begins with `MARK`."""
 MARK = "$"
-KINDS = "biufSU"
-"""Kinds of arrays in states: numbers and text."""
+KINDS = "biufcSU"
+"""Kinds of arrays in states: numbers, complex ones too, and text."""
 MOST_BYTES = 2**28
 """Of one array; the largest are the signals of a skin on their way."""
 

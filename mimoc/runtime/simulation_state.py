@@ -10,9 +10,10 @@ import numpy as np
 
 from mimoc.actuation.arousal import Arousal
 from mimoc.base.model_fields import ModelFields
-from mimoc.base.state_form import check_form
+from mimoc.base.state_form import check_finite, check_form, demand
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin
+from mimoc.companions.companion import STATE
 from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
@@ -20,9 +21,6 @@ from mimoc.runtime.expression import expression_fields
 from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.task import Task
-
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""All of MuJoCo's state that its next steps depend on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +77,8 @@ class SimulationState:
     @property
     def state(self) -> dict[str, Any]:
         """All that its next steps depend on, but for what the environment counts and draws."""
-        return {"physics": physics_of(self.model, self.data), **self.state_of_infant}
+        before = {"before": self.schedule.companions.before} if self.schedule.companions else {}
+        return {"physics": physics_of(self.model, self.data), **before, **self.state_of_infant}
 
     @property
     def state_of_infant(self) -> dict[str, Any]:
@@ -120,6 +119,19 @@ class SimulationState:
         self.restore_model(state)
         set_physics(self.model, self.data, state["physics"])
         self.restore_signals(state)
+        if self.schedule.companions:
+            self._restore_before(state["before"], state["physics"])
+
+    def _restore_before(self, before: FloatArray, physics: FloatArray) -> None:
+        """Restore the bodies and contacts that companions see, those of the state before the last physics step."""
+        size = mujoco.mj_stateSize(self.model, STATE)
+        demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), "before", before)
+        check_finite(before, "before")
+        self.schedule.companions.before = before
+        if len(before):
+            mujoco.mj_setState(self.model, self.data, before, STATE)
+            mujoco.mj_step(self.model, self.data)
+            mujoco.mj_setState(self.model, self.data, physics, STATE)
 
     def restore_model(self, state: dict[str, Any]) -> None:
         """Restore what a state says of the model and the task, before the physics."""
@@ -137,7 +149,7 @@ def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
     """Return what has the same form in all states of an infant: not tasks, companions, signals, nor streams."""
     signals = {name: state["signals"][name] for name in ("noise", "motor_noise")}
     noise = {"seed": state["noise"]["seed"]}
-    lasting = {name: state[name] for name in state if name not in ("task", "companions")}
+    lasting = {name: state[name] for name in state if name not in ("task", "companions", "before")}
     return lasting | {"signals": signals, "noise": noise}
 
 

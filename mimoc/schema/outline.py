@@ -1,12 +1,14 @@
 """Queries of the language of a kind of files: which keys and values are allowed at a path."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from mimoc.schema.base import KeyPath, Model
 from mimoc.schema.composition import on_recompose
+
+NO_KINDS: Mapping[KeyPath, str] = {}
 
 
 @dataclass(frozen=True)
@@ -48,16 +50,23 @@ class Language:
     schema: dict[str, Any]
     """The JSON schema of a file."""
 
-    def outline(self, path: KeyPath) -> Outline:
-        """Return the description of the value at a path, which is empty for an unknown path."""
-        first = schema = self._resolved(self._node(path))
+    def outline(self, path: KeyPath, kinds: Mapping[KeyPath, str] = NO_KINDS) -> Outline:
+        """Return the description of the value at a path, which is empty for an unknown path.
+
+        Args:
+            path: The keys that lead to it.
+            kinds: Of sections on the way that can be of several kinds, which they are; of others, all are merged.
+        """
+        first = schema = self._resolved(self._node(path, kinds))
         while "prefixItems" in first:
             first = self._resolved(first["prefixItems"][0])
         return Outline(schema, first.get("unit"))
 
     def kinds_of(self, path: KeyPath) -> dict[str, Outline]:
         """Return the alternative sections at a path, by the value of their discriminator; empty for most paths."""
-        node = self._node(path)
+        return self._kinds(self._node(path))
+
+    def _kinds(self, node: dict[str, Any]) -> dict[str, Outline]:
         unions = [option for option in (node, *node.get("anyOf", ())) if "discriminator" in option]
         return {
             name: Outline(self._resolved({"$ref": reference}))
@@ -74,10 +83,12 @@ class Language:
         """Return the paths of all sections that have a key of this name."""
         return [path for path, node in self._sections(self.schema, ()) if key in node["properties"]]
 
-    def _node(self, path: KeyPath) -> dict[str, Any]:
+    def _node(self, path: KeyPath, kinds: Mapping[KeyPath, str] = NO_KINDS) -> dict[str, Any]:
         """Return the JSON schema at a path, with references unresolved."""
         node = self.schema
-        for step in path:
+        for depth, step in enumerate(path):
+            kind = self._kinds(node).get(kinds.get(path[:depth], ""))
+            node = kind.schema if kind else node
             children = self._resolved(node).get("properties", {})
             items = self._resolved(node).get("prefixItems", [])
             if isinstance(step, int):

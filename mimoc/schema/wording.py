@@ -12,7 +12,15 @@ from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, KeyPath, dotted, shown
 from mimoc.schema.outline import Language, Outline
 
-_UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": "", "n": "newtons"}
+_UNIT_WORDS = {
+    "deg": "degrees",
+    "px": "pixels",
+    "cpd": "cycles per degree",
+    "percentile": "",
+    "n": "newtons",
+    "hz": "Hz",
+    "db": "dB",
+}
 _UNIT_SUFFIX = re.compile(
     "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels|n)$"
 )
@@ -47,7 +55,7 @@ class Fault:
 
 def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fault:
     """Return the fault that corresponds to one of pydantic's errors."""
-    path = _path(details, data, language)
+    path, kinds = _path(details, data, language)
     if details["type"] == "value_error":
         return _own_fault(details, path)
     if details["type"] == "extra_forbidden":
@@ -59,8 +67,8 @@ def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fa
         return _wrong_kind(details, path, language)
     if details["type"] in ("missing", "too_long"):
         path = path[:-1] if details["type"] == "missing" else path
-        return Fault(path, "value", _wrong_count(language.outline(path), details["input"]))
-    return Fault(path, "value", _wrong_value(details, language.outline(path)))
+        return Fault(path, "value", _wrong_count(language.outline(path, kinds), details["input"]))
+    return Fault(path, "value", _wrong_value(details, language.outline(path, kinds)))
 
 
 def missing_value(path: KeyPath, language: Language) -> Fault:
@@ -77,15 +85,15 @@ def missing_value(path: KeyPath, language: Language) -> Fault:
     return Fault(path, "value", f"has no value; {advice}")
 
 
-def _path(details: ErrorDetails, data: Any, language: Language) -> KeyPath:
-    """Return pydantic's location without the steps that are not keys: the tags of unions, and `[key]`.
+def _path(details: ErrorDetails, data: Any, language: Language) -> tuple[KeyPath, dict[KeyPath, str]]:
+    """Return pydantic's location without the steps that are not keys: the tags of unions, and `[key]`; and the tags.
 
     A tag may be a key of its section as well: `kind: shape` has a key `shape`.
     """
-    path, tagged = list[str | int](), None
+    path, kinds = list[str | int](), dict[KeyPath, str]()
     for step in details["loc"]:
-        if tagged != path and step in language.kinds_of(tuple(path)):
-            tagged = [*path]
+        if tuple(path) not in kinds and step in language.kinds_of(tuple(path)):
+            kinds[tuple(path)] = str(step)
             continue
         children: Any = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
         if step in children:
@@ -93,7 +101,7 @@ def _path(details: ErrorDetails, data: Any, language: Language) -> KeyPath:
             path.append(step)
         elif details["type"] == "missing" and step == details["loc"][-1]:
             path.append(step)
-    return tuple(path)
+    return tuple(path), kinds
 
 
 def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
@@ -137,10 +145,15 @@ def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
 
 
 def _wrong_count(known: Outline, value: Any) -> str:
-    items = known.schema.get("prefixItems", [])
-    one = "[lowest, highest]"
-    advice = f"{len(items)} times {one}" if items[0].get("type") == "array" else one
-    return f"expected {len(items)} values, got {len(value)}; write {advice}"
+    return f"expected {len(known.schema['prefixItems'])} values, got {len(value)}; write {_list_of(known)}"
+
+
+def _list_of(known: Outline) -> str:
+    """Return how a list is written that has so many items."""
+    items = known.schema["prefixItems"]
+    if items[0].get("type") == "array":
+        return f"{len(items)} times [lowest, highest]"
+    return "[lowest, highest]" if len(items) == 2 else f"[{', '.join('abcdefgh'[: len(items)])}]"
 
 
 def _wrong_value(details: ErrorDetails, known: Outline) -> str:
@@ -182,7 +195,7 @@ def _wrong_type(value: Any, known: Outline) -> str:
         "boolean": "write true or false",
         "string": "write a word, or put it in quotes",
         "object": f"write its keys below it: {', '.join(known.keys)}" if known.keys else "write its keys below it",
-        "array": "write [lowest, highest]" if "prefixItems" in known.schema else "write [a, b], or [] for none",
+        "array": f"write {_list_of(known)}" if "prefixItems" in known.schema else "write [a, b], or [] for none",
     }
     return f"{got(value)} is not {wanted}; {advice[known.type]}"
 

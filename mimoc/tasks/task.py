@@ -232,7 +232,7 @@ class Task:
 
 @dataclass(frozen=True)
 class SquaredCommands(Term):
-    """Sum of squared commands, which are clipped to their ranges first, shape (k,)."""
+    """Sum of squared commands, which are clipped to their ranges first, shape (k,); those of a voice do not count."""
 
     low: FloatArray
     """Least command of each actuator, shape (n,)."""
@@ -241,7 +241,8 @@ class SquaredCommands(Term):
 
     def __call__(self, worlds: Worlds, action: Any) -> Any:
         """Return the sum of each infant for actions of shape (k, n)."""
-        commands = worlds.xp.minimum(worlds.xp.maximum(action, self.low), self.high)
+        of_actuators = action[:, : self.low.shape[-1]]
+        commands = worlds.xp.minimum(worlds.xp.maximum(of_actuators, self.low), self.high)
         return worlds.xp.sum(commands * commands, axis=-1)
 
 

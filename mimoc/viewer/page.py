@@ -127,7 +127,7 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
 
 
 def _grown(spec: InfantSpec, progress: Progress) -> tuple[Callable[[float, bool], Variant], list[Variant]]:
-    """Return an infant at all ages of a page; without its task, toys and objects, if these do not suit it at some."""
+    """Return an infant at all ages of a page; alone, without a task, if these do not suit it at some."""
     at, grown = _ages(spec), list[Variant]()
     try:
         for age in AGES_MONTHS:
@@ -135,7 +135,7 @@ def _grown(spec: InfantSpec, progress: Progress) -> tuple[Callable[[float, bool]
             grown.append(at(age, age in SKIN_AGES_MONTHS))
     except SpecError:
         toys = {"count": [0, 0]} if spec.scene.kind == "room" else None
-        alone = spec.with_(task=None, scene={"toys": toys, "objects": ()})
+        alone = spec.with_(task=None, scene={"toys": toys, "objects": (), "start_at": None, "caregiver": None})
         if alone == spec:
             raise
         return _grown(alone, progress)

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 from contextlib import closing
 
 import mujoco
@@ -10,7 +11,7 @@ import pytest
 from companions.conftest import kick, move, with_caregiver
 
 import mimoc
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, SpecError, UnknownNameError
 from mimoc.companions.caregiver.run_motion import PEAK_M_S, PEAK_RAD_S
 from mimoc.compiler.explain import explain
 from mimoc.geometry.adult import SIDES
@@ -196,6 +197,17 @@ def test_copies_go_on_alike(cared_for, clone):
         assert twin.caregiver.acts == env.caregiver.acts
 
 
+def test_a_copy_sees_what_the_original_sees_from_its_first_physics_step_on(cared_for):
+    env = cared_for({"place": "above", "distance_cm": 30})
+    for seed in range(4):
+        move(env, 0.05, strength=1.0, seed=seed)
+        with closing(copy.deepcopy(env)) as twin:
+            assert (env.data.xmat == twin.data.xmat).all()
+            assert env.data.ncon == twin.data.ncon
+            assert (env.data.contact.dist == twin.data.contact.dist).all()
+            assert (move(env, 0.01, strength=1.0) == move(twin, 0.01, strength=1.0)).all()
+
+
 def test_states_include_the_caregiver(cared_for):
     env = cared_for(BUSY)
     move(env, 0.4, strength=1.0)
@@ -302,6 +314,19 @@ def test_what_it_cannot_do_is_refused(cared_for, order, error, message):
     with pytest.raises(UnknownNameError, match="duration_s"):
         env.caregiver.do("speak", duration_s=1)
     assert env.caregiver.orders == []
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [
+        ({"objects": [{**BALL, "motion": "fixed"}]}, "'ball' is fixed; offer something that moves freely"),
+        ({"toys": {"count": [1, 1], "subset": ["cup"]}}, "there is no 'ball' in this scene; choose from"),
+    ],
+)
+def test_a_script_offers_only_what_it_can_take(scene, message):
+    data = with_caregiver({"script": [{"do": "offer", "object": "ball"}]}, scene=scene)
+    with pytest.raises(SpecError, match=re.escape(f"scene.caregiver.script[0].object: {message}")):
+        mimoc.build(data)
 
 
 def test_its_derived_numbers_are_explained(cared_for):

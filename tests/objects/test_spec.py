@@ -75,6 +75,9 @@ def test_words_are_a_relation_and_a_name():
             "objects[0].tied_to: 'nose' is not a choice",
         ),
         ([{"name": "m", "kind": "mobile", "above": "head", "figures": ["cat"]}], "figures"),
+        ([{**BALL, "toy": "cup", "size_cm": 900}], "objects[0].size_cm: 900 is too large; give 0.5 to 100 cm"),
+        ([{**BALL, "kind": "mobile", "size_cm": 900}], "objects[0].size_cm: 900 is too large; give 3 to 12 cm"),
+        ([{**BALL, "shape": "box", "sides_cm": [1, 2]}], "sides_cm: expected 3 values, got 2; write [a, b, c]"),
     ],
 )
 def test_what_is_wrong_gets_one_line_at_its_key(objects, message):

@@ -16,7 +16,7 @@ from mimoc.recording.columns import compact_names, expand_names
 from mimoc.recording.state_text import from_plain, is_same, to_plain
 
 numbers = arrays.arrays(
-    st.sampled_from([np.dtype(name) for name in ("f4", "f8", "i4", "u1", "?")]),
+    st.sampled_from([np.dtype(name) for name in ("f4", "f8", "c16", "i4", "u1", "?")]),
     arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4),
 )
 states = st.recursive(

@@ -64,6 +64,19 @@ def test_the_first_different_number_is_named(copied, invoke):
     assert out.endswith("failed: 1 of 1 episode did not come out again\n")
 
 
+def test_what_is_heard_comes_out_again(tmp_path):
+    senses = {"hearing": {"output": "waveform"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 6, "actuation": {"voice": True}, "senses": senses}
+    spec["scene"] = {"objects": [{"name": "ball", "at": {"x_cm": 40, "z_cm": 5}}]}
+    folder = tmp_path / "heard"
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec)), folder, states_every=4) as env:
+        env.reset(seed=0)
+        for _ in range(ROWS):
+            env.step(env.action_space.high)
+    (replayed,) = mimoc.replay_recording(folder)
+    assert replayed.difference is None
+
+
 def test_another_action_leads_elsewhere(copied):
     changed(copied, "action", 3, 0, -1.5)
     (replayed,) = mimoc.replay_recording(copied)

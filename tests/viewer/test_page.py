@@ -135,3 +135,13 @@ def test_a_program_that_was_not_built_is_one_clear_error(variants, monkeypatch, 
     monkeypatch.setattr(packing, "FOLDER", tmp_path)
     with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `make viewer` builds it"):
         page_of(variants.original)
+
+
+def test_a_page_has_no_furniture_and_no_caregiver_where_objects_do_not_suit_all_ages():
+    scene = {"pose": "sitting", "start_at": "chair", "objects": [{"name": "chair", "kind": "seat"}]}
+    scene["objects"].append({"name": "ball", "radius_cm": 3, "at": {"x_cm": 10, "z_cm": 10}})
+    scene["caregiver"] = {"script": [{"do": "offer", "object": "ball"}]}
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 2, "scene": scene})
+    with few_ages():
+        known = describe(mimoc.build(spec))
+    assert [name for name in known["surroundings"] if name == "object_chair"] == []

@@ -21,6 +21,7 @@ PROFILES = {
 def build(spec: VisionSpec, body: BodyTree) -> Placed:
     """Return the entry, and the cameras of the eyes with the field of view that is asked for."""
     cameras = sensor_sites.cameras(body, spec.fovy_deg)
+    names = {part.name for part in body.bodies}
     fields = {"contrast": "linear", "foveation": spec.foveation} | maturity_of(spec, body.age_months)
     entry = VisionEntry(
         cameras=tuple(camera.name for eye in cameras.values() for camera in eye),
@@ -31,7 +32,7 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         acuity_shares=_shares(body, cameras),
         field_deg=dict(body.field_deg),
         foveation_radius=spec.foveation_radius,
-        unseen=sensor_sites.UNSEEN,
+        unseen=tuple(name for name in sensor_sites.UNSEEN if name in names),
         body=spec.body,
         **fields,
     )

@@ -156,7 +156,7 @@ class Skill(Term):
         measured = xp.concat([measured, fine[:, None], share[:, None]], axis=-1)
         is_there = (walked_m >= self.way_m) | (self.way_m <= 0)
         reached = is_fine & (kept >= self.kept_steps) & is_there
-        commands = xp.clip((action - self.low) / self.span, 0.0, 1.0)
+        commands = xp.clip((action[:, : self.low.shape[-1]] - self.low) / self.span, 0.0, 1.0)
         terms = {name: reward(xp, measured) for name, reward in zip(self.names, self.rewards, strict=True)}
         terms["success"] = self.success_weight * xp.astype(reached, measured.dtype)
         terms["effort"] = -self.effort_weight * self.effort(worlds) / self.full

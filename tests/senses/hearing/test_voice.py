@@ -13,6 +13,7 @@ from mimoc.actuation.voice import Voice
 from mimoc.compiler.explain import explain
 from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
+from mimoc.tasks import TASKS
 
 WAVE = {"hearing": {"output": "waveform", "thresholds": "off"}}
 
@@ -124,6 +125,17 @@ def test_policies_that_know_of_no_voice_are_silent(policy):
     assert (actions[:, -2:] == 0).all()
     envs.close()
     assert "random" in POLICIES
+
+
+@pytest.mark.parametrize("task", sorted(TASKS))
+def test_tasks_judge_the_same_whether_it_speaks_or_not(task):
+    rewards = []
+    for voice, said in ((False, ()), (True, (0.5, 1.0))):
+        bundle = infant(age_months=12, senses={"proprioception": {}}, voice=voice, task={"kind": task})
+        with closing(opened(bundle)) as env:
+            joints = np.full(len(env.actuation.low), 0.2)
+            rewards.append([env.step(np.array([*joints, *said], np.float32))[1] for _ in range(2)])
+    assert rewards[0] == rewards[1]
 
 
 def test_wrong_actions_are_refused_with_their_shape():

@@ -27,3 +27,11 @@ def test_acuity_is_traced_to_its_profile_and_the_age(profile):
 
 def test_acuity_that_is_given_is_traced_to_the_spec():
     assert provenance(acuity={"cpd": 4.2})["vision.acuity_cpd"]["rule"] == "given by the spec"
+
+
+def test_an_infant_with_one_eye_sees_with_it():
+    body, senses = {"remove": ["left_eye"], "skin": False}, {"vision": {"width_px": 16, "height_px": 16}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 6, "body": body, "senses": senses}
+    with mimoc.make(mimoc.InfantSpec.model_validate(spec)) as env:
+        observation, _ = env.reset(seed=0)
+    assert list(observation) == ["eye_right"]
