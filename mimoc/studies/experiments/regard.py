@@ -172,18 +172,18 @@ def run(notebook: Notebook) -> Path:
 
 def infants(law: None) -> Iterator[Bundle]:
     """Yield the infant at each age."""
-    yield from (lying(age_months, False) for age_months in MONTHS)
+    yield from (lying(age_months) for age_months in MONTHS)
 
 
 @cache
-def lying(age_months: float, has_eyes: bool) -> Bundle:
-    """Return an average child on its back under the mobile; without the sense of vision, it is simulated faster."""
-    size = {"width_px": SIZE_PX, "height_px": SIZE_PX}
+def lying(age_months: float, size_px: int = 0) -> Bundle:
+    """Return an average child on its back under the mobile; without pictures (0 pixels), it is simulated faster."""
+    size = {"width_px": size_px, "height_px": size_px}
     spec = {
         "mimoc": 1,
         "name": "regard",
         "age_months": age_months,
-        "senses": {"vision": {**VISION, **size}} if has_eyes else {},
+        "senses": {"vision": {**VISION, **size}} if size_px else {},
         "actuation": {"model": "muscle"},
         "delays": {"processing": "age"},
         "scene": {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]},
@@ -194,8 +194,8 @@ def lying(age_months: float, has_eyes: bool) -> Bundle:
 def watch(case: Case, seed: int) -> Result:
     """Return what an infant has before its eyes while it lies under the mobile."""
     with (
-        closing(InfantEnv(lying(case.age_months, False))) as env,
-        closing(Pictures(lying(case.age_months, True))) as pictures,
+        closing(InfantEnv(lying(case.age_months))) as env,
+        closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
     ):
         observation, _ = env.reset(seed=seed)
         policy, generator = policy_of(env, POLICIES[case.condition]), np.random.default_rng(seed)
@@ -276,7 +276,7 @@ def _views(months: Sequence[float]) -> bytes:
     """Return what infants look up to at the start: as it is drawn, and as they observe it, of the left eye."""
     drawn, observed = list[Picture](), list[Picture]()
     for age_months in months:
-        with closing(Pictures(lying(age_months, True))) as pictures:
+        with closing(Pictures(lying(age_months, SIZE_PX))) as pictures:
             drawn.append(pictures.drawn()[0])
             observed.append(pictures.observed()[0])
     columns = [f"{age_months:g} months" for age_months in months]
