@@ -72,6 +72,7 @@ SMALL = {
     },
     "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
     "localisation": {"QUICK_MONTHS": (4, 18), "QUICK_ANGLES_DEG": (0, 30, 90), "QUICK_TRIALS": 100},
+    "regard": {"MONTHS": (0, 4), "QUICK_SECONDS": 0.4, "SIZE_PX": 32, "PICTURED_S": 0.2},
     "looking": {
         "AGES_MONTHS": (1, 12),
         "QUICK_MONTHS": (1, 12),

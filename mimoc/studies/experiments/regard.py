@@ -1,0 +1,376 @@
+"""Regard of a mobile and of the own hands: what infants of several ages, on their backs, have before their eyes."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.compiler.pipeline import build
+from mimoc.looks.pictures import encode_palette_png
+from mimoc.motion.points import SIDES
+from mimoc.policies.named import policy_of
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
+from mimoc.render.picture_files import Picture, tile_pictures
+from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.runtime.env import InfantEnv
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.sense import FloatArray
+from mimoc.senses.vision import VisionEntry
+from mimoc.senses.vision.eyes import HIDDEN_GROUP
+from mimoc.senses.vision.run import bind
+from mimoc.studies.experiments.grating_card import WEIGHTS
+from mimoc.studies.experiments.legs.intervals import interval
+from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.sight import Points, Sight
+
+Luminance = npt.NDArray[Any]
+
+MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6)
+QUICK_MONTHS: Sequence[float] = (0, 4)
+SECONDS, QUICK_SECONDS = 30.0, 5.0
+SEEDS, QUICK_SEEDS = range(5), range(1)
+MOBILE: Mapping[str, Any] = {
+    "name": "mobile",
+    "kind": "mobile",
+    "above": "chest",
+    "height_cm": 25,
+    "tied_to": "right_foot",
+}
+"""The object of `configs/mobile.yaml`."""
+VISION: Mapping[str, Any] = {"contrast": "age", "colour": "age", "field": "age", "focus": "age", "fovy_deg": 100}
+"""Eyes that mature, with pictures that reach beyond what is noticed until five months."""
+SIZE_PX = 160
+POLICIES: Mapping[str, str] = {"moves": "general_movements", "looks": "look_at:mobile+general_movements"}
+"""What an infant does, by condition."""
+LABELS: Mapping[str, str] = {"moves": "only moves", "looks": "looks at the mobile"}
+WATCHED_S, PICTURED_S = 0.2, 2.0
+"""How often lines of sight are followed, and how often the infant's pictures are compared."""
+ON_DEG, ON_S = 8.0, 0.2
+"""The gaze is on the mobile if both eyes have looked so near to its middle for so long: a choice, less than the 9 to 12
+degrees at which it is from straight ahead at the start."""
+NEAR_DEG = 15.0
+"""Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike."""
+HEAD_CAMERA_MONTHS, HEAD_CAMERA_SHARE = (1.0, 3.0), 0.1
+"""Share of the frames of head cameras that show hands (Jayaraman, Fausey & Smith 2015-16: from memory)."""
+ONSET_MONTHS = (2.0, 3.0)
+"""When hand regard begins (White, Castle & Held 1964: from memory)."""
+COLOURS = 96
+SHARE = Quantity("share", "Share of the time", "%")
+CONTRAST = Quantity("contrast", "Contrast of the mobile", "%")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """An infant of an age that does something for some time."""
+
+    age_months: float
+    condition: str
+    seconds: float
+
+
+class Pictures:
+    """What an infant observes of an instant, with and without the mobile."""
+
+    def __init__(self, bundle: Bundle):
+        """Open the eyes of an infant; see `close`."""
+        self._model, self.data = load_posed(bundle)
+        vision = bundle.manifest.senses.vision
+        assert vision is not None, "it sees"
+        self.entry = vision
+        self._vision = bind(vision, self._model, bundle)
+        bodies = in_subtrees(self._model, [self._model.body(bundle.manifest.objects[0].body).id])
+        self._geoms = np.flatnonzero(bodies[self._model.geom_bodyid])
+
+    def place(self, qpos: FloatArray) -> None:
+        """Take over the configuration of another simulation of the same infant, shape (nq,)."""
+        self.data.qpos[:] = qpos
+        mujoco.mj_fwdPosition(self._model, self.data)
+
+    def drawn(self) -> Picture:
+        """Return what the cameras draw, without an infant's eye in between, shape (eyes, height, width, 3)."""
+        return self._vision.eyes(self.data)
+
+    def observed(self) -> Picture:
+        """Return what the infant observes."""
+        return self._vision(self.data)
+
+    def contrasts(self) -> tuple[float, float]:
+        """Return the contrast of the mobile as it is drawn and as it is observed; see `contrasts_of`."""
+        before = self.drawn(), self.observed()
+        groups = self._model.geom_group
+        shown = groups[self._geoms]
+        groups[self._geoms] = HIDDEN_GROUP
+        try:
+            without = self.drawn(), self.observed()
+        finally:
+            groups[self._geoms] = shown
+        return contrasts_of(*(picture @ WEIGHTS for pair in zip(before, without, strict=True) for picture in pair))
+
+    def close(self) -> None:
+        """Free the OpenGL context."""
+        self._vision.close()
+
+
+def contrasts_of(
+    drawn: Luminance, drawn_without: Luminance, observed: Luminance, observed_without: Luminance
+) -> tuple[float, float]:
+    """Return the contrast of a thing as it is drawn and as it is observed, from pictures with and without it.
+
+    It is the root mean square of the difference in luminance that the thing makes, over the pixels in which it is
+    drawn, divided by the mean luminance that is drawn without it. Nothing drawn has none.
+
+    Args:
+        drawn: Luminance that is drawn with it, shape (eyes, height, width).
+        drawn_without: Likewise without it.
+        observed: Luminance that the infant observes.
+        observed_without: Likewise without it.
+    """
+    change = drawn - drawn_without
+    is_it = change != 0
+    if not is_it.any():
+        return 0.0, 0.0
+    changes = change[is_it], (observed - observed_without)[is_it]
+    mean = max(float(drawn_without.mean()), 1.0)
+    as_drawn, as_observed = (float(np.sqrt(np.mean(values**2))) / mean for values in changes)
+    return as_drawn, as_observed
+
+
+def run(notebook: Notebook) -> Path:
+    """Let infants of several ages lie under a mobile, and return the path of the report.
+
+    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
+    """
+    months, seeds = (QUICK_MONTHS, QUICK_SEEDS) if notebook.quick else (MONTHS, SEEDS)
+    seconds = QUICK_SECONDS if notebook.quick else SECONDS
+    cases = [Case(age_months, name, seconds) for name in POLICIES for age_months in months]
+    keys = [(case, seed) for case in cases for seed in seeds]
+    results = run_trials(notebook, [Trial(watch, case, seed) for case, seed in keys])
+    rows = [
+        (case.condition, case.age_months, seed, name, value)
+        for (case, seed), result in zip(keys, results, strict=True)
+        for name, value in result.values.items()
+    ]
+    notebook.write_table("regard.csv", "condition,age_months,seed,measure,value", rows)
+    by_case: dict[Case, list[Result]] = {case: [] for case in cases}
+    for (case, _), result in zip(keys, results, strict=True):
+        by_case[case].append(result)
+    notebook.write_plots("regard.png", list(_plots(by_case, months)))
+    notebook.write_picture("views.png", _views(months))
+    page = notebook.write_page(None, "scipy", **_numbers(by_case, months, len(seeds), seconds))
+    forget_trials(notebook)
+    return page
+
+
+def infants(law: None) -> Iterator[Bundle]:
+    """Yield the infant at each age."""
+    yield from (lying(age_months) for age_months in MONTHS)
+
+
+@cache
+def lying(age_months: float, size_px: int = 0) -> Bundle:
+    """Return an average child on its back under the mobile; without pictures (0 pixels), it is simulated faster."""
+    size = {"width_px": size_px, "height_px": size_px}
+    spec = {
+        "mimoc": 1,
+        "name": "regard",
+        "age_months": age_months,
+        "senses": {"vision": {**VISION, **size}} if size_px else {},
+        "actuation": {"model": "muscle"},
+        "delays": {"processing": "age"},
+        "scene": {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]},
+    }
+    return build(InfantSpec.model_validate(spec))
+
+
+def watch(case: Case, seed: int) -> Result:
+    """Return what an infant has before its eyes while it lies under the mobile."""
+    with (
+        closing(InfantEnv(lying(case.age_months))) as env,
+        closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
+    ):
+        observation, _ = env.reset(seed=seed)
+        policy, generator = policy_of(env, POLICIES[case.condition]), np.random.default_rng(seed)
+        watcher, step_s = Watcher(env, pictures.entry), env.manifest.step_ms / 1000
+        contrasts = list[tuple[float, float]]()
+        for step in range(round(case.seconds / step_s)):
+            observation = env.step(policy(generator, observation))[0]
+            watcher.gaze()
+            if (step + 1) % round(WATCHED_S / step_s) == 0:
+                watcher.watch()
+            if (step + 1) % round(PICTURED_S / step_s) == 0:
+                pictures.place(env.data.qpos)
+                contrasts.append(pictures.contrasts())
+        return Result(values=watcher.values() | _contrast_values(contrasts))
+
+
+class Watcher:
+    """Counts what an infant has before its eyes."""
+
+    def __init__(self, env: InfantEnv, entry: VisionEntry):
+        """Begin with an infant that has just been reset, and eyes as mature as *entry* says."""
+        mobile = env.manifest.objects[0]
+        self._sight, self._data, self._step_s = Sight(env, entry), env.data, env.manifest.step_ms / 1000
+        self._body, self._mobile = env.model.body(mobile.body).id, self._sight.thing(mobile.body, mobile.geoms)
+        self._hands = [self._sight.thing(f"{side}_hand") for side in SIDES]
+        self._noticed_deg = entry.noticed_deg or 90.0
+        self._angles_deg, self._instants = list[float](), list[Mapping[str, bool]]()
+        self._depths_m = list[float]()
+
+    def gaze(self) -> None:
+        """See how far the gaze is from the mobile; once after each control step."""
+        self._angles_deg.append(self._sight.gaze_deg(self._data.xipos[self._body]))
+
+    def watch(self) -> None:
+        """See what is before the eyes."""
+        hands = [self._sight.points(hand) for hand in self._hands]
+        mobile = self._sight.points(self._mobile)
+        regard = hand_regard(hands, self._noticed_deg)
+        self._instants.append({"mobile_noticed": mobile.within(self._noticed_deg), **regard})
+        for hand in hands:
+            self._depths_m += hand.depths_m[hand.angles_deg <= self._noticed_deg].tolist()
+
+    def values(self) -> dict[str, float]:
+        """Return the share of the time of everything, [%], when the gaze came to the mobile, and how far hands were.
+
+        What never was is left out.
+        """
+        values = {name: 100 * float(np.mean([item[name] for item in self._instants])) for name in self._instants[0]}
+        is_on = np.array(self._angles_deg) <= ON_DEG
+        values |= {"gaze_on": 100 * float(is_on.mean()), "gaze_deg": float(np.median(self._angles_deg))}
+        if (onset_s := gaze_onset_s(is_on, self._step_s)) is not None:
+            values["onset_s"] = onset_s
+        if self._depths_m:
+            values["hand_cm"] = 100 * float(np.median(self._depths_m))
+        return values
+
+
+def hand_regard(hands: Sequence[Points], noticed_deg: float) -> dict[str, bool]:
+    """Return whether one of the hands is before the eyes: in the noticed field, in focus there, near the middle."""
+    return {
+        "hand_noticed": any(hand.within(noticed_deg) for hand in hands),
+        "hand_regarded": any(hand.within(noticed_deg, sharp=True) for hand in hands),
+        "hand_near": any(hand.within(NEAR_DEG) for hand in hands),
+    }
+
+
+def gaze_onset_s(is_on: npt.NDArray[np.bool_], step_s: float) -> float | None:
+    """Return when the gaze first was on something for `ON_S`, from whether it was after each step; None for never."""
+    count = round(ON_S / step_s)
+    runs = np.convolve(is_on, np.ones(count), "valid") if len(is_on) >= count else np.zeros(0)
+    (starts,) = np.nonzero(runs > count - 0.5)
+    return float(starts[0] + 1) * step_s if len(starts) else None
+
+
+def _contrast_values(contrasts: Sequence[tuple[float, float]]) -> dict[str, float]:
+    """Return the mean contrast of the mobile in pictures in which it is drawn, as drawn and as observed, [%]."""
+    shown = 100 * np.array([pair for pair in contrasts if pair[0]]).reshape(-1, 2)
+    values = {"pictured": 100 * len(shown) / max(len(contrasts), 1)}
+    if not len(shown):
+        return values
+    drawn, observed = shown.mean(axis=0)
+    return {**values, "contrast_drawn": float(drawn), "contrast_observed": float(observed)}
+
+
+def _views(months: Sequence[float]) -> bytes:
+    """Return what infants look up to at the start: as it is drawn, and as they observe it, of the left eye."""
+    drawn, observed = list[Picture](), list[Picture]()
+    for age_months in months:
+        with closing(Pictures(lying(age_months, SIZE_PX))) as pictures:
+            drawn.append(pictures.drawn()[0])
+            observed.append(pictures.observed()[0])
+    columns = [f"{age_months:g} months" for age_months in months]
+    return encode_palette_png(tile_pictures([drawn, observed], columns, ("drawn", "observed")), COLOURS)
+
+
+def _of(results: Sequence[Result], name: str) -> list[float]:
+    """Return a measure of the trials in which there is one."""
+    return [result.values[name] for result in results if name in result.values]
+
+
+def _mean(results: Sequence[Result], name: str) -> float:
+    values = _of(results, name)
+    return float(np.mean(values)) if values else float("nan")
+
+
+def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) -> Iterator[Plot]:
+    def curve(condition: str, name: str, label: str) -> tuple[Line, Band]:
+        cases = [results for case, results in by_case.items() if case.condition == condition]
+        ends = [interval(_of(results, name) or [0.0]) for results in cases]
+        low, high = ([max(0.0, item.low) for item in ends], [min(100.0, item.high) for item in ends])
+        return Line(months, [item.mean for item in ends], label), Band(months, low, high, label)
+
+    seen = [curve(name, "mobile_noticed", label) for name, label in LABELS.items()]
+    yield Plot(AGE, SHARE, *zip(*seen, strict=True), title="The mobile is in the noticed field", y_range=(0.0, 105.0))
+    contrasts = [curve("looks", f"contrast_{name}", name) for name in ("drawn", "observed")]
+    yield Plot(AGE, CONTRAST, *zip(*contrasts, strict=True), title="Contrast of the mobile that is looked at")
+    names = {"hand_noticed": "noticed", "hand_regarded": "and in focus", "hand_near": f"within {NEAR_DEG:g}°"}
+    hands = [curve("moves", name, label) for name, label in names.items()]
+    published = Dots(HEAD_CAMERA_MONTHS, [100 * HEAD_CAMERA_SHARE] * 2, "head cameras, any hands (from memory)")
+    lines, bands = zip(*hands, strict=True)
+    yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
+
+
+def _numbers(
+    by_case: Mapping[Case, Sequence[Result]], months: Sequence[float], seeds: int, seconds: float
+) -> dict[str, object]:
+    """Return what the page says."""
+    return {
+        "months": ", ".join(f"{age_months:g}" for age_months in months),
+        "seeds": seeds,
+        "seconds": seconds,
+        "size": SIZE_PX,
+        "fovy": VISION["fovy_deg"],
+        "on_deg": ON_DEG,
+        "near_deg": NEAR_DEG,
+        "mobiles": table_rows(_mobile_rows(by_case)),
+        "hands": table_rows(_hand_rows(by_case)),
+        "answer": _answer(by_case),
+    }
+
+
+def _mobile_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
+    for case, results in by_case.items():
+        onsets_s = _of(results, "onset_s")
+        shares = [interval(_of(results, name)).text(0) for name in ("mobile_noticed", "gaze_on", "gaze_deg")]
+        contrasts = [_rounded(_of(results, f"contrast_{name}")) for name in ("drawn", "observed")]
+        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
+        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, onset, *contrasts]
+
+
+def _rounded(values: Sequence[float]) -> str:
+    return f"{np.mean(values):.0f}" if values else "never"
+
+
+def _hand_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
+    for case, results in by_case.items():
+        names = ("hand_noticed", "hand_regarded", "hand_near")
+        shares = [interval(_of(results, name)).text(0) for name in names]
+        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, _rounded(_of(results, "hand_cm"))]
+
+
+def _answer(by_case: Mapping[Case, Sequence[Result]]) -> str:
+    """Return how the youngest and the oldest compare."""
+    moving = [results for case, results in by_case.items() if case.condition == "moves"]
+    looking = [results for case, results in by_case.items() if case.condition == "looks"]
+    ages = [case.age_months for case in by_case if case.condition == "moves"]
+    kept = [
+        100 * _mean(item, "contrast_observed") / _mean(item, "contrast_drawn") for item in (looking[0], looking[-1])
+    ]
+    hands = [_mean(item, "hand_regarded") for item in (moving[0], moving[-1])]
+    near = [_mean(item, "hand_near") for item in (moving[0], moving[-1])]
+    return (
+        f"From {ages[0]:g} to {ages[-1]:g} months, the share of the mobile's contrast that an infant observes goes "
+        f"from {kept[0]:.0f} to {kept[1]:.0f} % while it looks at it. A hand of its own is in the noticed field and in "
+        f"focus for {hands[0]:.0f} and {hands[1]:.0f} % of the time while it only moves, and within {NEAR_DEG:g} "
+        f"degrees of the line of sight, whatever it notices, for {near[0]:.0f} and {near[1]:.0f} %."
+    )
