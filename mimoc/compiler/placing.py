@@ -211,7 +211,7 @@ def place_in_scene(
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
-    ends = {name: settings_at(company, tree, pose.qpos, world.marks) for name, pose in starts.items()}
+    ends = {name: settings_at(company, tree, pose.qpos) for name, pose in starts.items()}
     poses = tuple(
         replace(pose, qpos=(*pose.qpos, *world.resting), settings=(*pose.settings, *ends[name]))
         for name, pose in starts.items()

@@ -245,7 +245,16 @@ def fit_world(scene: SceneTree) -> SceneTree:
     places_m = ((camera, camera.pos_m) for camera in CAMERAS)
     cameras = tuple(replace(camera, pos_m=(x + x_m, y + y_m, z)) for camera, (x, y, z) in places_m)
     marks = tuple(Mark(f"target:{part}", (0.0, 0.0, 0.0), MARK_RADIUS_M, rgba) for part, rgba in MARKS.items())
-    return replace(scene, world=replace(scene.world, cameras=cameras, marks=marks))
+    keyframes = tuple(
+        replace(keyframe, settings=_after_marks(keyframe.settings, marks)) for keyframe in scene.keyframes
+    )
+    return replace(scene, world=replace(scene.world, cameras=cameras, marks=marks), keyframes=keyframes)
+
+
+def _after_marks(settings: Numbers, marks: Sequence[Mark]) -> Numbers:
+    """Return what a keyframe says, with the places of marks before those of other bodies that programs move."""
+    first = {"mpos": [number for mark in marks for number in mark.pos_m], "mquat": [1.0, 0.0, 0.0, 0.0] * len(marks)}
+    return tuple((name, (*first.get(name, ()), *numbers)) for name, numbers in settings)
 
 
 def _located(root: Node) -> Node:

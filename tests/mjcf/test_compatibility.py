@@ -310,6 +310,8 @@ def test_it_is_the_same_infant(pair):
         assert second == pytest.approx(first, abs=1e-9)
         for geom in range(plain.ngeom):
             name = plain.geom(geom).name
+            if name.startswith("object_mobile"):  # It hangs above the chest, which is one with the upper body for MIMo.
+                continue
             assert after.geom(name).xpos == pytest.approx(before.geom(name).xpos, abs=1e-7)
 
 

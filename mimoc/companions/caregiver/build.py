@@ -11,7 +11,7 @@ from mimoc.body.head_surface import on_head
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.companions.caregiver.build_figure import STRAIGHT, figure
+from mimoc.companions.caregiver.build_figure import figure
 from mimoc.companions.caregiver.build_looks import NAME, face_material, faces, materials
 from mimoc.companions.caregiver.spec import ActEntry, AnswersEntry, AnswersSpec, ArmEntry, CaregiverEntry, CaregiverSpec
 from mimoc.companions.caregiver.spec_acts import ACTS, ActSpec
@@ -19,7 +19,7 @@ from mimoc.geometry.adult import MOUTH_M, SIDES, STATURE_M, Adult, neck
 from mimoc.geometry.leaning import Frame, lean
 from mimoc.geometry.rotations import FloatArray, Vec3, quaternion_from_matrix
 from mimoc.looks.appearance import EXPRESSIONS
-from mimoc.mjcf.world import Grip, Mark, ObjectBody, ObjectGeom, Persona
+from mimoc.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
 
 HEAD = "head"
 BETWEEN_EYES = (0.94, 0.0, -0.09)
@@ -53,18 +53,14 @@ def place_caregiver(spec: CaregiverSpec | None, tree: BodyTree, qpos: Sequence[f
 
 
 def settings_at(
-    company: BuiltCaregiver | None, tree: BodyTree, qpos: Sequence[float], marks: Sequence[Mark]
+    company: BuiltCaregiver | None, tree: BodyTree, qpos: Sequence[float]
 ) -> tuple[tuple[str, tuple[float, ...]], ...]:
-    """Return what a keyframe says of all bodies that programs move, by an infant in that state; nothing if no one is.
-
-    Marks come first in a scene, and stay where they are.
-    """
+    """Return what a keyframe says of the bodies of a caregiver by an infant in that state; nothing if there is none."""
     if company is None:
         return ()
     placed = _frames(company.entry, frames_in_world(tree, qpos)[HEAD])
     bodies = [_body(body.name, placed[body.name], ()) for body in company.persona.bodies]
-    places = [*(mark.pos_m for mark in marks), *(body.pos_m for body in bodies)]
-    turns = [*(STRAIGHT for _ in marks), *(body.quat for body in bodies)]
+    places, turns = (body.pos_m for body in bodies), (body.quat for body in bodies)
     return ("mpos", tuple(chain(*places))), ("mquat", tuple(chain(*turns)))
 
 
