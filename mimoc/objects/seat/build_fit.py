@@ -22,7 +22,7 @@ ARMS = ("shoulder", "elbow", "hand", "finger", "ff_", "mf_", "rf_", "lf_", "th_"
 """What the names of the joints of arms contain."""
 TILT = 0.5
 """How far the bottom is tilted, for one degree by which the back leans: with friction, nobody slides out."""
-REST_DEG: Mapping[str, float] = {"{side}_hip2": -15.0, "{side}_hip3": 0.0, "{side}_shoulder_horizontal": -8.0}
+REST_DEG: Mapping[str, float] = {"{side}_hip2": -15.0, "{side}_hip3": 0.0, "{side}_shoulder_horizontal": -7.0}
 """Thighs are somewhat apart, and upper arms hang back."""
 SWUNG_DEG = 6.0
 """How far before the vertical shanks hang, since knees are stiff; measured at 1 to 24 months."""
