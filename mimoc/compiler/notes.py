@@ -48,6 +48,9 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
                 yield f"impairments.{key}", "senses.vision is off"
     if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != TouchSpec().density:
         yield "senses.touch.density", "senses.touch.spacing_cm gives the distances"
+    adult = spec.scene.caregiver
+    if adult and adult.answers and adult.answers.to == "vocalisation" and not spec.actuation.voice:
+        yield "scene.caregiver.answers", "actuation.voice is off, so that there is nothing to answer"
     locked = single_groups(spec.actuation.locked)
     for name in spec.actuation.strength:
         if single_groups([name]) <= locked:

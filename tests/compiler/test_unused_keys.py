@@ -31,6 +31,8 @@ NOTED = {
     "every sense has a delay of its own",
     "actuation: {locked: [arms], strength: {left_arm: 2, legs: 2}}": "'actuation.strength.left_arm' has no effect: "
     "these joints are locked",
+    "scene: {caregiver: {answers: {to: vocalisation}}}": "'scene.caregiver.answers' has no effect: "
+    "actuation.voice is off, so that there is nothing to answer",
 }
 
 
