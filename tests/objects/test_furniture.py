@@ -1,6 +1,7 @@
 """Furniture has the sizes that it says, bears what stands on it, and shows its pictures."""
 
 import io
+from contextlib import closing
 
 import mujoco
 import numpy as np
@@ -11,6 +12,7 @@ from support.furnished import furnished, spec_with
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.bundle.model import load_model
+from mimoc.render.renderer import Renderer
 
 FAR = {"x_cm": 120, "y_cm": 0}
 """A place that the infant, which lies at the origin, does not reach."""
@@ -102,9 +104,15 @@ def seen(scene, from_m: float, middle_m: float) -> np.ndarray:
     camera = mujoco.MjvCamera()
     camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = (1.2 - 0.01, 0, middle_m), from_m, 0, 0
     scene.model.vis.global_.fovy = 60
-    with mujoco.Renderer(scene.model, 400, 400) as renderer:
-        renderer.update_scene(scene.data, camera)
-        return renderer.render()[200].astype(float).mean(axis=1)
+    return drawn(scene.model, scene.data, camera, 400)[200].astype(float).mean(axis=1)
+
+
+def drawn(model: mujoco.MjModel, data: mujoco.MjData, camera: mujoco.MjvCamera, size_px: int) -> np.ndarray:
+    """Return what a camera sees, shape (size_px, size_px, 3)."""
+    with closing(Renderer(model, size_px, size_px)) as renderer, renderer.in_use():
+        renderer.compose(data, camera)
+        renderer.draw()
+        return renderer.read()[::-1]
 
 
 def test_a_grating_has_its_spatial_frequency_and_contrast_before_the_eye():
@@ -142,9 +150,7 @@ def test_a_picture_of_the_users_is_seen_upright(tmp_path):
     mujoco.mj_forward(model, data)
     camera = mujoco.MjvCamera()
     camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = (1.2, 0, 0.5), 0.8, 0, 0
-    with mujoco.Renderer(model, 200, 200) as renderer:
-        renderer.update_scene(data, camera)
-        image = renderer.render()
+    image = drawn(model, data, camera, 200)
     assert image[80, 80].tolist() == [255, 0, 0]
     assert image[80, 120].tolist() == [0, 255, 0]
     assert image[120, 80].tolist() == [0, 0, 255]
