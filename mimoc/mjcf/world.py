@@ -43,20 +43,20 @@ class ObjectGeom:
 
     name: str
     type: str
-    names: tuple[tuple[str, str], ...]
-    """The name of its mesh, if it is one, as an attribute."""
-    sizes: tuple[tuple[str, tuple[float, ...]], ...]
-    """The size of a primitive, as an attribute."""
-    pos_m: Vec3
-    quat: tuple[float, float, float, float]
-    mass_kg: float
     material: str
-    contype: int
-    conaffinity: int
-    condim: int
-    friction: Vec3
-    solmix: float
-    group: int
+    sizes: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """The size of a primitive, as an attribute."""
+    names: tuple[tuple[str, str], ...] = ()
+    """The name of its mesh, if it is one, as an attribute."""
+    pos_m: Vec3 = (0.0, 0.0, 0.0)
+    quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    mass_kg: float = 0.0
+    contype: int = SOLID
+    conaffinity: int = SOLID
+    condim: int = 3
+    friction: Vec3 = (1.0, 0.005, 0.0005)
+    solmix: float = 1.0
+    group: int = 0
     solref: tuple[float, float] = (0.005, 1.0)
     solimp: tuple[float, float, float, float, float] = (0.95, 0.99, 0.001, 0.5, 1.0)
 

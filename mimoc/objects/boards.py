@@ -22,7 +22,6 @@ from mimoc.mjcf.furniture import (
     BARE,
     DOMINANT_SOLMIX,
     RAIL_RADIUS_M,
-    SOLID,
     UNTOUCHED,
     Furniture,
     WorldMaterial,
@@ -95,22 +94,8 @@ def piece(
 ) -> ObjectGeom:
     """Return a solid that is as hard as a floor."""
     x, y, z = (float(number) for number in middle_m)
-    return ObjectGeom(
-        name=name,
-        type=type,
-        names=(),
-        sizes=(("size", tuple(size_m)),),
-        pos_m=(x, y, z),
-        quat=quat,
-        mass_kg=0.0,
-        material=finish.name,
-        contype=SOLID,
-        conaffinity=SOLID,
-        condim=3,
-        friction=(1.0, 0.005, 0.0002),
-        solmix=1.0,
-        group=0,
-    )
+    sizes = (("size", tuple(size_m)),)
+    return ObjectGeom(name, type, finish.name, sizes, (), (x, y, z), quat, friction=(1.0, 0.005, 0.0002))
 
 
 def softened(geom: ObjectGeom, sink_m: float) -> ObjectGeom:

@@ -8,7 +8,7 @@ import numpy as np
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import Quaternion, Vec3, quaternion_between
-from mimoc.mjcf.furniture import SOLID, UNTOUCHED
+from mimoc.mjcf.furniture import UNTOUCHED
 from mimoc.mjcf.world import ObjectGeom
 from mimoc.toys.shape import UPRIGHT
 
@@ -18,30 +18,14 @@ STRING_M = 0.001
 """Radius of a string."""
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "capsule": 6, "box": 4}
 """`condim`: 4 is sliding and spinning friction, 6 adds rolling friction, without which what is round never rests."""
-SEEN_GROUP = 1
-"""Geom group of what is only seen."""
 
 
 def seen(
     name: str, material: str, shape: str, size_m: tuple[float, ...], pos_m: Vec3, quat: Quaternion = UPRIGHT
 ) -> ObjectGeom:
     """Return a primitive without contacts or mass."""
-    return ObjectGeom(
-        name=name,
-        type=shape,
-        names=(),
-        sizes=(("size", size_m),),
-        pos_m=pos_m,
-        quat=quat,
-        mass_kg=0.0,
-        material=material,
-        contype=UNTOUCHED,
-        conaffinity=UNTOUCHED,
-        condim=3,
-        friction=(1.0, 0.005, 0.0005),
-        solmix=1.0,
-        group=SEEN_GROUP,
-    )
+    sizes = (("size", size_m),)
+    return ObjectGeom(name, shape, material, sizes, (), pos_m, quat, contype=UNTOUCHED, conaffinity=UNTOUCHED, group=1)
 
 
 def solid(
@@ -54,8 +38,8 @@ def solid(
     quat: Quaternion = UPRIGHT,
 ) -> ObjectGeom:
     """Return a primitive that touches things, sized as in MuJoCo, whose material has this name."""
-    geom = seen(name, material, shape, size_m, pos_m, quat)
-    return replace(geom, mass_kg=mass_kg, contype=SOLID, conaffinity=SOLID, condim=CONDIM[shape], group=0)
+    sizes = (("size", size_m),)
+    return ObjectGeom(name, shape, material, sizes, (), pos_m, quat, mass_kg, condim=CONDIM[shape])
 
 
 def bar(name: str, material: str, radius_m: float, start_m: FloatArray, end_m: FloatArray) -> ObjectGeom:

@@ -9,7 +9,7 @@ from mimoc.base.errors import UnsupportedTaskError
 from mimoc.base.kinds import function_of
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import BARE, SOLID, Furniture, WorldMaterial
+from mimoc.mjcf.furniture import BARE, Furniture, WorldMaterial
 from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks import TASKS
 from mimoc.tasks.free import FreeEntry
@@ -141,18 +141,10 @@ def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> FreeObject:
     geom = ObjectGeom(
         name=BALL.geom,
         type="sphere",
-        names=(),
-        sizes=(("size", (radius_m,)),),
-        pos_m=(0.0, 0.0, 0.0),
-        quat=(1.0, 0.0, 0.0, 0.0),
-        mass_kg=mass_kg,
         material=RED.name,
-        contype=SOLID,
-        conaffinity=SOLID,
+        sizes=(("size", (radius_m,)),),
+        mass_kg=mass_kg,
         condim=6,
-        friction=(1.0, 0.005, 0.0005),
-        solmix=1.0,
-        group=0,
     )
     return FreeObject(
         name=BALL.body,

@@ -14,7 +14,7 @@ from mimoc.geometry.rotations import FloatArray, quaternion_from_axis
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
-from mimoc.toys.shape import UPRIGHT, Mesh, centre_of, solid_volume
+from mimoc.toys.shape import Mesh, centre_of, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
@@ -35,16 +35,10 @@ SOLIDS_GROUP = 3
 LOOKS = ObjectGeom(
     name="",
     type="mesh",
-    names=(),
-    sizes=(),
-    pos_m=(0.0, 0.0, 0.0),
-    quat=UPRIGHT,
-    mass_kg=0.0,
     material="",
     contype=UNTOUCHED,
     conaffinity=UNTOUCHED,
     condim=1,
-    friction=FRICTION,
     solmix=DOMINANT_SOLMIX,
     group=1,
 )

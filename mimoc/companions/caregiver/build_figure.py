@@ -43,17 +43,13 @@ def _geom(
     return ObjectGeom(
         name=f"{NAME}_{name}",
         type=kind,
-        names=(),
+        material=looks,
         sizes=(("size", size_m),),
         pos_m=pos_m,
         quat=quat,
-        mass_kg=0.0,
-        material=looks,
         contype=bits,
         conaffinity=bits,
-        condim=3,
         friction=(1.0, 0.005, 0.0002),
-        solmix=1.0,
         group=0 if touches else 1,
         solref=SOFT,
     )
