@@ -20,11 +20,10 @@ import numpy.typing as npt
 from mimoc.actuation.voice import Voice
 from mimoc.base.model_fields import ModelField
 from mimoc.base.sound import Sound, SoundSources
+from mimoc.bundle.physics_state import physics_of
 from mimoc.noise.noise import NoiseStreams
 
 FloatArray = npt.NDArray[np.float64]
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""All of MuJoCo's state that its next steps depend on."""
 NOTHING: FloatArray = np.zeros(0)
 
 
@@ -151,8 +150,7 @@ class Companions(Mapping[str, Companion]):
         for companion in self._all.values():
             companion.before_step(data)
         if self._companions:  # They see bodies and contacts of the step before: a state must lead to these as well.
-            self.before = np.empty(mujoco.mj_stateSize(data.model, STATE))
-            mujoco.mj_getState(data.model, data, self.before, STATE)
+            self.before = physics_of(data.model, data)
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Let them see the state after a physics step."""

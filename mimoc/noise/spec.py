@@ -1,7 +1,7 @@
 """The `noise` of a spec and of a manifest: of the commands, of each sense that has one, and of the delays."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias, Union
+from typing import Annotated, Any, Literal, TypeAlias, cast
 
 from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
@@ -44,16 +44,15 @@ def noise_keys() -> dict[str, str]:
 
 
 def _spec_fields() -> dict[str, FieldInfo]:
-    fields, word = {}, Annotated[Literal["age", "adult"], Tag("word")]
+    fields, word = {}, cast(Any, Annotated[Literal["age", "adult"], Tag("word")])
     for name, key in noise_keys().items():
         noise: Any = SENSES[name].noise
         amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
         if noise.by_age:
             wanted = f"an amount of noise; write a number from 0 to {noise.most:g}, age or adult"
-            either: Any = Union[word, Annotated[amount, Tag("number")]]  # noqa: UP007 - Checkers do not know `|` here.
-            amount = Annotated[either, *_discriminated(wanted)]
+            amount = Annotated[word | Annotated[amount, Tag("number")], *_discriminated(wanted)]
         if noise.is_recent:
-            amount = Union[amount, None]  # noqa: UP007
+            amount = amount | None
         fields[key] = described_field(amount, None if noise.is_recent else 0.0, noise.about)
     return fields
 
@@ -74,8 +73,8 @@ def _entry_fields() -> dict[str, FieldInfo]:
     for kind in SENSES.values():
         if kind.noise and kind.noise.low_pass_ms:
             about = f"Time constant of the noise of {kind.name}, if it differs."
-            time: Any = Union[Annotated[Duration, Field(ge=0.1)], None]  # noqa: UP007
-            fields[low_pass_key(kind.name)] = described_field(time, None, about)
+            time = cast(Any, Annotated[Duration, Field(ge=0.1)])
+            fields[low_pass_key(kind.name)] = described_field(time | None, None, about)
     return fields
 
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, RecordingError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.physics_state import check_physics, set_physics
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.columns import OBSERVATION
@@ -21,7 +22,6 @@ from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, SEED
-from mimoc.runtime.simulation_state import check_physics, set_physics
 from mimoc.senses.sense import Observation
 
 Number = tuple[int, str, int, float, float]

@@ -15,12 +15,13 @@ from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import pose_of
+from mimoc.bundle.physics_state import STATE, physics_of
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.objects.spec_base import names_of
 from mimoc.objects.spec_move import checked_moves
 from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
-from mimoc.runtime.simulation_state import STATE, SimulationState, physics_of
+from mimoc.runtime.simulation_state import SimulationState
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""

@@ -14,13 +14,13 @@ from mimoc.base.random_streams import checked_seed
 from mimoc.base.state_form import demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import begin, bounded, is_unstable, out_of_memory, pose_of
+from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.bundle.world import START, WorldBundle, load_world_model, overlaps
 from mimoc.delays.merging import MergedSegment, merge_segments
 from mimoc.delays.schedule import Segment
 from mimoc.render.environment import EnvRenderer, available_modes, check_rendering
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import AGE, AROUSAL, POSE, options_given
-from mimoc.runtime.simulation_state import physics_of, set_physics
 from mimoc.runtime.world_infant import WorldInfant
 from mimoc.senses.sense import Observation
 

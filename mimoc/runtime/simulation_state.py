@@ -13,7 +13,7 @@ from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_finite, check_form, demand
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin
-from mimoc.companions.companion import STATE
+from mimoc.bundle.physics_state import STATE, physics_of, set_physics, time_of
 from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
@@ -151,33 +151,3 @@ def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
     noise = {"seed": state["noise"]["seed"]}
     lasting = {name: state[name] for name in state if name not in ("task", "companions", "before")}
     return lasting | {"signals": signals, "noise": noise}
-
-
-def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
-    """Return the state of a simulation, shape (n,)."""
-    physics = np.empty(mujoco.mj_stateSize(model, STATE))
-    mujoco.mj_getState(model, data, physics, STATE)
-    return physics
-
-
-def time_of(physics: FloatArray) -> float:
-    """Return the time of a state [s], which MuJoCo writes first."""
-    return float(physics[0])
-
-
-def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
-    """Check that a state has the size of those of a model.
-
-    Raises:
-        ValueError: If it has not.
-    """
-    if np.shape(physics) != (mujoco.mj_stateSize(model, STATE),):
-        raise ValueError("state does not fit this infant: the size of its model's state is different")
-
-
-def set_physics(model: mujoco.MjModel, data: mujoco.MjData, physics: FloatArray) -> None:
-    """Restore a state, with all that is derived from it."""
-    mujoco.mj_resetData(model, data)
-    mujoco.mj_setState(model, data, physics, STATE)
-    mujoco.mj_forward(model, data)
-    mujoco.mj_setState(model, data, physics, STATE)  # The solver's warm start, as it was.

@@ -13,6 +13,7 @@ from mimoc.base.errors import KindError, MimocError
 from mimoc.base.sound import Sound, step_of
 from mimoc.companions.companion import Companions
 from mimoc.noise.noise import NoiseStreams
+from mimoc.runtime.device import signals
 from mimoc.senses.sense import Vector
 
 
@@ -172,6 +173,5 @@ def test_an_object_that_is_no_companion_is_refused(spec):
 
 
 def test_devices_refuse_companions(env):
-    signals = pytest.importorskip("mimoc.runtime.device.signals", reason="needs the extra gpu")
     with pytest.raises(MimocError, match="companion 'gusts' acts on the CPU only"):
         signals.check_infant(env)

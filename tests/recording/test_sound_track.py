@@ -3,6 +3,7 @@
 import wave
 from contextlib import closing
 
+import av
 import numpy as np
 import pytest
 from support import store
@@ -53,7 +54,6 @@ def test_infants_that_observe_bands_have_the_same_sound(tmp_path):
 
 
 def test_an_mp4_has_the_sound_as_its_track(tmp_path):
-    av = pytest.importorskip("av")
     filmed(tmp_path / "f.mp4", output="waveform")
     with av.open(str(tmp_path / "f.mp4")) as container:
         track = container.streams.audio[0]

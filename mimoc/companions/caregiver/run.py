@@ -8,7 +8,6 @@ import numpy as np
 
 from mimoc.actuation.voice import Voice
 from mimoc.base.errors import MimocError, UnknownNameError, check_name
-from mimoc.base.model_fields import ModelField
 from mimoc.base.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
 from mimoc.base.units import to_steps
 from mimoc.bundle.manifest import Manifest
@@ -60,6 +59,7 @@ class Caregiver(Companion):
         self._generator, self._timestep_ms = generator, manifest.timestep_ms
         self.infant = Infant(manifest, model)
         self.body = CaregiverBody(self.entry, model)
+        self.model_fields = self.body.model_fields
         self._objects = offered_objects(manifest, model)
         self._parts = {model.body(index).name: index for index in range(model.nbody) if self._is_part(model, index)}
         self.hands = Hands(self.body, self.infant, self._objects, model)
@@ -112,11 +112,6 @@ class Caregiver(Companion):
     def noticed(self) -> list[int]:
         """The physics steps after which the infant had just done what can be answered, answered or not."""
         return list(self._noticed)
-
-    @property
-    def model_fields(self) -> Sequence[ModelField]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """What it changes in the model: the material of its face, and what its hands hold."""
-        return self.body.model_fields
 
     def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
         """Hear the infant's voice."""
