@@ -3,14 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import policy_of
-from mimoc.policies.policy import PolicyMaker, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.policy import Policy, PolicyMaker, begin, episode_limit_of, metrics_of, start_again
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant_view import InfantView
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,50 @@ class Summary:
         return bool(self.measures["unstable"])
 
 
+class Tally:
+    """What one infant did and earned in a run, step by step."""
+
+    def __init__(self, infant: InfantView):
+        """Begin with an infant that has been reset."""
+        self._infant, self._measures, self._outcomes = infant, StepMeasures(infant, "run"), list[Outcome]()
+        self._reward, self._steps = 0.0, 0
+        self._earned, self._taken = 0.0, 0
+        """Of this episode."""
+
+    @property
+    def taken(self) -> int:
+        """Control steps of this episode."""
+        return self._taken
+
+    def add(self, reward: float, info: dict[str, Any]) -> None:
+        """Count a control step."""
+        self._reward, self._steps = self._reward + reward, self._steps + 1
+        self._earned, self._taken = self._earned + reward, self._taken + 1
+        self._measures.add(info)
+
+    def end_episode(self, success: bool) -> None:
+        """Count an episode."""
+        time_s = ms_to_s(self._taken * self._infant.manifest.step_ms)
+        self._outcomes.append(Outcome(self._earned, self._taken, success, time_s if success else None))
+        self._earned, self._taken = 0.0, 0
+
+    def summary(self, wall_s: float, policy: Policy) -> Summary:
+        """Return the summary of the steps so far, of which there must be at least one."""
+        manifest = self._infant.manifest
+        return Summary(
+            steps=self._steps,
+            episodes=len(self._outcomes) + 1,
+            simulated_s=ms_to_s(self._steps * manifest.step_ms),
+            wall_s=wall_s,
+            total_reward=self._reward,
+            task=manifest.task.kind,
+            finished=len(self._outcomes),
+            successes=sum(outcome.success for outcome in self._outcomes),
+            measures={**measure("episode", "run", self._outcomes), **self._measures.measures()},
+            metrics=metrics_of(policy),
+        )
+
+
 class Run:
     """A run of an environment under a policy, which is stepped and then summarised."""
 
@@ -89,10 +135,7 @@ class Run:
         self.env, self._act = env, policy_of(env, policy)
         self.observation = begin(self._act) or self.observation
         self._generator, self._limit = np.random.default_rng(seed), episode_limit_of(self._act)
-        self._measures = StepMeasures(env, "run")
-        self._outcomes: list[Outcome] = []
-        self._wall_s, self._reward, self._steps = 0.0, 0.0, 0
-        self._earned, self._taken = 0.0, 0  # In this episode.
+        self._tally, self._wall_s = Tally(env), 0.0
 
     def step(self) -> None:
         """Take one control step; start a new episode if this one ends."""
@@ -100,31 +143,13 @@ class Run:
         start = perf_counter()
         self.observation, reward, terminated, truncated, info = self.env.step(action)
         self._wall_s += perf_counter() - start
-        self._reward, self._steps = self._reward + reward, self._steps + 1
-        self._earned, self._taken = self._earned + reward, self._taken + 1
-        self._measures.add(info)
-        if terminated or truncated or self._taken >= self._limit:
-            self._end_episode(info["is_success"])
+        self._tally.add(reward, info)
+        if terminated or truncated or self._tally.taken >= self._limit:
+            self._tally.end_episode(info["is_success"])
             self.observation, _ = self.env.reset()
             start_again(self._act)
             self.observation = begin(self._act) or self.observation
 
-    def _end_episode(self, success: bool) -> None:
-        time_s = ms_to_s(self._taken * self.env.manifest.step_ms)
-        self._outcomes.append(Outcome(self._earned, self._taken, success, time_s if success else None))
-        self._earned, self._taken = 0.0, 0
-
     def summary(self) -> Summary:
         """Return the summary of the steps so far, of which there must be at least one."""
-        return Summary(
-            steps=self._steps,
-            episodes=len(self._outcomes) + 1,
-            simulated_s=ms_to_s(self._steps * self.env.manifest.step_ms),
-            wall_s=self._wall_s,
-            total_reward=self._reward,
-            task=self.env.manifest.task.kind,
-            finished=len(self._outcomes),
-            successes=sum(outcome.success for outcome in self._outcomes),
-            measures={**measure("episode", "run", self._outcomes), **self._measures.measures()},
-            metrics=metrics_of(self._act),
-        )
+        return self._tally.summary(self._wall_s, self._act)
