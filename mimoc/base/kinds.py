@@ -189,6 +189,9 @@ class ObjectKind:
     """`start(spec, body, states) -> FurnitureStart`: how an infant starts on, in or at it; None if it never does."""
     poses: tuple[str, ...] = ()
     """Values of `scene.pose` in which it can start there."""
+    run: Code | None = None
+    """`bind() -> Companion`: what lets all objects of this kind act in a simulation (`mimoc/companions/companion.py`),
+    as the companion of its name; None if MuJoCo alone moves them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

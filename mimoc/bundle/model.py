@@ -29,6 +29,8 @@ FAULTY_SPARSE_SOLVER = "4.0.0"
 
 MOST_CONTACTS = 1500
 """At the start of an episode; an infant with ten fingers and fifty toys in a room have 150."""
+TOUCH_M = 1.5e-4
+"""How deep in each other things are that only touch: MuJoCo's contacts are soft, and poses are made with 1e-4 m."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")
 """Endings of the files of a bundle that are not MuJoCo's."""
 _WARNINGS = mujoco.mjtWarning

@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError
 from mimoc.base.errors import BundleError
 from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
-from mimoc.bundle.model import SCENE, check_fits, check_mjcf, prefixed, prepare, read_model
+from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
 from mimoc.objects.spec_base import ObjectEntry
 from mimoc.schema.base import Model
@@ -137,10 +137,6 @@ def load_world_model(bundle: WorldBundle) -> mujoco.MjModel:
     return model
 
 
-OVERLAP_M = 1.5e-4
-"""Depth from which on two infants penetrate each other; MuJoCo's contacts are soft."""
-
-
 def overlaps(model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str]) -> dict[tuple[int, int], float]:
     """Return how deep infants are within each other in a state, by their places among root bodies, [m]."""
     mujoco.mj_kinematics(model, data)
@@ -150,7 +146,7 @@ def overlaps(model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str]) -
     ids = [model.body(root).id for root in roots]
     depths: dict[tuple[int, int], float] = {}
     for pair, distance_m in zip(root_of_geom[data.contact.geom].tolist(), data.contact.dist.tolist(), strict=True):
-        if pair[0] != pair[1] and -distance_m > OVERLAP_M and set(pair) <= set(ids):
+        if pair[0] != pair[1] and -distance_m > TOUCH_M and set(pair) <= set(ids):
             first, second = sorted(map(ids.index, pair))
             depths[first, second] = max(depths.get((first, second), 0.0), -distance_m)
     return depths

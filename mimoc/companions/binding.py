@@ -8,11 +8,11 @@ import mujoco
 
 from mimoc.actuation.voice import Voice
 from mimoc.base.errors import KindError
-from mimoc.base.kinds import check_custom_object
+from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.companions.caregiver.run import NAME, Caregiver
 from mimoc.companions.companion import Companion, Companions, channel_of
 from mimoc.noise.noise import NoiseStreams
-from mimoc.objects.water.run import NAME as WATER, Water
+from mimoc.objects import OBJECTS
 from mimoc.senses.sense import Sense
 
 
@@ -45,8 +45,9 @@ def bind_companions(
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
     companions |= custom
-    if WATER not in custom and any(item.water for item in bundle.manifest.objects):
-        companions[WATER] = Water()  # The last one, which leaves what others apply as they left it.
+    kinds = sorted({item.kind for item in bundle.manifest.objects} & OBJECTS.keys() - custom.keys())
+    acting = {name: code for name in kinds if (code := OBJECTS[name].run)}
+    companions |= {name: function_of(code, "bind")() for name, code in acting.items()}  # They see what others apply.
     for name, companion in companions.items():
         companion.bind(model, bundle, streams[channel_of(name)])
     bound = Companions(

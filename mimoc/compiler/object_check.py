@@ -6,14 +6,12 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import ObjectError
+from mimoc.bundle.model import TOUCH_M
 from mimoc.compiler.model_template import without_textures
 from mimoc.mjcf import printing
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.objects.built_object import PlacedThing
 from mimoc.objects.spec_base import ObjectSpec
-
-TOUCH_M = 1.5e-4
-"""Penetration of what lies on something: infants' poses have 1e-4 m (`runtime/penetrations.py`)."""
 
 LONGER_M = 1e-5
 """By how much the way of a ribbon may be longer than that is: numbers are rounded."""

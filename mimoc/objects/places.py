@@ -8,6 +8,7 @@ import numpy as np
 from mimoc.base.errors import ObjectError, suggestion
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.kinematics import FloatArray
+from mimoc.geometry.floor_reach import STRETCHED, places_around
 from mimoc.geometry.rotations import Vec3
 from mimoc.objects.built_object import BuiltObject, PlacedThing, Surroundings
 from mimoc.objects.spec_base import ObjectSpec, PointSpec, in_words
@@ -23,8 +24,6 @@ FARTHEST_M = 2.0
 """How far from a part an object is at most that is in front of it or beside it."""
 DIRECTIONS = 32
 """In which a place within reach is looked for, beginning with that away from the infant."""
-STRETCHED = 0.6
-"""How far from the shoulder an object is in the air within reach, in lengths of the arm."""
 STEEP = math.sqrt(0.5)
 """Vertical part of a direction from which on it is upwards or downwards, not ahead."""
 WHOLE, MIDDLE = "infant", "chest"
@@ -174,13 +173,11 @@ def _within_reach(search: Search, name: str) -> Spot:
         return Spot((x_m, y_m, z_m - search.built.height_m / 2), f"within reach of {name}")
     hand_m = search.around.part(name).centres.mean(axis=0)
     outwards = math.atan2(*(hand_m - search.around.posed.centre_of_mass)[1::-1])
-    turns = [outwards + (-1) ** turn * ((turn + 1) // 2) * math.tau / DIRECTIONS for turn in range(DIRECTIONS)]
-    for away_m in np.arange(0.0, 2 * arm.length_m, STEP_M):
-        for turn in turns:
-            x_m, y_m = (hand_m[:2] + away_m * np.array([math.cos(turn), math.sin(turn)])).tolist()
-            is_near = math.hypot(x_m - arm.shoulder_m[0], y_m - arm.shoulder_m[1]) <= arm.on_floor_m
-            if is_near and search.is_free(x_m, y_m):
-                return Spot((x_m, y_m, search.support_m(x_m, y_m, "at")), f"within reach of {name}")
+    for across_m in places_around(outwards, 2 * arm.length_m, STEP_M, DIRECTIONS):
+        x_m, y_m = (hand_m[:2] + across_m).tolist()
+        is_near = math.hypot(x_m - arm.shoulder_m[0], y_m - arm.shoulder_m[1]) <= arm.on_floor_m
+        if is_near and search.is_free(x_m, y_m):
+            return Spot((x_m, y_m, search.support_m(x_m, y_m, "at")), f"within reach of {name}")
     raise search.refusal(
         "at", f"there is no free place on the floor within reach of {name}; give coordinates, or hang it"
     )

@@ -1,7 +1,7 @@
 """Objects that a reset puts elsewhere: the option `objects`."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import mujoco
 import numpy as np
@@ -9,15 +9,12 @@ import numpy as np
 from mimoc.base.model_fields import ModelField
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.bundle.manifest import Manifest
-from mimoc.geometry.floor_reach import leaning_reach
+from mimoc.bundle.model import TOUCH_M
+from mimoc.geometry.floor_reach import STRETCHED, leaning_reach, places_around
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
 from mimoc.objects.spec_move import Move, NewPlace
 from mimoc.senses.sense import FloatArray
 
-TOUCH_M = 1.5e-4
-"""Penetration of what lies on something."""
-STRETCHED = 0.6
-"""How far from the shoulder an object is in the air within reach, in lengths of the arm."""
 STEP_M, DIRECTIONS = 0.01, 16
 """Of the search for a free place within reach."""
 
@@ -148,7 +145,8 @@ class Objects:
         hip_m = float(data.xpos[model.body(self._manifest.root_body).id][2])
         reach_m = leaning_reach(length_m, float(shoulder_m[2]), hip_m)
         w, x, y, z = data.xquat[self._bodies[name]].tolist()
-        for across_m in _outwards(data.xpos[end][:2] - shoulder_m[:2], 2 * length_m):
+        x_m, y_m = (data.xpos[end] - shoulder_m)[:2]
+        for across_m in places_around(math.atan2(y_m, x_m), 2 * length_m, STEP_M, DIRECTIONS):
             place_m = np.array([*(data.xpos[end][:2] + across_m), entry.origin_m])
             if np.linalg.norm(place_m[:2] - shoulder_m[:2]) > reach_m:
                 continue
@@ -181,12 +179,3 @@ def _length_m(model: mujoco.MjModel, root: int, end: int) -> float:
     geoms = np.flatnonzero(model.geom_bodyid == end)
     tips_m = np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms]
     return length_m + float(tips_m.max(initial=0.0))
-
-
-def _outwards(direction: FloatArray, farthest_m: float) -> Iterator[FloatArray]:
-    """Yield places around the origin, shape (2,), the nearest first, beginning with those in a direction."""
-    ahead = math.atan2(direction[1], direction[0])
-    for away_m in np.arange(0.0, farthest_m, STEP_M):
-        for number in range(DIRECTIONS if away_m else 1):
-            turn = ahead + (-1) ** number * ((number + 1) // 2) * math.tau / DIRECTIONS
-            yield away_m * np.array([math.cos(turn), math.sin(turn)])

@@ -6,12 +6,11 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.model import TOUCH_M
 from mimoc.senses.sense import FloatArray, IntArray
 
 LEFT_M = 1e-4
 """Penetration that is left, so that what supports the infant goes on to do so; as in the poses of `body.poses`."""
-CLOSE_M = 1.5e-4
-"""Penetration with which it is left in peace."""
 ROUNDS = 40
 """Most times that it is moved; some are enough."""
 UPWARDS = 0.1
@@ -53,7 +52,7 @@ def resolve_penetrations(
         ours, depths_m = infants[data.contact.geom], -data.contact.dist
         pairs = model.geom_bodyid[data.contact.geom].tolist()
         usual_m = np.where(ours.any(axis=1), 0.0, [before.get((first, second), 0.0) for first, second in pairs])
-        if not (depths_m > np.maximum(usual_m, CLOSE_M)).any():
+        if not (depths_m > np.maximum(usual_m, TOUCH_M)).any():
             return
         lift_m = _lift_m(data, ours, depths_m)
         if lift_m:
@@ -83,7 +82,7 @@ def _lift_m(data: mujoco.MjData, is_infants: Mask, depths_m: FloatArray) -> floa
     """Return how far the infant must be lifted to be out of what it is on."""
     alone = is_infants[:, 0] != is_infants[:, 1]
     upwards = data.contact.frame[:, 2] * np.where(is_infants[:, 1], 1.0, -1.0)
-    sunk = alone & (upwards > UPWARDS) & (depths_m > CLOSE_M)
+    sunk = alone & (upwards > UPWARDS) & (depths_m > TOUCH_M)
     return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
 
 

@@ -10,4 +10,5 @@ KIND = ObjectKind(
     "mimoc.objects.water.build",
     start="mimoc.objects.water.build",
     poses=("supine", "prone", "sitting", "standing"),
+    run="mimoc.objects.water.run",
 )

@@ -12,8 +12,6 @@ from mimoc.geometry import primitives
 from mimoc.objects.spec_base import WATER_KG_M3, WaterEntry
 from mimoc.senses.sense import FloatArray
 
-NAME = "water"
-"""The companion's name."""
 VISCOSITY_PA_S = 0.0009
 """Of water at 25 °C (CRC Handbook of Chemistry and Physics, from memory); at the speed of limbs, it hardly matters."""
 COEFFICIENTS = (0.5, 0.25, 1.5, 1.0, 1.0)
@@ -149,3 +147,8 @@ def _volume(model: mujoco.MjModel, geom: int) -> float:
     mesh = model.mesh(int(model.geom_dataid[geom]))
     corners = model.mesh_vert[mesh.vertadr[0] :][model.mesh_face[mesh.faceadr[0] :][: mesh.facenum[0]]].astype(float)
     return float(np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+
+
+def bind() -> Water:
+    """Return what lets water act."""
+    return Water()
