@@ -16,8 +16,9 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.intervals import interval, sign_test
+from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -45,26 +46,6 @@ GAIN = Quantity("gain", "Learnt gain of the drive")
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
-    """A pair of infants by a caregiver: the kicks of one are answered, the other is answered as the first one was."""
-
-    baseline_s: float
-    interaction_s: float
-    still_face_s: float
-    reunion_s: float
-
-    @property
-    def ends_s(self) -> tuple[float, ...]:
-        """When each phase ends."""
-        return tuple(np.cumsum([self.baseline_s, self.interaction_s, self.still_face_s, self.reunion_s]).tolist())
-
-    @property
-    def compared_s(self) -> float:
-        """How much of the end of each phase is compared."""
-        return min(COMPARED_S, self.baseline_s, self.interaction_s, self.still_face_s, self.reunion_s)
-
-
-@dataclass(frozen=True, slots=True)
 class Session:
     """What an infant did by a caregiver."""
 
@@ -82,7 +63,7 @@ def run(notebook: Notebook) -> Path:
     An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
     """
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
-    case = Case(*phases_s.values())
+    case = Phases(tuple(phases_s.values()), COMPARED_S)
     results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
     notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", _bins(results, seeds))
     rows = ((seed, *item) for seed, result in zip(seeds, results, strict=True) for item in result.values.items())
@@ -113,10 +94,10 @@ def run(notebook: Notebook) -> Path:
 
 def infants(law: None) -> Iterator[Bundle]:
     """Yield the infant that is with the caregiver."""
-    yield bundle_of(Case(*QUICK_PHASES_S.values()), ())
+    yield bundle_of(Phases(tuple(QUICK_PHASES_S.values()), COMPARED_S), ())
 
 
-def bundle_of(case: Case, yoked_s: Sequence[float]) -> Bundle:
+def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
     """Return an infant on its back with a caregiver, who answers kicks, or at some times whatever it does."""
     starts_s = dict(zip(("interact", "still_face", "reunion"), case.ends_s, strict=False))
     script = [
@@ -138,20 +119,20 @@ def bundle_of(case: Case, yoked_s: Sequence[float]) -> Bundle:
     return pipeline.build(InfantSpec.model_validate(spec))
 
 
-def pair(case: Case, seed: int) -> Result:
+def pair(case: Phases, seed: int) -> Result:
     """Let an infant be answered when it kicks, and another when the first one was."""
     contingent = session(case, seed, ())
     yoked = session(case, seed + PARTNER, contingent.answers_s or (case.ends_s[0],))
     values, traces = dict[str, float](), dict[str, tuple[float, ...]]()
     for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
         values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
-        traces[f"{name}_rate"] = tuple(_rates(infant.kicks_s, case.ends_s[-1]))
+        traces[f"{name}_rate"] = rates_per_min(infant.kicks_s, case.ends_s[-1], BIN_S)
         gains = np.exp(np.log(infant.gains[:, LEGS]).mean(axis=1))
         traces[f"{name}_gain"] = tuple(gains.tolist())
     return Result(values=values, traces=traces)
 
 
-def session(case: Case, seed: int, yoked_s: Sequence[float]) -> Session:
+def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
     """Return what an infant does by a caregiver, who answers it, or at some times whatever it does.
 
     Args:
@@ -175,18 +156,10 @@ def session(case: Case, seed: int, yoked_s: Sequence[float]) -> Session:
     return Session(kicks_s, answers_s, np.array(gains))
 
 
-def _rates(kicks_s: FloatArray, seconds: float) -> list[float]:
-    """Return the kicks a minute in each bin of some time."""
-    counts, _ = np.histogram(kicks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
-    return (60.0 * counts / BIN_S).tolist()
-
-
-def _measures(case: Case, infant: Session) -> dict[str, float]:
+def _measures(case: Phases, infant: Session) -> dict[str, float]:
     """Return rates at the end of each phase, and the gain of the legs at the end of the interaction."""
     last_s, values = case.compared_s, dict[str, float]()
-    for phase, end_s in zip(PHASES_S, case.ends_s, strict=True):
-        count = int(((infant.kicks_s >= end_s - last_s) & (infant.kicks_s < end_s)).sum())
-        values[phase] = 60.0 * count / last_s
+    values |= {phase: 60.0 * count / last_s for phase, count in zip(PHASES_S, case.counts(infant.kicks_s), strict=True)}
     gains = infant.gains[round(case.ends_s[1] / WINDOW_S) - 1]
     values["leg_gain"] = float(np.exp(np.log(gains[LEGS]).mean()))
     arms = [index for index in range(len(LIMBS)) if index not in LEGS]
@@ -195,39 +168,38 @@ def _measures(case: Case, infant: Session) -> dict[str, float]:
     return values
 
 
-def _of(results: Sequence[Result], name: str) -> list[float]:
-    return [result.values[name] for result in results]
-
-
 def _table(results: Sequence[Result]) -> str:
     columns = (*PHASES_S, "leg_gain", "arm_gain", "answers")
     return table_rows(
-        (name, *(interval(_of(results, f"{name}_{column}")).text(1 if column in PHASES_S else 2) for column in columns))
+        (
+            name,
+            *(
+                interval(values_of(results, f"{name}_{column}")).text(1 if column in PHASES_S else 2)
+                for column in columns
+            ),
+        )
         for name in CONDITIONS
     )
 
 
 def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
     """Return what was asked, as a difference in each pair."""
-
-    def difference(first: str, second: str) -> list[float]:
-        return [a - b for a, b in zip(_of(results, first), _of(results, second), strict=True)]
-
-    return {
-        "kicks rise from baseline to interaction": difference("contingent_interaction", "contingent_baseline"),
-        "more kicks than of the yoked partner": difference("contingent_interaction", "yoked_interaction"),
-        "a larger gain of the legs than the partner's": difference("contingent_leg_gain", "yoked_leg_gain"),
-        "a larger gain of the legs than of the arms": difference("contingent_leg_gain", "contingent_arm_gain"),
-        "fewer kicks before the still face": difference("contingent_interaction", "contingent_still_face"),
-        "more kicks again in the reunion": difference("contingent_reunion", "contingent_still_face"),
+    asked = {
+        "kicks rise from baseline to interaction": ("contingent_interaction", "contingent_baseline"),
+        "more kicks than of the yoked partner": ("contingent_interaction", "yoked_interaction"),
+        "a larger gain of the legs than the partner's": ("contingent_leg_gain", "yoked_leg_gain"),
+        "a larger gain of the legs than of the arms": ("contingent_leg_gain", "contingent_arm_gain"),
+        "fewer kicks before the still face": ("contingent_interaction", "contingent_still_face"),
+        "more kicks again in the reunion": ("contingent_reunion", "contingent_still_face"),
     }
+    return {name: differences(results, *pair) for name, pair in asked.items()}
 
 
 def _answer(results: Sequence[Result]) -> str:
     """Return in how many pairs the infant that is answered kicks more than before, and than its partner."""
     rises, beyond = list(_differences(results).values())[:2]
     risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
-    gains = [np.mean(_of(results, f"{name}_leg_gain")) for name in CONDITIONS]
+    gains = [np.mean(values_of(results, f"{name}_leg_gain")) for name in CONDITIONS]
     larger = sum(value > 0 for value in _differences(results)["a larger gain of the legs than the partner's"])
     return (
         f"Infants whose kicks are answered learn to drive their legs by a factor of {gains[0]:.2f}, those that are "
@@ -238,15 +210,7 @@ def _answer(results: Sequence[Result]) -> str:
 
 
 def _predictions(results: Sequence[Result]) -> str:
-    return table_rows(
-        (
-            name,
-            interval(values).text(),
-            f"{sum(value > 0 for value in values)} of {len(values)}",
-            f"{sign_test(values):.2g}",
-        )
-        for name, values in _differences(results).items()
-    )
+    return table_rows(direction_rows(_differences(results)))
 
 
 def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
@@ -256,7 +220,7 @@ def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str
                 yield condition, seed, slot * BIN_S, rate
 
 
-def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
+def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     ends_min = [end_s / 60.0 for end_s in case.ends_s]
     for name, quantity, width_s in (("rate", RATE_PER_MIN, BIN_S), ("gain", GAIN, WINDOW_S)):
         curves = {condition: np.array([r.traces[f"{condition}_{name}"] for r in results]) for condition in CONDITIONS}
@@ -268,6 +232,6 @@ def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
         ]
         for condition, curve in curves.items():
             means = [interval(column.tolist()) for column in curve.T]
-            bands.append(Band(minutes, [mean.low for mean in means], [mean.high for mean in means], condition))
+            bands.append(band_of(minutes, means, condition))
         lines = tuple(Line(minutes, curve.mean(axis=0), condition) for condition, curve in curves.items())
         yield Plot(MINUTES, quantity, lines, tuple(bands), y_range=(0.0, top))

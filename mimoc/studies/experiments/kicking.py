@@ -19,7 +19,7 @@ from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, open_infant
-from mimoc.studies.experiments.legs.intervals import Interval, interval, sign_test
+from mimoc.studies.experiments.legs.intervals import Interval, band_of, interval, sign_test
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -253,7 +253,7 @@ def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
         ages = [age for age in by_age if _of(by_age[age], item.measure)]
         means = [interval(_of(by_age[age], item.measure)) for age in ages]
         dots = [(age, value) for age in ages for value in _of(by_age[age], item.measure)]
-        bands = [Band(ages, [mean.low for mean in means], [mean.high for mean in means], "95 % interval", "band")]
+        bands = [band_of(ages, means, "95 % interval", "band")]
         if item.shown:
             end, (low, high) = min(item.until_months, max(by_age)), item.shown
             bands.append(Band([0, end], [low] * 2, [high] * 2, "real infants", "usual"))

@@ -27,8 +27,9 @@ from mimoc.studies.experiments.legs.infants import (
     ribbon_m,
     tie_ribbon,
 )
-from mimoc.studies.experiments.legs.intervals import interval, sign_test
+from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
@@ -58,26 +59,6 @@ GAIN = Quantity("gain", "Learnt gain of the drive")
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
-    """A pair of infants under a mobile: one moves it by a ribbon, the other sees what the first one did."""
-
-    baseline_s: float
-    acquisition_s: float
-    extinction_s: float
-
-    @property
-    def ends_s(self) -> tuple[float, float, float]:
-        """When each phase ends."""
-        seen_s = self.baseline_s + self.acquisition_s
-        return self.baseline_s, seen_s, seen_s + self.extinction_s
-
-    @property
-    def compared_s(self) -> float:
-        """How much of the end of each phase is compared."""
-        return min(COMPARED_S, self.baseline_s, self.acquisition_s, self.extinction_s)
-
-
-@dataclass(frozen=True, slots=True)
 class Session:
     """What an infant did under a mobile."""
 
@@ -101,7 +82,7 @@ def run(notebook: Notebook) -> Path:
     An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
     """
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
-    case = Case(*phases_s.values())
+    case = Phases(tuple(phases_s.values()), COMPARED_S)
     results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
     notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", _bins(results, seeds))
     notebook.write_table(
@@ -140,7 +121,7 @@ def infants(law: None) -> Iterator[Bundle]:
     yield bundle_of(Setup(AGE_MONTHS))
 
 
-def pair(case: Case, seed: int) -> Result:
+def pair(case: Phases, seed: int) -> Result:
     """Let an infant learn under a mobile that its left leg moves, and another under a mobile that moves likewise."""
     contingent = session(case, seed, None)
     yoked = session(case, seed + PARTNER, contingent.rewards_m_s)
@@ -148,12 +129,12 @@ def pair(case: Case, seed: int) -> Result:
     for name, infant in zip(CONDITIONS, (contingent, yoked), strict=True):
         values |= {f"{name}_{measure}": value for measure, value in _measures(case, infant).items()}
         for side in SIDES:
-            traces[f"{name}_{side}"] = tuple(_rates(infant.kicks_s[side], case.ends_s[-1]))
+            traces[f"{name}_{side}"] = rates_per_min(infant.kicks_s[side], case.ends_s[-1], BIN_S)
         traces |= {f"{name}_{limb}": tuple(infant.gains[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
     return Result(values=values, traces=traces)
 
 
-def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Session:
+def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Session:
     """Return what an infant does under a mobile that it sees during acquisition only.
 
     Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases.
@@ -182,12 +163,6 @@ def session(case: Case, seed: int, others_m_s: Sequence[float] | None) -> Sessio
     return Session(film.develop(f"seed {seed}"), rewards_m_s, np.array(gains))
 
 
-def _rates(kicks_s: FloatArray, seconds: float) -> list[float]:
-    """Return the kicks a minute in each bin of some time."""
-    counts, _ = np.histogram(kicks_s, np.arange(round(seconds / BIN_S) + 1) * BIN_S)
-    return (60.0 * counts / BIN_S).tolist()
-
-
 def _window(mover: Mover, film: Film) -> float:
     """Film one window, and return how fast the mobile moves on average."""
     speeds_m_s = []
@@ -197,12 +172,12 @@ def _window(mover: Mover, film: Film) -> float:
     return float(np.mean(speeds_m_s))
 
 
-def _measures(case: Case, infant: Session) -> dict[str, float]:
+def _measures(case: Phases, infant: Session) -> dict[str, float]:
     """Return rates at the end of each phase, ratios to the baseline, gains learnt, and the coupling of the tied leg."""
     last_s, values = case.compared_s, dict[str, float]()
     learnt = slice(round((case.ends_s[1] - last_s) / WINDOW_S), round(case.ends_s[1] / WINDOW_S))
     for side, times_s in infant.kicks_s.items():
-        counts = [int(((times_s >= end_s - last_s) & (times_s < end_s)).sum()) for end_s in case.ends_s]
+        counts = case.counts(times_s)
         values |= {f"{side}_{phase}": 60.0 * count / last_s for phase, count in zip(PHASES_S, counts, strict=True)}
         before = max(counts[0], 1)  # One kick at least: a ratio needs some.
         values |= {f"{side}_ratio": counts[1] / before, f"{side}_after": counts[2] / before}
@@ -215,31 +190,27 @@ def _measures(case: Case, infant: Session) -> dict[str, float]:
     return values
 
 
-def _of(results: Sequence[Result], name: str) -> list[float]:
-    return [result.values[name] for result in results]
-
-
 def _table(results: Sequence[Result]) -> str:
     rows = []
     for condition in CONDITIONS:
         for side, label in LEGS.items():
-            rates = [interval(_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_S]
-            ratios = _of(results, f"{condition}_{side}_ratio")
+            rates = [interval(values_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_S]
+            ratios = values_of(results, f"{condition}_{side}_ratio")
             enough = sum(ratio >= ENOUGH for ratio in ratios)
             ratio = f"{interval(ratios).text()}, median {np.median(ratios):.2f}"
-            gain = interval(_of(results, f"{condition}_{side}_gain")).text()
+            gain = interval(values_of(results, f"{condition}_{side}_gain")).text()
             rows.append((condition, label, *rates, ratio, f"{enough} of {len(ratios)}", gain))
     return table_rows(rows)
 
 
 def _answer(results: Sequence[Result]) -> str:
     """Return whether kicks rise by half, by condition."""
-    contingent, yoked = ([ratio >= ENOUGH for ratio in _of(results, f"{name}_left_ratio")] for name in CONDITIONS)
+    contingent, yoked = ([ratio >= ENOUGH for ratio in values_of(results, f"{name}_left_ratio")] for name in CONDITIONS)
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
     overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
-    free = [ratio >= ENOUGH for leg in FREE for ratio in _of(results, f"{leg}_ratio")]
+    free = [ratio >= ENOUGH for leg in FREE for ratio in values_of(results, f"{leg}_ratio")]
     return (
         f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of 3 "
         f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds, the rate of the tied leg "
@@ -249,33 +220,21 @@ def _answer(results: Sequence[Result]) -> str:
 
 
 def _ratio_of_means(results: Sequence[Result], condition: str) -> float:
-    after, before = (np.mean(_of(results, f"{condition}_left_{phase}")) for phase in ("acquisition", "baseline"))
+    after, before = (np.mean(values_of(results, f"{condition}_left_{phase}")) for phase in ("acquisition", "baseline"))
     return float(after / max(before, 1e-9))
 
 
 def _predictions(results: Sequence[Result]) -> str:
     """Return each prediction, with how many seeds it holds in."""
-    tied, other = (_of(results, f"contingent_{side}_ratio") for side in SIDES)
-    yoked = _of(results, "yoked_left_ratio")
-    gain, others = (_of(results, f"{condition}_left_gain") for condition in CONDITIONS)
-    late, after = (_of(results, f"contingent_left_{phase}") for phase in ("acquisition", "extinction"))
-    coupled, looser = (_of(results, f"contingent_hip_knee_{phase}") for phase in ("baseline", "acquisition"))
+    tied, gain = "contingent_left_ratio", "contingent_left_gain"
     asked = {
-        "more than the yoked partner": [a - b for a, b in zip(tied, yoked, strict=True)],
-        "the tied leg more than the other": [a - b for a, b in zip(tied, other, strict=True)],
-        "a gain of the tied leg above the partner's": [a - b for a, b in zip(gain, others, strict=True)],
-        "fewer kicks again in extinction": [a - b for a, b in zip(late, after, strict=True)],
-        "hip and knee of the tied leg looser": [a - b for a, b in zip(coupled, looser, strict=True)],
+        "more than the yoked partner": (tied, "yoked_left_ratio"),
+        "the tied leg more than the other": (tied, "contingent_right_ratio"),
+        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
+        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
+        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
     }
-    return table_rows(
-        (
-            name,
-            interval(values).text(),
-            f"{sum(value > 0 for value in values)} of {len(values)}",
-            f"{sign_test(values):.2g}",
-        )
-        for name, values in asked.items()
-    )
+    return table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()}))
 
 
 def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
@@ -286,7 +245,7 @@ def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str
                     yield condition, label, seed, slot * BIN_S, rate
 
 
-def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
+def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     bins = len(results[0].traces["contingent_left"])
     minutes = (np.arange(bins, dtype=np.float64) + 0.5) * BIN_S / 60.0
     seen = [end_s / 60.0 for end_s in case.ends_s[:2]]
@@ -305,4 +264,4 @@ def _plots(results: Sequence[Result], case: Case) -> Iterator[Plot]:
 def _bands(minutes: FloatArray, curves: Mapping[str, FloatArray]) -> Iterator[Band]:
     for label, curve in curves.items():
         means = [interval(column.tolist()) for column in curve.T]
-        yield Band(minutes, [mean.low for mean in means], [mean.high for mean in means], label)
+        yield band_of(minutes, means, label)

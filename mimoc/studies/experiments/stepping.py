@@ -7,10 +7,10 @@ from pathlib import Path
 from mimoc.bundle.io import Bundle
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, relative_changes
 from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg
-from mimoc.studies.experiments.legs.intervals import interval
+from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.steps import SHARE, TRIES_PER_MIN, StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
@@ -144,14 +144,14 @@ def _age_plots(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> 
         for name in next(iter(by_age.values())):
             means = [interval(_of(steps[cases[name]], measure)) for cases in by_age.values()]
             lines.append(Line(list(by_age), [mean.mean for mean in means], name))
-            bands.append(Band(list(by_age), [mean.low for mean in means], [mean.high for mean in means], name))
+            bands.append(band_of(list(by_age), means, name))
         yield Plot(AGE, measure, tuple(lines), tuple(bands), title=measure.label)
 
 
 def _load_plot(steps: Steps, loaded: Sequence[StepCase]) -> Plot:
     means = [interval(_of(steps[case], RATE)) for case in loaded]
     loads_kg = [case.weight_kg for case in loaded]
-    band = Band(loads_kg, [mean.low for mean in means], [mean.high for mean in means], "", "band")
+    band = band_of(loads_kg, means, "", "band")
     rates = [mean.mean for mean in means]
     line, dots = Line(loads_kg, rates, "", "median"), Dots(loads_kg, rates, "", "median")
     return Plot(LOAD, RATE, (line,), (band,), (dots,), title=f"Steps by load at {LOADED_MONTHS:g} month")

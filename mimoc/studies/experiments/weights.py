@@ -15,11 +15,11 @@ from mimoc.movement.kicks import kicks_of
 from mimoc.movement.measures import leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.quantities import Quantity
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
-from mimoc.studies.experiments.legs.intervals import interval
+from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import Notebook, table_rows
@@ -245,7 +245,7 @@ def _plots(kicks: Kicks) -> Iterator[Plot]:
             means = [interval([100 * change for change in part]) for part in changes if part]
             known = [week for week, part in zip(weeks, changes, strict=True) if part]
             lines.append(Line(known, [mean.mean for mean in means], label))
-            bands.append(Band(known, [mean.low for mean in means], [mean.high for mean in means], label))
+            bands.append(band_of(known, means, label))
             dots.append(Dots(known, [mean.mean for mean in means], label))
         change = Quantity("change", f"{measure.label}: change by the weight", "%")
         yield Plot(WEEK, change, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)

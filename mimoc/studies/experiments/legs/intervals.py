@@ -7,6 +7,9 @@ from statistics import fmean, stdev
 
 from scipy.stats import t
 
+from mimoc.geometry.rotations import FloatArray
+from mimoc.render.plots.plot import Band
+
 
 @dataclass(frozen=True, slots=True)
 class Interval:
@@ -34,6 +37,11 @@ def interval(values: Sequence[float]) -> Interval:
         return Interval(mean, mean, mean)
     half = float(t.ppf(0.975, len(values) - 1)) * stdev(values) / sqrt(len(values))
     return Interval(mean, mean - half, mean + half)
+
+
+def band_of(x: Sequence[float] | FloatArray, means: Sequence[Interval], label: str = "", look: str = "spread") -> Band:
+    """Return the intervals of means along x, shape (n,), as a band of a plot."""
+    return Band(x, [mean.low for mean in means], [mean.high for mean in means], label, look)
 
 
 def sign_test(changes: Sequence[float]) -> float:
