@@ -11,7 +11,8 @@ from support.skin_bodies import child, children
 
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
-from mimoc.looks.skin.deformation import newborn_share, skin_of
+from mimoc.looks.skin.deformation import skin_of
+from mimoc.looks.skin.head import newborn_share
 from mimoc.looks.skin.template_mesh import template_mesh
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
