@@ -101,6 +101,7 @@ def make_manifest(
         child=ChildEntry(
             age_months=spec.age_months,
             months_early=spec.months_early,
+            clothes=spec.clothes,
             sex=spec.body.individual and spec.body.individual.sex,
             **stature(tree),
         ),
