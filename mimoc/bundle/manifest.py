@@ -72,7 +72,7 @@ class ChildEntry(Model):
         """Age of what matures with it: that since term of a child that was born before."""
         return max(0.0, self.age_months - self.months_early)
 
-    _serialized = omitting("months_early")
+    _serialized = omitting("months_early", "clothes")
 
 
 class FaceEntry(Model):
