@@ -1,8 +1,10 @@
 """What a spec says of skin, hair, eyes and clothes, and what becomes of it."""
 
 import io
+import re
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, get_args
 
 import mujoco
@@ -56,6 +58,15 @@ def pixels(png: bytes) -> np.ndarray:
 
 def brightness(colour: Any) -> float:
     return float(np.dot(LUMINANCE, colour))
+
+
+def test_the_page_names_every_choice_and_default():
+    page = (Path(__file__).parents[2] / "docs" / "looks.md").read_text(encoding="utf-8")
+    rows = {row.split("`")[1]: row for row in page.splitlines() if row.startswith("| `")}
+    for key, names in {"skin": TONES, "hair": HAIR, "eyes": EYES, "clothes": OUTFITS}.items():
+        choices, default = rows[key].split("|")[2:4]
+        assert re.findall("`([a-z_]+)`", choices) == list(names)
+        assert (getattr(LooksSpec(), key) or "bodysuit") in default
 
 
 def test_every_name_of_the_language_has_its_colours():
