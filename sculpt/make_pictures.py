@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator
 
-from pictures import adult, ceilings, cubes, floors, framed, skin, walls
+from pictures import adult, ceilings, cloth, cubes, floors, framed, skin, walls
 from pictures.expressions import FACES
 
-from mimoc.looks.appearance import PANTS, TOP
+from mimoc.looks.appearance import TOP
 from mimoc.looks.pictures import FOLDER, encode_palette_png, encode_png
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
 
 HEAD_BREADTH = 0.863
 """Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
 (AnthroKids)."""
-TOP_STRIPE = (252, 236, 196)
 
 
 def main() -> None:
@@ -36,10 +35,10 @@ def paint_pictures() -> Iterator[tuple[str, bytes]]:
         yield f"adult_face_{name}", encode_palette_png(adult.draw_adult(name))
     yield "eye", encode_png(cubes.draw_eye())
     yield "ear", encode_png(cubes.draw_ear())
-    yield "stripes", encode_png(cubes.draw_stripes(TOP, TOP_STRIPE))
+    yield "stripes", encode_png(cubes.draw_stripes(TOP, cloth.TOP_STRIPE))
     yield "skin_body", encode_png(skin.paint_skin())
-    yield "skin_shirt", encode_png(skin.paint_cloth(TOP, TOP_STRIPE))
-    yield "skin_trousers", encode_png(skin.paint_cloth(PANTS, PANTS))
+    yield "skin_shirt", encode_png(cloth.paint_top())
+    yield "skin_trousers", encode_png(cloth.paint_bottom())
 
 
 if __name__ == "__main__":

@@ -19,8 +19,6 @@ SHADES_PX = 32
 """Sides of the pictures of skin and cloth."""
 DEEP: Colour = (196, 122, 100)
 """Skin in a crease."""
-FOLD = (0.20, 0.26, 0.30)
-"""How much darker cloth is in a fold: a little redder, too."""
 ROSY: Colour = (238, 158, 138)
 LASH: Colour = (92, 62, 50)
 RIM: Colour = (232, 158, 142)
@@ -47,14 +45,6 @@ def paint_skin() -> FloatArray:
     """Return the colours of skin: rosier to the right, deeper in a crease to the bottom."""
     rosy, deep = _shades()
     return over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
-
-
-def paint_cloth(ground: Colour, stripe: Colour) -> FloatArray:
-    """Return the colours of cloth: one light and one dark stripe across, deeper in a fold to the bottom."""
-    across, deep = _shades()
-    wave = np.cos(2 * np.pi * across)
-    image = over(np.full((*across.shape, 3), ground, np.float64), stripe, within(0.25 - wave, 0.5))
-    return image * (1 - deep[..., None] ** 1.3 * FOLD)
 
 
 def _with_palette(image: FloatArray, fine: tuple[npt.NDArray[np.intp], ...]) -> bytes:
