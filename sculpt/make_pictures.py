@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from pictures import adult, ceilings, cubes, floors, framed, skin, walls
+from pictures import adult, ceilings, cloth, cubes, floors, framed, skin, walls
 from pictures.expressions import FACES
 from pictures.inks import Painted, with_palette
 
@@ -50,8 +50,8 @@ def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     yield "ear", with_palette(cubes.draw_ear(), CUBE_COLOURS)
     yield "stripes", with_palette(cubes.draw_stripes(), CUBE_COLOURS)
     yield "skin_body", skin.paint_skin()
-    yield "skin_shirt", skin.paint_shirt()
-    yield "skin_trousers", skin.paint_trousers()
+    yield "skin_shirt", cloth.paint_top()
+    yield "skin_trousers", cloth.paint_bottom()
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The skin: one mesh for each kind of hands, carried to every child by its solids."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import mujoco
@@ -32,7 +33,11 @@ CHEEK_M = 0.003
 
 @cache
 def layers(age_months: float, hands: str) -> tuple[SkinLayer, ...]:
-    return skin_of(child(age_months, hands)).layers
+    return skin_of(dressed(child(age_months, hands))).layers
+
+
+def dressed(tree):
+    return replace(tree, clothes="shirt_and_trousers")
 
 
 def edges(layer: SkinLayer) -> np.ndarray:
@@ -104,7 +109,7 @@ def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
 def test_every_child_has_a_skin_that_is_near_its_solids(tree):
     """However long, stout or one-sided: each vertex is as near to them as on the reference child, and a bit."""
     average = {layer.name: layer for layer in layers(9, tree.hands)}
-    for layer in skin_of(tree).layers:
+    for layer in skin_of(dressed(tree)).layers:
         assert np.isfinite(layer.verts_m).all()
         ratio = lengths(layer.verts_m, edges(layer)) / np.maximum(
             lengths(average[layer.name].verts_m, edges(layer)), 1e-4
@@ -114,7 +119,7 @@ def test_every_child_has_a_skin_that_is_near_its_solids(tree):
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_who_misses_a_limb_has_a_closed_stump(hands):
-    whole, stump = layers(9, hands), skin_of(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"])).layers
+    whole, stump = layers(9, hands), skin_of(dressed(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"]))).layers
     for one, other in zip(whole, stump, strict=True):
         assert not [bone for bone in other.bones if bone.startswith(("left_upper_arm", "left_lower_arm", "left_hand"))]
         assert len(other.faces) <= len(one.faces)
