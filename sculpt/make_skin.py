@@ -6,7 +6,6 @@ from pathlib import Path
 
 import clothes
 import figure
-import head as heads
 import meshing
 import numpy as np
 import resting
@@ -14,6 +13,7 @@ import shading
 import stretching
 import weights
 from fields import Array
+from make_head import sculpt_head
 
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
@@ -249,28 +249,6 @@ def _layer(
         "solids": near.astype(np.uint8),
         "offsets_m": offsets_m.astype(np.float32),
         "blend_m": blend_m.astype(np.float32),
-    }
-
-
-def sculpt_head() -> dict[str, Array]:
-    """Return the arrays of the head."""
-    tree = child("mitten")
-    solid, eye = tree.geoms["head"], next(body for body in tree.bodies if body.name == "right_eye")
-    middle = np.subtract(eye.pos_m, solid.pos_m)
-    sculpted = heads.Head(np.array(solid.size_m) * 1000, middle * 1000, tree.geoms["right_eye1"].size_m[0] * 1000)
-    verts, faces = heads.mesh(sculpted, np.random.default_rng(SEED))
-    verts, faces, places = heads.split_at_end(sculpted, verts, faces)
-    print("head", len(verts))
-    return {
-        "verts_m": (verts / 1000).astype(np.float32),
-        "newborn_m": (heads.newborn(sculpted, verts) / 1000).astype(np.float32),
-        "closing_right_m": (heads.closing(sculpted, verts, -1.0) / 1000).astype(np.float32),
-        "closing_left_m": (heads.closing(sculpted, verts, 1.0) / 1000).astype(np.float32),
-        "faces": faces.astype(np.uint16),
-        "texcoords": places.astype(np.float32),
-        "half_axes_m": sculpted.half_axes / 1000,
-        "eye_m": sculpted.eye / 1000,
-        "eye_radius_m": np.array(sculpted.eye_radius / 1000),
     }
 
 

@@ -1,4 +1,4 @@
-"""The head's skin of a child of any age: the face of a newborn changes into that of an older infant."""
+"""The head's skin of a child of any age: between the ages that it was sculpted at, its vertices move evenly."""
 
 import numpy as np
 
@@ -7,24 +7,24 @@ from mimoc.body.tree import BodyTree, Geom
 from mimoc.geometry.rotations import FloatArray
 from mimoc.looks.skin.template_mesh import SculptedHead
 
-NEWBORN_UNTIL, CHANGED_BY = 0.0, 6.0
-"""Ages between which the face of a newborn changes into that of a child, in months (D)."""
 AT_EYE, BESIDE_EYE = 1.35, 3.0
 """Within so many radii of an eye the skin goes with the eyeball, and beyond so many it goes with the head."""
 SIDES = (("right", 1.0), ("left", -1.0))
 
 
-def newborn_share(age_months: float) -> float:
-    """Return how much a face is that of a newborn: 1 at birth, 0 from `CHANGED_BY` on."""
-    return 1 - float(_smooth_step((age_months - NEWBORN_UNTIL) / (CHANGED_BY - NEWBORN_UNTIL)))
+def shape_at(sculpted: SculptedHead, age_months: float) -> FloatArray:
+    """Return the vertices of a head of an age on the solid that it was sculpted on, shape (n, 3), [m]."""
+    ages = sculpted.ages_months
+    later = int(np.clip(np.searchsorted(ages, age_months), 1, len(ages) - 1))
+    share = float(np.clip((age_months - ages[later - 1]) / (ages[later] - ages[later - 1]), 0, 1))
+    return (1 - share) * sculpted.at_ages_m[later - 1] + share * sculpted.at_ages_m[later]
 
 
 def deform_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
     """Return the vertices of a child's head in the frame of its body, shape (n, 3), [m]."""
     geoms = tree.geoms
     head = geoms["head"]
-    share = newborn_share(tree.age_months)
-    shape_m = sculpted.verts_m + share * (sculpted.newborn_m - sculpted.verts_m)
+    shape_m = shape_at(sculpted, tree.age_months)
     verts_m = shape_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
     eyes = {body.name: np.array(body.pos_m) for body in tree.bodies}
     for side, sign in SIDES:

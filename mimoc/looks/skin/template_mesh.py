@@ -46,10 +46,10 @@ class SculptedLayer:
 class SculptedHead:
     """The mesh of the head on the reference child, in the frame of the head's solid."""
 
-    verts_m: FloatArray
-    """At nine months and more, shape (n, 3)."""
-    newborn_m: FloatArray
-    """At birth."""
+    ages_months: FloatArray
+    """Ages that it was sculpted at, rising, shape (ages,)."""
+    at_ages_m: FloatArray
+    """The vertices at these ages, as if the head's solid were always the same, shape (ages, n, 3)."""
     closing_m: Mapping[str, FloatArray]
     """How each vertex moves where an eye is missing, so that the lids close, by side; shape (n, 3)."""
     faces: IntArray
@@ -117,7 +117,7 @@ def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
-    names = ("verts_m", "newborn_m", "faces", "texcoords", "half_axes_m", "eye_m")
+    names = ("ages_months", "at_ages_m", "faces", "texcoords", "half_axes_m", "eye_m")
     return SculptedHead(
         **{name: _fixed(arrays[name]) for name in names},
         closing_m=MappingProxyType({side: _fixed(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
