@@ -72,9 +72,9 @@ def assemble_infant(
             multiccd=multiccd(spec.scene),
         ),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
-        appearance=dress_skin(expression, skin.names, round_head=round_head)
+        appearance=dress_skin(expression, skin.names, spec.body.looks, spec.clothes, round_head=round_head)
         if skin
-        else add_materials(expression, round_head=round_head),
+        else add_materials(expression, spec.body.looks, spec.clothes, round_head=round_head),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         excluded=tree.excluded,
         frictionless=tree.frictionless,

@@ -1,29 +1,24 @@
 """The pictures of the skin: faces, and colours of skin and cloth by how rosy and how deep in a crease they are."""
 
 import numpy as np
-import numpy.typing as npt
-from pictures.cubes import HAIR, blob, blush, brow, mouth, over, within
+from pictures.cubes import HAIR, SHIRT, SKIN, STRIPE, blob, blush, brow, mouth, over, within
 from pictures.expressions import FACES
-from PIL import Image
+from pictures.inks import Painted, ink, mixed, plain, with_palette
 from uv_map import wrapped
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import SKIN, Colour
-from mimoc.looks.pictures import png_of
 
 FACE_PX = 256
 """Sides of the picture of a face."""
-COLOURS = 112
-"""Of a face."""
+COLOURS, SHADES = 128, 256
+"""Of a face, and of skin and cloth."""
 SHADES_PX = 32
 """Sides of the pictures of skin and cloth."""
-DEEP: Colour = (196, 122, 100)
+DEEP = ink("shade")
 """Skin in a crease."""
-FOLD = (0.20, 0.26, 0.30)
-"""How much darker cloth is in a fold: a little redder, too."""
-ROSY: Colour = (238, 158, 138)
-LASH: Colour = (92, 62, 50)
-RIM: Colour = (232, 158, 142)
+ROSY = mixed(blush=0.85, skin=0.15)
+LASH = ink("lash")
+RIM = mixed(lip=0.6, skin=0.4)
 """The rims of the lids."""
 EYE_Y, EYE_Z = 0.322, -0.083
 """Middle of an eye in the frontal view, in head radii, of a head of a child's breadth."""
@@ -31,44 +26,37 @@ BREADTH = 0.863
 """Half of the breadth of the head that the faces are drawn for, in head radii: the skin stretches them on others."""
 
 
-def paint_face(expression: str) -> bytes:
-    """Return a PNG of the skin of the head with an expression, a key of `FACES`; see `uv_map`."""
+def paint_face(expression: str) -> Painted:
+    """Return the skin of the head with an expression, a key of `FACES`; see `uv_map`."""
     face, (x, y, z), image = FACES[expression], _directions(), _bare_head()
     rows, columns = np.nonzero((x > 0.3) & (z < 0.5) & (np.abs(y) < 0.75))
     part = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
     front, across, height = np.where(x[part] > 0, 1.0, 0.0), BREADTH * y[part], z[part]
     drawn = brow(image[part], np.abs(across), height, front, face)
     image[part] = mouth(drawn, across, height, front, face)
-    lips = np.argwhere((x > 0) & (np.abs(y) < 0.34) & (np.abs(z + 0.5) < 0.16))
-    return _with_palette(image, tuple(lips.T))
+    return with_palette(image, COLOURS)
 
 
-def paint_skin() -> FloatArray:
+def paint_skin() -> Painted:
     """Return the colours of skin: rosier to the right, deeper in a crease to the bottom."""
     rosy, deep = _shades()
-    return over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
+    image = over(over(plain(rosy.shape, SKIN), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
+    return with_palette(image, SHADES)
 
 
-def paint_cloth(ground: Colour, stripe: Colour) -> FloatArray:
-    """Return the colours of cloth: one light and one dark stripe across, deeper in a fold to the bottom."""
+def paint_shirt() -> Painted:
+    """Return the colours of a shirt: one light and one dark stripe across, deeper in a fold to the bottom."""
     across, deep = _shades()
-    wave = np.cos(2 * np.pi * across)
-    image = over(np.full((*across.shape, 3), ground, np.float64), stripe, within(0.25 - wave, 0.5))
-    return image * (1 - deep[..., None] ** 1.3 * FOLD)
+    stripe = within(0.25 - np.cos(2 * np.pi * across), 0.5)
+    flat = over(plain(across.shape, SHIRT), STRIPE, stripe)
+    fold = over(plain(across.shape, ink("shirt_fold")), ink("stripe_fold"), stripe)
+    return with_palette(flat + (deep**1.3)[..., None] * (fold - flat), SHADES)
 
 
-def _with_palette(image: FloatArray, fine: tuple[npt.NDArray[np.intp], ...]) -> bytes:
-    """Return the PNG of an image with a palette of which half is for the colours of some texels.
-
-    Args:
-        image: Of 0 to 255, shape (rows, columns, 3).
-        fine: Rows and columns of these texels.
-    """
-    whole, part = (Image.fromarray(np.rint(texels).astype(np.uint8)) for texels in (image, image[fine][None]))
-    halves = [half.quantize(COLOURS // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for half in (whole, part)]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([value for half in halves for value in half[: 3 * (COLOURS // 2)]])
-    return png_of(whole.quantize(palette=palette, dither=Image.Dither.NONE))
+def paint_trousers() -> Painted:
+    """Return the colours of trousers: deeper in a fold to the bottom."""
+    _, deep = _shades()
+    return with_palette(over(plain(deep.shape, ink("trousers")), ink("trousers_fold"), deep**1.3), SHADES)
 
 
 def _shades() -> tuple[FloatArray, FloatArray]:
@@ -98,7 +86,7 @@ def _bare_head() -> FloatArray:
     """Return what all expressions share: skin, hair, and the lids' rims."""
     x, y, z = _directions()
     front, across = np.where(x > 0, 1.0, 0.0), BREADTH * y
-    image = blush(np.full((*x.shape, 3), SKIN, np.float64), across, z, front)
+    image = blush(plain(x.shape, SKIN), across, z, front)
     image = over(image, DEEP, 0.30 * blob(np.abs(y) - 1.0, z + 0.16, 0.06, 0.12) * (np.abs(x) < 0.25))
     image = _thin_hair(image, x, y, z)
     side, up = (np.abs(across) - EYE_Y) / 0.142, (z - EYE_Z) / 0.092
