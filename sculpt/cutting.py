@@ -38,9 +38,10 @@ def hemmed(
 
 def typical_edge(verts: Array, faces: np.ndarray) -> Array:
     """Return the mean length of the edges at each vertex."""
-    lengths = np.linalg.norm(verts[faces[:, 0]] - verts[faces[:, 1]], axis=1)
-    count = np.bincount(faces[:, 0], minlength=len(verts))
-    return np.bincount(faces[:, 0], lengths, minlength=len(verts)) / np.maximum(count, 1)
+    edges = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    lengths = np.linalg.norm(verts[edges[:, 0]] - verts[edges[:, 1]], axis=1)
+    count = np.bincount(edges[:, 0], minlength=len(verts))
+    return np.bincount(edges[:, 0], lengths, minlength=len(verts)) / np.maximum(count, 1)
 
 
 def clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.ndarray]:

@@ -16,6 +16,8 @@ class FaceShape:
     """How far the back of the head does."""
     temple: float
     """How far the temples do."""
+    side: float
+    """How far the sides of the head do, above the ears."""
     bridge: float
     """How far the bridge of the nose does, between the eyes."""
     tip: tuple[float, float, float]
@@ -45,6 +47,7 @@ SHAPES = {
         forehead=2.6,
         occiput=0.0,
         temple=0.0,
+        side=4.0,
         bridge=-2.6,
         tip=(77.0, -26.5, 5.6),
         wing=(5.4, 3.8),
@@ -61,6 +64,7 @@ SHAPES = {
         forehead=2.8,
         occiput=0.0,
         temple=0.0,
+        side=4.5,
         bridge=-2.4,
         tip=(78.6, -27.5, 5.6),
         wing=(5.4, 3.8),
@@ -77,6 +81,7 @@ SHAPES = {
         forehead=2.2,
         occiput=0.0,
         temple=0.0,
+        side=4.5,
         bridge=-2.0,
         tip=(79.6, -28.0, 5.6),
         wing=(5.4, 3.8),
@@ -93,6 +98,7 @@ SHAPES = {
         forehead=1.4,
         occiput=1.0,
         temple=-0.4,
+        side=4.5,
         bridge=-1.2,
         tip=(81.0, -29.0, 5.5),
         wing=(5.5, 3.7),
@@ -109,14 +115,15 @@ SHAPES = {
         forehead=0.2,
         occiput=2.5,
         temple=-1.2,
+        side=4.0,
         bridge=0.6,
         tip=(83.0, -31.0, 5.4),
         wing=(5.8, 3.7),
         cheek=3.2,
-        jowl=2.8,
+        jowl=4.2,
         mouth=(73.5, -52.5),
         jaw=(28.0, -55.0),
-        jaw_size=(41.0, 34.0, 31.0),
+        jaw_size=(41.0, 36.5, 31.0),
         chin=(65.0, -74.5, 9.5),
         lids=(0.95, 0.97),
         puffy=0.1,

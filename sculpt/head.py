@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass
 
-import cutting
-import meshing
 import numpy as np
 from faces import FaceShape
 from fields import Array, Field, ball, ellipsoid, smooth_max, smooth_min, tube
-from uv_map import unwrapped, wrapped
+
+from mimoc.looks.skin.head import CORNER_DEG, LOWER_LID_DEG, UPPER_LID_DEG, outward_of, seen_from_eye
 
 
 @dataclass(frozen=True)
@@ -21,14 +20,12 @@ class Head:
     eye_radius: float
 
 
-UPPER, LOWER, CORNER = 40.0, -32.0, 63.0
-"""Lids at the middle of an open eye, and the corners of the eye, seen from the middle of the eyeball, [deg]."""
 LID = 1.10
 """Radius of the lids over that of the eyeball."""
-HEM_MM = 1.6
-"""Breadth of the strip along the rim of a lid, which leads to the eyeball."""
 MOUTH_HALF = 14.5
 """Distance of a corner of the mouth from the midline."""
+CORNER_IN = 1.0
+"""How far inside of it the lips part."""
 
 
 def folded(p: Array) -> Array:
@@ -39,7 +36,7 @@ def folded(p: Array) -> Array:
 def field(head: Head, shape: FaceShape) -> Field:
     """Return the head with closed lids as a field, in its own frame."""
     bare = _without_lips(head, shape)
-    lips = _lips(bare, shape)
+    lips = _lips(head, shape, bare)
     ear = _ear(head)
 
     def whole(p: Array) -> Array:
@@ -83,6 +80,7 @@ def _swellings(head: Head, shape: FaceShape) -> list[tuple[Array, Array, float]]
         ((x + 8, y - 1, z - 12), (8, 11, 5.0), shape.puffy),
         ((x + 7, y - 2, z + 12), (8, 12, 5.5), shape.puffy),
         ((44, -56, 0.10 * az), (22, 16, 22), shape.temple),
+        ((-8, -58, 0.42 * az), (52, 30, 44), shape.side),
     ]
     return [(np.array(middle, float), np.array(size, float), float(amount)) for middle, size, amount in rows]
 
@@ -106,22 +104,41 @@ def _front(field: Field, places: list[tuple[float, float]]) -> list[Array]:
     return list(points)
 
 
-def _lips(bare: Field, shape: FaceShape):
+def _lips(head: Head, shape: FaceShape, bare: Field):
     """Return a function that adds the lips to a field: a soft bow whose corners lie a little higher than its middle."""
-    z, half = shape.mouth[1], MOUTH_HALF
-    along_upper = [(0, z + 2.5), (-2.4, z + 3.3), (-7.0, z + 2.7), (-half + 1.2, z + 1.9)]
-    along_lower = [(0, z - 3.6), (-4.0, z - 3.4), (-9.0, z - 1.8), (-half + 1.6, z + 0.5)]
-    upper = _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.7)
-    lower = _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.9)
-    groove, corner = _front(bare, [(0, z + 9.0), (-half - 0.2, z + 1.5)])
+    upper, lower = lip_tubes(head, shape)
+    groove, corner = _front(bare, [(0, shape.mouth[1] + 9.0), (-MOUTH_HALF - 0.2, shape.mouth[1] + 2.4)])
 
     def add(q: Array, d: Array) -> Array:
         d = d + 1.0 * np.exp(-(((q - groove) / (6, 2.3, 5)) ** 2).sum(axis=1))
         d = d + 1.5 * np.exp(-(((q - corner) / (6, 3.2, 3.2)) ** 2).sum(axis=1))
-        above, below = smooth_min(d, upper(q), 2.6), smooth_min(d, lower(q), 2.6)
-        return np.minimum(above, below)
+        return np.minimum(smooth_min(d, upper(q), 2.6), smooth_min(d, lower(q), 2.6))
 
     return add
+
+
+def lip_tubes(head: Head, shape: FaceShape) -> tuple[Field, Field]:
+    """Return the upper and the lower lip of the right side, of which a part stands out of the face."""
+    bare, z, half = _without_lips(head, shape), shape.mouth[1], MOUTH_HALF
+    along_upper = [(0, z + 2.5), (-2.4, z + 3.3), (-7.0, z + 2.7), (-half + 1.2, z + 2.5)]
+    along_lower = [(0, z - 3.6), (-4.0, z - 3.4), (-9.0, z - 1.5), (-half + 1.6, z + 1.1)]
+    return _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.7), _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.9)
+
+
+def mouth_line(head: Head, shape: FaceShape) -> Field:
+    """Return a function of points that is about their height above the line on which the lips meet."""
+    upper, lower = lip_tubes(head, shape)
+    return lambda p: 0.5 * (lower(folded(p)) - upper(folded(p)))
+
+
+def mouth_corner(head: Head, shape: FaceShape) -> Array:
+    """Return the right corner of the mouth."""
+    line, whole = mouth_line(head, shape), field(head, shape)
+    point = np.array([(80.0, -MOUTH_HALF + CORNER_IN, shape.mouth[1] + 1.8)])
+    for _ in range(60):
+        point[:, 0] -= 0.6 * np.clip(whole(point), -2, 2)
+        point[:, 2] -= 0.6 * np.clip(line(point), -1, 1)
+    return point[0]
 
 
 def _along(bare: Field, places: list[tuple[float, float]], radii: tuple[float, ...], out: float) -> Field:
@@ -177,100 +194,14 @@ def _ear(head: Head) -> Field:
 
 def opening(head: Head):
     """Return a function of points that is positive between the lids, and about the distance to their rims."""
-    outward = np.array((head.eye[0] / head.half_axes[0] ** 2, head.eye[1] / head.half_axes[1] ** 2, 0))
-    outward = 0.45 * outward / np.linalg.norm(outward) + 0.55 * np.array((1.0, 0, 0))
-    outward /= np.linalg.norm(outward)
-    across = np.array((-outward[1], outward[0], 0.0))
+    outward = outward_of(head.eye, head.half_axes)
 
     def cut(p: Array) -> Array:
         from_eye = folded(p) - head.eye
-        ahead, aside, above = from_eye @ outward, from_eye @ across, from_eye[:, 2]
-        azimuth = np.degrees(np.arctan2(aside, ahead)) + 1
-        elevation = np.degrees(np.arctan2(above, np.hypot(ahead, aside)))
-        t = np.clip(np.abs(azimuth) / CORNER, 0, 1.5)
-        upper, lower = UPPER * (1 - t**2.4), LOWER * (1 - t**2.0)
+        azimuth, elevation = seen_from_eye(from_eye, outward)
+        t = np.clip(np.abs(azimuth) / CORNER_DEG, 0, 1.5)
+        upper, lower = UPPER_LID_DEG * (1 - t**2.4), LOWER_LID_DEG * (1 - t**2.0)
         degrees = np.minimum(upper - elevation, elevation - lower)
-        return np.where(ahead > 0, degrees, -90.0) * np.radians(head.eye_radius * LID)
+        return np.where(from_eye @ outward > 0, degrees, -90.0) * np.radians(head.eye_radius * LID)
 
     return cut
-
-
-def sizes(head: Head, shape: FaceShape, points: Array) -> Array:
-    """Return the lengths of edges that are wanted at some points."""
-    n, q = points / head.half_axes, folded(points)
-    eye = np.linalg.norm(q - head.eye, axis=1)
-    nose = np.linalg.norm(points - (shape.tip[0], 0, shape.tip[1]), axis=1)
-    mouth = (points - (shape.mouth[0] - 4, 0, shape.mouth[1])) / (18.0, 19.5, 10.5)
-    wanted = np.full(len(points), 10.5)
-    wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] > 0.1) & (n[:, 2] < 0.75), 8.0, wanted)
-    wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] < 0.32) & (n[:, 2] > -0.95), 6.0, wanted)
-    wanted = np.where(nose < 13, 3.0, wanted)
-    ear = np.abs(points[:, 1]) > 0.95 * head.half_axes[1]
-    wanted = np.where(ear & (np.abs(n[:, 0]) < 0.38) & (np.abs(n[:, 2] + 0.17) < 0.38), 3.6, wanted)
-    wanted = np.where(eye < head.eye_radius * 1.8, 3.4, wanted)
-    far = np.linalg.norm(mouth, axis=1)
-    wanted = np.where(far < 1.5, np.minimum(wanted, 3.8), wanted)
-    wanted = np.where(far < 1, 2.3, wanted)
-    return np.where(eye < head.eye_radius * 1.25, 2.2, wanted)
-
-
-def mesh(head: Head, shape: FaceShape, rng: np.random.Generator) -> tuple[Array, np.ndarray, np.ndarray]:
-    """Return the mesh of a head with open lids, the same on both sides, and for each vertex the one it moves with."""
-    whole = field(head, shape)
-    reach = head.half_axes + 18
-    dense = meshing.largest(*meshing.surface(whole, -reach, np.add(reach, (8, 0, 0)), 0.9))
-    verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
-    verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
-    verts, faces = cutting.mirrored(verts, faces)
-    verts = meshing.relax(whole, verts, faces, 2, 0.4)
-    return cutting.hemmed(whole, opening(head), HEM_MM, verts, faces)
-
-
-def closing(head: Head, verts: Array, sign: float) -> Array:
-    """Return how each vertex moves when an eye closes; *sign* is that of the eye's side along y."""
-    return lids_moved(head, verts, sign, -0.80, 0.66)
-
-
-def lids_moved(head: Head, verts: Array, sign: float, upper: float, lower: float) -> Array:
-    """Return how vertices move with lids that are turned about the eyeball to shares of their usual elevations."""
-    centre = head.eye * (1, -sign, 1)
-    from_eye = verts - centre
-    far = np.linalg.norm(from_eye, axis=1)
-    elevation = np.degrees(np.arcsin(np.clip(from_eye[:, 2] / np.maximum(far, 1e-9), -1, 1)))
-    reach = np.clip((1.9 - far / head.eye_radius) / 0.7, 0, 1) * (from_eye[:, 0] > -2)
-    share = np.where(elevation > 0, upper, lower)
-    rim = np.where(elevation > 0, UPPER, -LOWER)
-    fade = np.clip(1.6 - np.abs(elevation) / rim * 0.75, 0, 1)
-    turn = np.radians(elevation * (share - 1) * reach * fade)
-    level = np.hypot(from_eye[:, 0], from_eye[:, 1])
-    angle = np.arctan2(from_eye[:, 2], level)
-    moved = np.column_stack(
-        (from_eye[:, :2] * (far * np.cos(angle + turn) / np.maximum(level, 1e-9))[:, None], far * np.sin(angle + turn))
-    )
-    return moved - from_eye
-
-
-def texcoords(head: Head, verts: Array) -> Array:
-    """Return places in the face's texture, (n, 2): see `uv_map`."""
-    return unwrapped(verts / head.half_axes)
-
-
-def split_at_end(head: Head, verts: Array, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, Array]:
-    """Return a mesh in which each triangle has a vertex of its own where the picture ends.
-
-    Vertices as indices of those before, faces, and texture coordinates.
-
-    The whole border of the picture is one point of the head.
-    """
-    end = -wrapped(np.array((0.5, 0.5)))
-    along = verts / head.half_axes
-    nearest = int((along @ end / np.linalg.norm(along, axis=1)).argmax())
-    origin = np.arange(len(verts))
-    places, faces = texcoords(head, verts), faces.copy()
-    for index, corner in np.argwhere(faces == nearest)[1:]:
-        faces[index, corner] = len(origin)
-        origin, places = np.append(origin, nearest), np.vstack((places, places[nearest]))
-    for index, corner in np.argwhere(origin[faces] == nearest):
-        middle = (places[np.delete(faces[index], corner)] - 0.5).sum(axis=0)
-        places[faces[index, corner]] = 0.5 + 0.5 * middle / np.linalg.norm(middle)
-    return origin, faces, places

@@ -1,14 +1,20 @@
 """Make the head that ships with mimoc, at all ages: `python sculpt/make_skin.py --only head`. It needs scikit-image."""
 
+from dataclasses import dataclass
+
 import head as heads
+import head_mesh
 import meshing
+import mouth
 import numpy as np
+from expressing import EXPRESSED, moved
 from faces import MESHED, SHAPES, FaceShape
 from fields import Array
+from hair import scalp
 from scipy.interpolate import RBFInterpolator
 
 from mimoc.compiler.building import builder
-from mimoc.looks.skin.template_mesh import FOLDER
+from mimoc.looks.skin.template_mesh import FOLDER, MOVE_M
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
@@ -19,21 +25,88 @@ SEED = 16
 def sculpt_head() -> dict[str, Array]:
     """Return the arrays of the head."""
     sculpted = reference_head()
-    verts, faces, twins = heads.mesh(sculpted, SHAPES[MESHED], np.random.default_rng(SEED))
-    origin, split, places = heads.split_at_end(sculpted, verts, faces)
-    at_ages = [aged(sculpted, verts, twins, SHAPES[age])[origin] for age in SHAPES]
-    print("head", len(origin), "vertices, defects", meshing.defects(faces))
+    mesh = meshed(sculpted)
+    at_ages = [mesh.whole(aged(sculpted, mesh, SHAPES[age])) for age in SHAPES]
+    print("head", len(at_ages[0]), "vertices", len(mesh.faces), "faces")
     return {
         "ages_months": np.array(list(SHAPES), float),
         "at_ages_m": (np.array(at_ages) / 1000).astype(np.float32),
-        "closing_right_m": (heads.closing(sculpted, verts, -1.0)[origin] / 1000).astype(np.float32),
-        "closing_left_m": (heads.closing(sculpted, verts, 1.0)[origin] / 1000).astype(np.float32),
-        "faces": split.astype(np.uint16),
-        "texcoords": places.astype(np.float32),
+        "lids": np.array([shape.lids for shape in SHAPES.values()]),
+        "faces": mesh.faces.astype(np.uint16),
+        "texcoords": mesh.places.astype(np.float32),
         "half_axes_m": sculpted.half_axes / 1000,
         "eye_m": sculpted.eye / 1000,
         "eye_radius_m": np.array(sculpted.eye_radius / 1000),
+        **_hair_of(sculpted, mesh, at_ages[list(SHAPES).index(MESHED)]),
+        **{f"moves/{name}": _small(mesh.moved(moved(mesh, face))) for name, face in EXPRESSED.items()},
+        **{f"lids/{name}": np.array(face.lids) for name, face in EXPRESSED.items()},
     }
+
+
+def _hair_of(sculpted: heads.Head, mesh: "HeadMesh", verts: Array) -> dict[str, Array]:
+    hair = scalp(sculpted.half_axes, verts, mesh.faces)
+    print("hair", len(hair.verts), "vertices")
+    return {
+        "hair/verts": hair.verts.astype(np.uint16),
+        "hair/faces": hair.faces.astype(np.uint16),
+        "hair/inside_deg": hair.inside.astype(np.float32),
+        "hair/around": hair.around.astype(np.float32),
+        "hair/worn": hair.worn.astype(np.float32),
+    }
+
+
+def _small(moves_mm: Array) -> np.ndarray:
+    """Return moves in the unit of the file."""
+    return np.rint(moves_mm / 1000 / MOVE_M).astype(np.int16)
+
+
+@dataclass(frozen=True)
+class HeadMesh:
+    """The mesh that all ages share, on the age that it was made at."""
+
+    verts: Array
+    """Of the surface with the strips along lids and lips, shape (n, 3)."""
+    twins: np.ndarray
+    """The vertex that each of them moves with: itself, or of a strip's that at the edge."""
+    side: np.ndarray
+    """Which lip each moves with: 1 above the line on which the lips meet, -1 below, shape (n,)."""
+    origin: np.ndarray
+    """For each vertex of the surface in the picture's order, the one of these that it is."""
+    loop: np.ndarray
+    """Those at which the pocket of the mouth begins, in order."""
+    faces: np.ndarray
+    """Of all vertices: the surface's in the picture's order, and the pocket's."""
+    places: Array
+    """Of all vertices in the picture of a face."""
+
+    def whole(self, verts: Array) -> Array:
+        """Return all vertices, with the pocket behind the lips, of a surface."""
+        return np.vstack((verts[self.origin], mouth.pocket(verts, self.loop)))
+
+    def moved(self, moves: Array) -> Array:
+        """Return how all vertices move when those of the surface do."""
+        return self.whole(self.verts + moves) - self.whole(self.verts)
+
+
+LIP_MM = 4.0
+"""How far lips lead inwards."""
+
+
+def meshed(head: heads.Head) -> HeadMesh:
+    """Return the mesh of the head."""
+    shape = SHAPES[MESHED]
+    verts, faces, twins = head_mesh.mesh(head, shape, np.random.default_rng(SEED))
+    line, corner = heads.mouth_line(head, shape), heads.mouth_corner(head, shape)
+    strip = np.flatnonzero(twins != np.arange(len(verts)))
+    inner = strip[len(strip) // 2 :]
+    inner = inner[np.linalg.norm((verts[twins[inner]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1]
+    verts[inner] = verts[twins[inner]] - (LIP_MM, 0, 0)
+    origin, split, places = head_mesh.split_at_end(head, verts, faces)
+    loop = mouth.loop_around(inner, faces)
+    behind = mouth.pocket_faces(len(loop), len(origin))
+    side = head_mesh.lip_sides(line, verts, faces, twins)
+    places = np.vstack((places, mouth.pocket_places(verts[loop], side[loop])))
+    return HeadMesh(verts, twins, side, origin, loop, np.vstack((split, behind)), places)
 
 
 def reference_head() -> heads.Head:
@@ -45,15 +118,15 @@ def reference_head() -> heads.Head:
     return heads.Head(np.array(solid.size_m) * 1000, middle * 1000, tree.geoms["right_eye1"].size_m[0] * 1000)
 
 
-def aged(head: heads.Head, verts: Array, twins: np.ndarray, shape: FaceShape) -> Array:
+def aged(head: heads.Head, mesh: HeadMesh, shape: FaceShape) -> Array:
     """Return the vertices of the mesh on the head of another age: features go with features.
 
     Args:
         head: The solids.
-        verts: Of the mesh.
-        twins: The vertex that each vertex moves with; what is not its own twin leads into the head.
+        mesh: Its surface.
         shape: Of the other age.
     """
+    verts, twins = mesh.verts, mesh.twins
     before, after = landmarks(head, SHAPES[MESHED]), landmarks(head, shape)
     moves = RBFInterpolator(before, after - before, kernel="thin_plate_spline")(verts)
     on_field = meshing.onto(heads.field(head, shape), verts + moves, rounds=8, most=2.0)
@@ -61,8 +134,6 @@ def aged(head: heads.Head, verts: Array, twins: np.ndarray, shape: FaceShape) ->
     share = np.clip((from_eye - 1.14) / 0.3, 0, 1)[:, None]
     share = share * share * (3 - 2 * share)
     found = verts + share * (on_field - verts)
-    for sign in (-1.0, 1.0):
-        found = found + heads.lids_moved(head, verts, sign, *shape.lids)
     inward = np.flatnonzero(twins != np.arange(len(verts)))
     found[inward] = found[twins[inward]] + (verts[inward] - verts[twins[inward]])
     return found

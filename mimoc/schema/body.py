@@ -21,9 +21,8 @@ from mimoc.schema.names import (
     limb_bodies,
     trunk_bodies,
 )
+from mimoc.schema.expressions import Expression
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
-
-Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 
 
 def _known_measurement(key: str) -> str:

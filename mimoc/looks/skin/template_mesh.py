@@ -18,6 +18,10 @@ LAYERS = ("body", "shirt", "trousers")
 """What several bodies move."""
 HEAD = "head"
 """What one body moves: the name of the layer, the body and the solid."""
+HAIR = "hair"
+"""The layer over it, which the same body moves."""
+MOVE_M = 1e-5
+"""Unit of the moves of an expression in the file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +47,22 @@ class SculptedLayer:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SculptedHair:
+    """The part of the head's mesh that has hair, of n vertices."""
+
+    verts: IntArray
+    """Of the head, shape (n,)."""
+    faces: IntArray
+    """Of these, shape (m, 3)."""
+    inside_deg: FloatArray
+    """How far within the hairline each is, and how much farther if there is a full fringe, shape (n, 2)."""
+    around: FloatArray
+    """Which way from the whorl, 0 to 1, the same on both sides, shape (n,)."""
+    worn: FloatArray
+    """How much of the hair rubs off on the ground, 0 to 1, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SculptedHead:
     """The mesh of the head on the reference child, in the frame of the head's solid."""
 
@@ -50,8 +70,12 @@ class SculptedHead:
     """Ages that it was sculpted at, rising, shape (ages,)."""
     at_ages_m: FloatArray
     """The vertices at these ages, as if the head's solid were always the same, shape (ages, n, 3)."""
-    closing_m: Mapping[str, FloatArray]
-    """How each vertex moves where an eye is missing, so that the lids close, by side; shape (n, 3)."""
+    lids: FloatArray
+    """How far the lids are open at these ages, upper and lower, by how far they are in the mesh, shape (ages, 2)."""
+    moves_m: Mapping[str, FloatArray]
+    """How each vertex moves from the neutral to another expression, lids aside, by expression, shape (n, 3)."""
+    lids_by_expression: Mapping[str, FloatArray]
+    """How far the lids are open then, by how far they are, shape (2,)."""
     faces: IntArray
     texcoords: FloatArray
     half_axes_m: FloatArray
@@ -59,6 +83,7 @@ class SculptedHead:
     eye_m: FloatArray
     """Middle of the right eye, shape (3,)."""
     eye_radius_m: float
+    hair: SculptedHair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,11 +142,14 @@ def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
-    names = ("ages_months", "at_ages_m", "faces", "texcoords", "half_axes_m", "eye_m")
+    names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
+    expressions = [name.removeprefix("moves/") for name in arrays if name.startswith("moves/")]
     return SculptedHead(
         **{name: _fixed(arrays[name]) for name in names},
-        closing_m=MappingProxyType({side: _fixed(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
+        moves_m=MappingProxyType({name: _fixed(arrays[f"moves/{name}"] * MOVE_M) for name in expressions}),
+        lids_by_expression=MappingProxyType({name: _fixed(arrays[f"lids/{name}"]) for name in expressions}),
         eye_radius_m=float(arrays["eye_radius_m"]),
+        hair=SculptedHair(**{field.name: _fixed(arrays[f"hair/{field.name}"]) for field in fields(SculptedHair)}),
     )
 
 
