@@ -12,9 +12,10 @@ from mimoc.body.tree import BodyTree
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
 from mimoc.looks.skin.garments import OUTFITS, Piece, dressed, normals_of
+from mimoc.looks.skin.hair import hair_over
 from mimoc.looks.skin.head import deform_head
 from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
-from mimoc.looks.skin.template_mesh import BODY, HEAD, SculptedMesh, Sculpture, template_mesh
+from mimoc.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.mjcf.skin import Skin, SkinLayer
 
 ROUNDS = 2
@@ -37,13 +38,13 @@ def skin_of(tree: BodyTree) -> Skin:
 def skins(pickled: bytes) -> Skin:
     """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
-    return Skin((BODY, *OUTFITS[tree.clothes], HEAD), lambda: layers_of(tree, template_mesh(tree.hands)))
+    return Skin((BODY, *OUTFITS[tree.clothes], HEAD, HAIR), lambda: layers_of(tree, template_mesh(tree.hands)))
 
 
 def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
     """Return the layers of a body's skin, carried from a sculpture."""
     carried = _Carrying(sculpted, tree)
-    return (*carried.dressed(), carried.head())
+    return (*carried.dressed(), *carried.head())
 
 
 class _Carrying:
@@ -111,20 +112,21 @@ class _Carrying:
             weights[used][:, moving],
         )
 
-    def head(self) -> SkinLayer:
-        tree, sculpted = self.tree, self.sculpted.head
-        origin, turn = self.placed[HEAD]
-        verts_m = deform_head(sculpted, tree)
-        return SkinLayer(
-            HEAD,
-            origin + verts_m @ turn.T,
-            sculpted.faces,
-            sculpted.texcoords,
-            (HEAD,),
-            origin[None],
-            turn[None],
-            np.ones((len(verts_m), 1)),
+    def head(self) -> tuple[SkinLayer, SkinLayer]:
+        """Return the head and its hair."""
+        sculpted = self.sculpted.head
+        verts_m = deform_head(sculpted, self.tree)
+        hair_m, places = hair_over(sculpted.hair, verts_m, self.tree.age_months, self.scale)
+        return (
+            self._on_head(HEAD, verts_m, sculpted.faces, sculpted.texcoords),
+            self._on_head(HAIR, hair_m, sculpted.hair.faces, places),
         )
+
+    def _on_head(self, name: str, verts_m: FloatArray, faces: IntArray, places: FloatArray) -> SkinLayer:
+        """Return a layer that the head moves, of vertices in its frame."""
+        origin, turn = self.placed[HEAD]
+        bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
+        return SkinLayer(name, origin + verts_m @ turn.T, faces, places, *bind)
 
     def _moved(self, mesh: SculptedMesh) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""
