@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from pictures import adult, ceilings, cubes, floors, framed, skin, walls
+from pictures import adult, ceilings, cloth, cubes, face, floors, framed, hair, skin, walls
 from pictures.expressions import FACES
 from pictures.inks import Painted, with_palette
 
@@ -11,6 +11,7 @@ from mimoc.looks.colours import INKS
 from mimoc.looks.palettes import MIXTURES
 from mimoc.looks.pictures import FOLDER, encode_palette_png
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
+from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 HEAD_BREADTH = 0.863
 """Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
@@ -44,14 +45,16 @@ def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     for name in FACES:
         yield f"face_{name}", with_palette(cubes.draw_face(name, HEAD_BREADTH), CUBE_COLOURS)
         yield f"face_round_{name}", with_palette(cubes.draw_face(name), CUBE_COLOURS)
-        yield f"skin_face_{name}", skin.paint_face(name)
+        yield f"skin_face_{name}", face.paint_face(name)
+    for name in ADULT_EXPRESSIONS:
         yield f"adult_face_{name}", encode_palette_png(adult.draw_adult(name))
     yield "eye", with_palette(cubes.draw_eye(), CUBE_COLOURS)
     yield "ear", with_palette(cubes.draw_ear(), CUBE_COLOURS)
     yield "stripes", with_palette(cubes.draw_stripes(), CUBE_COLOURS)
     yield "skin_body", skin.paint_skin()
-    yield "skin_shirt", skin.paint_shirt()
-    yield "skin_trousers", skin.paint_trousers()
+    yield "skin_hair", hair.paint_hair()
+    yield "skin_shirt", cloth.paint_top()
+    yield "skin_trousers", cloth.paint_bottom()
 
 
 if __name__ == "__main__":

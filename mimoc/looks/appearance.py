@@ -7,10 +7,9 @@ from types import MappingProxyType
 from mimoc.looks.colours import Colour, inks_of
 from mimoc.looks.palettes import coloured_picture
 from mimoc.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
+from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.looks import Clothes, LooksSpec
 
-EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared")
-"""The facial expressions that a spec can name."""
 AVERAGE = LooksSpec()
 """What an infant looks like of which nothing is said."""
 
@@ -68,7 +67,7 @@ def add_materials(
     return Appearance((*faces.values(), *others), materials, MappingProxyType(assets))
 
 
-SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers"}
+SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers", "hair": "skin_hair"}
 """Material of each layer of a skin; that of the head is the expression."""
 
 

@@ -31,7 +31,8 @@ CELLS = {
 }
 
 SKIN, BLUSH, LIP, LID, WHITE, HAIR = map(ink, ("skin", "blush", "lip", "lash", "white", "hair"))
-INSIDE, IRIS, IRIS_RIM, PUPIL, GLINT = map(ink, ("inside", "iris", "iris_rim", "pupil", "glint"))
+INSIDE, IRIS, IRIS_RIM, IRIS_LIGHT = map(ink, ("inside", "iris", "iris_rim", "iris_light"))
+PUPIL, GLINT = ink("pupil"), ink("glint")
 EAR = mixed(skin=0.77, blush=0.23)
 EAR_HOLLOW = mixed(skin=0.3, shade=0.4, blush=0.3)
 SHIRT, STRIPE = ink("shirt"), ink("stripe")
@@ -154,11 +155,16 @@ def _eye_colour(direction: FloatArray) -> FloatArray:
     """Return the colour of an eyeball by direction from its centre; the pupil is at +x."""
     x, y, z = np.moveaxis(direction, 2, 0)
     angle = np.degrees(np.arccos(np.clip(x, -1, 1)))
-    image = plain(direction.shape, WHITE)
-    image = over(image, IRIS_RIM, within(angle - 41, 4))
-    image = over(image, IRIS, within(angle - 36, 5))
-    image = over(image, PUPIL, within(angle - 20, 3))
-    return over(image, GLINT, within(np.hypot(y - 0.16, z - 0.2) - 0.085, 0.05) * (x > 0))
+    around = np.arctan2(z, y)
+    image = over(plain(direction.shape, WHITE), mixed(white=0.5, shade=0.5), 0.22 * within(34 - angle, 30))
+    image = over(image, IRIS_RIM, 0.9 * within(angle - 42, 5))
+    image = over(image, IRIS, within(angle - 37, 6))
+    rays = 0.5 + 0.5 * np.sin(17 * around) * np.sin(7 * around + 1)
+    image = over(image, IRIS_LIGHT, 0.55 * within(np.abs(angle - 27) - 4, 10) * rays * within(z - 0.1, 0.7))
+    image = over(image, PUPIL, within(angle - 19, 4))
+    image = over(image, mixed(pupil=0.6, shade=0.4), 0.34 * within(0.36 - z, 0.30) * within(angle - 80, 20))
+    image = over(image, GLINT, 0.95 * within(np.hypot(y - 0.17, z - 0.22) - 0.085, 0.06) * (x > 0))
+    return over(image, GLINT, 0.35 * within(np.hypot(y + 0.20, z + 0.24) - 0.05, 0.08) * (x > 0))
 
 
 def _ear_colour(direction: FloatArray) -> FloatArray:
