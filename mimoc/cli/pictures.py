@@ -78,8 +78,8 @@ def render(
     scale_bar: ScaleBar = False,
 ) -> None:
     """Render an image of the infant, or of several side by side."""
-    from mimoc.bundle.model import load_posed
     from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.picture_poses import load_in_pose
     from mimoc.render.portrait import Framing, lineup, portrait
     from mimoc.senses.touch.run import skin_markers
 
@@ -90,7 +90,7 @@ def render(
         return
     bundles = [load_infant(infant) for infant in infants]
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
-    markers = [skin_markers(bundle, *load_posed(bundle, pose)) for bundle in bundles] if skin else None
+    markers = [skin_markers(bundle, *load_in_pose(bundle, pose)) for bundle in bundles] if skin else None
     if len(bundles) > 1:
         picture = lineup(bundles, pose, width, height, markers, shown, framing)
     else:
