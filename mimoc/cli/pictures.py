@@ -80,6 +80,12 @@ Poses = Annotated[
 BodyOfAll = Annotated[
     Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
 ]
+Width = Annotated[
+    int | None, typer.Option(min=16, max=4096, help="Width in pixels; default: 1000, of each image of a sheet 320.")
+]
+Height = Annotated[
+    int | None, typer.Option(min=16, max=4096, help="Height in pixels; default: the width, or half of it for a row.")
+]
 PICTURE_PX, SHEET_PX = 1000, 320
 """Width of an image, and of each in a sheet, if nothing else is said."""
 
@@ -97,16 +103,8 @@ def render(
     crop: CropTo = None,
     ages: Ages = None,
     poses: Poses = None,
-    width: Annotated[
-        int | None,
-        typer.Option(
-            min=16, max=4096, help="Width in pixels; default: 1000, of an image in a sheet 320.", show_default=False
-        ),
-    ] = None,
-    height: Annotated[
-        int | None,
-        typer.Option(min=16, max=4096, help="Height in pixels; default: the width, of a row half.", show_default=False),
-    ] = None,
+    width: Width = None,
+    height: Height = None,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
     body: BodyOfAll = None,
     azimuth: Azimuth = None,

@@ -45,7 +45,7 @@ CRAWLING = {
 LOOKING = {
     "hip_bend1": -14, "hip_bend2": -14, "head_swivel": 0, "head_tilt": -55, "head_tilt_side": 0,
     "{side}_shoulder_ad_ab": 62, "{side}_shoulder_horizontal": 72, "{side}_shoulder_rotation": -38,
-    "{side}_elbow": -92, "{side}_hand1": 0, "{side}_hand2": 10,
+    "{side}_elbow": -92, "{side}_hand1": 75, "{side}_hand2": 10,
     "{side}_hip1": -12, "{side}_hip2": -14, "{side}_hip3": 20, "right_knee": -12, "left_knee": -75, "{side}_foot1": -40,
 }  # fmt: skip
 PLAYING = {
