@@ -124,12 +124,14 @@ def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
     prefixes = [f"{number}: " for number in range(len(bundles))]
     files: dict[str, bytes] = {}
     for bundle, prefix in zip(bundles, prefixes, strict=True):
-        files |= _files(bundle, ".png")
+        files |= {prefix + name: picture for name, picture in _files(bundle, ".png").items()}
         files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
     row = mujoco.MjSpec.from_string(FLOOR, assets=files)
     for bundle, prefix in zip(bundles, prefixes, strict=True):
         infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=_files(bundle, ".png"))
         scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
+        for texture in infant.textures:
+            texture.file = prefix + texture.file  # Infants of other looks have other pictures by the same names.
         for geom in infant.geoms:
             geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
         infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
