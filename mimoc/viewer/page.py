@@ -17,7 +17,7 @@ from mimoc.compiler.variants import SpecVariants, spec_of
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins, describe_surroundings
-from mimoc.viewer.encoding import EncodedArrays, built, source
+from mimoc.viewer.encoding import EncodedArrays, built, compressed, source
 from mimoc.viewer.growth import (
     AGES_MONTHS,
     SKIN_AGES_MONTHS,
@@ -159,7 +159,7 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
         "title": _escaped(str(data["name"])),
         "style": source("style.css"),
         "licences": _escaped(licences),
-        "program": built(PROGRAM).decode(),
+        "program": compressed(built(PROGRAM)),
     }
     parts = {name: part.replace("</script", "<\\/script") for name, part in parts.items()}
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
