@@ -5,7 +5,7 @@ development differ, `published` and `maturing`, they are two functions in the fi
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 
 from mimoc.body.anatomy import Anatomy, assemble
@@ -94,7 +94,8 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
         tree = match_damping(scale_strength(tree, strength), usual, reference.anatomy)
     if spec.impairments:
         tree = impair(tree, spec.impairments)
-    return GrownBody(remove_parts(tree, spec.body.remove), reference, child, masses)
+    tree = replace(remove_parts(tree, spec.body.remove), clothes=spec.clothes)
+    return GrownBody(tree, reference, child, masses)
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:

@@ -195,6 +195,8 @@ class BodyTree:
     reach where nothing is said."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
+    clothes: str = "shirt_and_trousers"
+    """What its skin wears (`mimoc/schema/looks.py`)."""
 
     def home(self, part: str) -> str:
         """Return the body that has a part's geoms: the one of that name, or the one it is merged into."""

@@ -41,6 +41,7 @@ from mimoc.compiler.provenance import (
     trace_actuation,
     trace_birth,
     trace_child,
+    trace_clothes,
     trace_plugins,
     trace_spec,
     trace_task,
@@ -119,6 +120,7 @@ class Builder:
             **trace_plugins(manifest.plugins),
             **dict(trace_child(tree, manifest.child)),
             **dict(trace_birth(spec)),
+            **dict(trace_clothes(spec)),
         }
         return find_target(self.target).origins(tree, entries)
 

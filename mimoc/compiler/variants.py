@@ -29,14 +29,20 @@ def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
     Raises:
         SpecError: If no spec can say so; the error lists all problems.
     """
-    return spec if age_months == rounded(spec.age_months) else spec.with_(age_months=age_months)
+    if age_months == rounded(spec.age_months):
+        return spec
+    return spec.with_(age_months=age_months, body={"looks": {"clothes": spec.clothes}})
 
 
 def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
     """Return a spec with the same values as `at_age`; where one number changes, it is not written as a file is."""
     if spec.body.measurements or spec.body.individual:
         return at_age(spec, age_months)
-    return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
+    if age_months == rounded(spec.age_months):
+        return spec
+    looks = spec.body.looks.model_copy(update={"clothes": spec.clothes})
+    body = spec.body.model_copy(update={"looks": looks})
+    return spec.model_copy(update={"age_months": age_months, "body": body})
 
 
 @contextmanager

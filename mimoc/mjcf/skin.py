@@ -19,7 +19,7 @@ class SkinLayer:
     """One mesh of a skin, of n vertices, bound to bodies in a pose."""
 
     name: str
-    """`body`, `shirt`, `trousers` or `head`."""
+    """`body`, `shirt`, `trousers`, `head` or `hair`."""
     verts_m: FloatArray
     """In the frame of the hip, shape (n, 3)."""
     faces: npt.NDArray[np.intp]
@@ -67,11 +67,10 @@ class Skin:
 def encode_skn(layer: SkinLayer) -> bytes:
     """Return MuJoCo's file of a layer: little-endian, single precision (XML reference, `deformable/skin/file`)."""
     counts = len(layer.verts_m), len(layer.texcoords), len(layer.faces), len(layer.bones)
-    texcoords = layer.texcoords * (1, -1) + (0, 1)  # MuJoCo's begin at the upper left.
     parts = [
         np.array(counts, "<i4").tobytes(),
         single(layer.verts_m).tobytes(),
-        single(texcoords).tobytes(),
+        texture_places(layer).tobytes(),
         layer.faces.astype("<i4").tobytes(),
     ]
     for index, (name, quat) in enumerate(zip(layer.bones, layer.quats, strict=True)):
@@ -85,6 +84,11 @@ def encode_skn(layer: SkinLayer) -> bytes:
             single(layer.weights[moved, index]).tobytes(),
         ]
     return b"".join(parts)
+
+
+def texture_places(layer: SkinLayer) -> npt.NDArray[np.float32]:
+    """Return places in the texture as they are in the file: MuJoCo's begin at the upper left."""
+    return single(layer.texcoords * (1, -1) + (0, 1))
 
 
 def single(values: FloatArray) -> npt.NDArray[np.float32]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         to_data as to_data,
         validated as validated,
     )
+    from mimoc.schema.looks import LooksSpec as LooksSpec
     from mimoc.schema.spec import ControlSpec as ControlSpec
     from mimoc.senses.hearing import HearingSpec as HearingSpec
     from mimoc.senses.pain import PainSpec as PainSpec

@@ -11,6 +11,8 @@ from pydantic_core import PydanticKnownError
 from mimoc.base.errors import suggestion
 from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.expressions import Expression
+from mimoc.schema.looks import LooksSpec
 from mimoc.schema.names import (
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
@@ -21,8 +23,6 @@ from mimoc.schema.names import (
     trunk_bodies,
 )
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
-
-Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 
 
 def _known_measurement(key: str) -> str:
@@ -170,6 +170,8 @@ class BodySpec(Model):
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"
     """Facial expression."""
+    looks: LooksSpec = Field(default_factory=LooksSpec)
+    """Colours of skin, hair and eyes, and clothes."""
     skin: Annotated[bool, Field(strict=True)] | None = None
     """Whether a smooth skin with clothes is drawn over the solids; by default, of a single infant it is, and of many
     infants (cohorts and batches) only if they see it."""

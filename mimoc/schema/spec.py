@@ -20,6 +20,7 @@ from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.impairments import ImpairmentsSpec
+from mimoc.schema.looks import Clothes
 from mimoc.schema.names import SIDES, Development, limb_bodies, single_groups, trunk_bodies, unsided
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
@@ -119,6 +120,11 @@ class InfantKeys(FileModel):
     def corrected_age_months(self) -> float:
         """Age of what matures with it: that since term of a child that was born before, else since birth."""
         return self.age_months - self.months_early
+
+    @property
+    def clothes(self) -> Clothes:
+        """What the infant wears."""
+        return self.body.looks.clothes_at(self.corrected_age_months)
 
     @model_validator(mode="after")
     def _is_at_term(self) -> Self:

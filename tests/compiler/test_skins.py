@@ -15,7 +15,7 @@ from mimoc.looks.skin import deformation as carrying
 from mimoc.looks.skin.deformation import layers_of
 from mimoc.mjcf.skin import single
 
-LAYERS = ["body", "shirt", "trousers", "head"]
+LAYERS = ["body", "shirt", "trousers", "head", "hair"]
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
 VISION = {"width_px": 16, "height_px": 16}
 SEES_SOLIDS = {**VISION, "body": "solids"}

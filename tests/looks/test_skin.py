@@ -1,6 +1,7 @@
 """The skin: one mesh for each kind of hands, carried to every child by its solids."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import mujoco
@@ -12,15 +13,11 @@ from support.skin_bodies import child, children
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.looks.skin.deformation import skin_of
-from mimoc.looks.skin.head import newborn_share
-from mimoc.looks.skin.template_mesh import template_mesh
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
 AGES_MONTHS = (0, 9, 24)
 FARTHEST_STRETCH = 4
-RIM = 1.12
-"""The rims of the lids are within so many radii of an eyeball."""
 BELOW_FLOOR_M = 0.002
 """How far skin may be below the floor that the solids rest on, or above it where it rests."""
 TURNED_M = 0.0012
@@ -32,7 +29,11 @@ CHEEK_M = 0.003
 
 @cache
 def layers(age_months: float, hands: str) -> tuple[SkinLayer, ...]:
-    return skin_of(child(age_months, hands)).layers
+    return skin_of(dressed(child(age_months, hands))).layers
+
+
+def dressed(tree):
+    return replace(tree, clothes="shirt_and_trousers")
 
 
 def edges(layer: SkinLayer) -> np.ndarray:
@@ -104,7 +105,7 @@ def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
 def test_every_child_has_a_skin_that_is_near_its_solids(tree):
     """However long, stout or one-sided: each vertex is as near to them as on the reference child, and a bit."""
     average = {layer.name: layer for layer in layers(9, tree.hands)}
-    for layer in skin_of(tree).layers:
+    for layer in skin_of(dressed(tree)).layers:
         assert np.isfinite(layer.verts_m).all()
         ratio = lengths(layer.verts_m, edges(layer)) / np.maximum(
             lengths(average[layer.name].verts_m, edges(layer)), 1e-4
@@ -114,7 +115,7 @@ def test_every_child_has_a_skin_that_is_near_its_solids(tree):
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_who_misses_a_limb_has_a_closed_stump(hands):
-    whole, stump = layers(9, hands), skin_of(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"])).layers
+    whole, stump = layers(9, hands), skin_of(dressed(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"]))).layers
     for one, other in zip(whole, stump, strict=True):
         assert not [bone for bone in other.bones if bone.startswith(("left_upper_arm", "left_lower_arm", "left_hand"))]
         assert len(other.faces) <= len(one.faces)
@@ -125,31 +126,6 @@ def test_who_misses_a_limb_has_a_closed_stump(hands):
     assert len(left)
 
 
-def test_who_misses_an_eye_has_its_lids_closed():
-    def opening_m(**body) -> float:
-        """Return how far apart the lids of the left eye are."""
-        tree = child(9, **body)
-        head, reference = skin_of(tree).layers[-1], template_mesh("mitten").head
-        place = reference.eye_m * (1, -1, 1)
-        rim = np.linalg.norm(reference.verts_m - place, axis=1) < RIM * reference.eye_radius_m
-        middle = rim & (np.abs(reference.verts_m[:, 1] - place[1]) < 0.003)
-        return float(np.ptp(head.verts_m[middle][:, 2]))
-
-    assert opening_m(remove=["left_eye"]) < 0.6 * opening_m()
-
-
-def test_newborns_have_a_flatter_nose_and_a_smaller_chin():
-    reference = template_mesh("mitten").head
-    older, newborn = reference.verts_m / reference.half_axes_m, reference.newborn_m / reference.half_axes_m
-    middle = np.abs(older[:, 1]) < 0.2
-    for part in (middle & (np.abs(older[:, 2] + 0.27) < 0.1), middle & (older[:, 2] < -0.7)):
-        assert newborn[part, 0].max() < 0.96 * older[part, 0].max()
-
-
-def test_the_face_of_a_newborn_changes_until_six_months():
-    assert [newborn_share(age) for age in (0, 3, 6, 24)] == pytest.approx([1, 0.5, 0, 0])
-
-
 @pytest.mark.matrix
 @pytest.mark.parametrize("hands", HANDS)
 def test_mujoco_reads_what_is_written(built, hands):
@@ -157,7 +133,7 @@ def test_mujoco_reads_what_is_written(built, hands):
 
     bundle = built(body={"hands": hands})
     model = load_model(bundle)
-    assert [model.skin(index).name for index in range(model.nskin)] == ["body", "shirt", "trousers", "head"]
+    assert [model.skin(index).name for index in range(model.nskin)] == ["body", "shirt", "trousers", "head", "hair"]
     for layer in layers(9, hands):
         index = model.skin(layer.name).id
         first, count = model.skin_vertadr[index], model.skin_vertnum[index]

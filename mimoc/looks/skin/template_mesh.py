@@ -1,4 +1,4 @@
-"""The sculpted skin of a child of nine months, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
+"""The sculpted skin of a child, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -14,15 +14,19 @@ from mimoc.geometry.rotations import FloatArray
 
 IntArray = npt.NDArray[np.intp]
 FOLDER = Path(__file__).parent / "sculpted"
-LAYERS = ("body", "shirt", "trousers")
-"""What several bodies move."""
+BODY = "body"
+"""What several bodies move: the name of the layer of bare skin, and of the mesh that clothes are parts of."""
 HEAD = "head"
 """What one body moves: the name of the layer, the body and the solid."""
+HAIR = "hair"
+"""The layer over it, which the same body moves."""
+MOVE_M = 1e-5
+"""Unit of the moves of an expression in the file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SculptedLayer:
-    """A mesh of n vertices on the reference child, in the pose that it is bound in."""
+class SculptedMesh:
+    """The whole surface of the reference child but its head, n vertices, in the pose that it is bound in."""
 
     verts_m: FloatArray
     """In the frame of the hip, shape (n, 3)."""
@@ -43,15 +47,47 @@ class SculptedLayer:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Garment:
+    """A part of the body's mesh, of n vertices and m faces, that is raised as cloth."""
+
+    is_covered: npt.NDArray[np.bool_]
+    """Whether each face is of it, shape (m,)."""
+    lifts_m: FloatArray
+    """How high its cloth is above each vertex, shape (n,)."""
+    texcoords: FloatArray
+    """Place in the texture of its layer: along the pattern, and how near a hem or how deep in a fold, shape (n, 2)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SculptedHair:
+    """The part of the head's mesh that has hair, of n vertices."""
+
+    verts: IntArray
+    """Of the head, shape (n,)."""
+    faces: IntArray
+    """Of these, shape (m, 3)."""
+    inside_deg: FloatArray
+    """How far within the hairline each is, and how much farther if there is a full fringe, shape (n, 2)."""
+    around: FloatArray
+    """Which way from the whorl, 0 to 1, the same on both sides, shape (n,)."""
+    worn: FloatArray
+    """How much of the hair rubs off on the ground, 0 to 1, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SculptedHead:
     """The mesh of the head on the reference child, in the frame of the head's solid."""
 
-    verts_m: FloatArray
-    """At nine months and more, shape (n, 3)."""
-    newborn_m: FloatArray
-    """At birth."""
-    closing_m: Mapping[str, FloatArray]
-    """How each vertex moves where an eye is missing, so that the lids close, by side; shape (n, 3)."""
+    ages_months: FloatArray
+    """Ages that it was sculpted at, rising, shape (ages,)."""
+    at_ages_m: FloatArray
+    """The vertices at these ages, as if the head's solid were always the same, shape (ages, n, 3)."""
+    lids: FloatArray
+    """How far the lids are open at these ages, upper and lower, by how far they are in the mesh, shape (ages, 2)."""
+    moves_m: Mapping[str, FloatArray]
+    """How each vertex moves from the neutral to another expression, lids aside, by expression, shape (n, 3)."""
+    lids_by_expression: Mapping[str, FloatArray]
+    """How far the lids are open then, by how far they are, shape (2,)."""
     faces: IntArray
     texcoords: FloatArray
     half_axes_m: FloatArray
@@ -59,6 +95,7 @@ class SculptedHead:
     eye_m: FloatArray
     """Middle of the right eye, shape (3,)."""
     eye_radius_m: float
+    hair: SculptedHair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +120,12 @@ class Sculpture:
     """The pose that the skin is bound in, by joint; others are at zero."""
     head_radius_m: float
     """Of a circle with the head's circumference."""
-    layers: Mapping[str, SculptedLayer]
+    mesh: SculptedMesh
+    garments: Mapping[str, Garment]
+    ages_months: FloatArray
+    """Ages that the body is sculpted at."""
+    fullness_m: FloatArray
+    """How much fuller than its solids the body is at each of these ages, shape (ages, n)."""
     head: SculptedHead
 
 
@@ -97,6 +139,7 @@ def template_mesh(hands: str) -> Sculpture:
 def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
     """Return a sculpture from its arrays, by their names in the files."""
     parts = tuple(map(str, arrays["parts"]))
+    mesh = {field.name: _fixed(arrays[field.name]) for field in fields(SculptedMesh) if field.name != "offsets_m"}
     return Sculpture(
         parts=parts,
         parents=MappingProxyType(
@@ -106,22 +149,36 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
         solids=tuple(map(str, arrays["solids"])),
         angles_rad=MappingProxyType(dict(zip(map(str, arrays["joints"]), arrays["angles_rad"].tolist(), strict=True))),
         head_radius_m=float(arrays["head_radius_m"]),
-        layers=MappingProxyType({name: _layer(arrays, name) for name in LAYERS}),
+        mesh=SculptedMesh(
+            **{**mesh, "weights": mesh["weights"] / 255, "offsets_m": arrays["offsets_um"] * 1e-6},
+        ),
+        garments=MappingProxyType(
+            {str(name): _garment(arrays, index) for index, name in enumerate(arrays["garments"])}
+        ),
+        ages_months=_fixed(arrays["ages_months"]),
+        fullness_m=arrays["fullness_100um"] * 1e-4,
         head=_head(head),
     )
 
 
-def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
-    values = {field.name: _fixed(arrays[f"{name}/{field.name}"]) for field in fields(SculptedLayer)}
-    return SculptedLayer(**{**values, "weights": values["weights"] / 255})
+def _garment(arrays: Mapping[str, npt.NDArray[Any]], index: int) -> Garment:
+    across = np.column_stack((arrays["pattern"], arrays["shades"][index] / 255))
+    return Garment(
+        is_covered=(arrays["covers"] >> index & 1).astype(bool),
+        lifts_m=arrays["lifts_50um"][index] * 5e-5,
+        texcoords=_fixed(across),
+    )
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
-    names = ("verts_m", "newborn_m", "faces", "texcoords", "half_axes_m", "eye_m")
+    names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
+    expressions = [name.removeprefix("moves/") for name in arrays if name.startswith("moves/")]
     return SculptedHead(
         **{name: _fixed(arrays[name]) for name in names},
-        closing_m=MappingProxyType({side: _fixed(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
+        moves_m=MappingProxyType({name: _fixed(arrays[f"moves/{name}"] * MOVE_M) for name in expressions}),
+        lids_by_expression=MappingProxyType({name: _fixed(arrays[f"lids/{name}"]) for name in expressions}),
         eye_radius_m=float(arrays["eye_radius_m"]),
+        hair=SculptedHair(**{field.name: _fixed(arrays[f"hair/{field.name}"]) for field in fields(SculptedHair)}),
     )
 
 
