@@ -20,14 +20,14 @@ ShaderChunk.common += "\n#ifndef SPREAD\n#define SPREAD 1.0\n#endif\n";
 
 export class Light {
   constructor(scene) {
-    this.sun = new DirectionalLight(0xfff3e2, 1.8);
+    this.sun = new DirectionalLight(0xfff4e6, 1.7);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(SHADOWS.pixels, SHADOWS.pixels);
     this.sun.shadow.radius = SHADOWS.soft;
     this.sun.shadow.normalBias = 0.009;
     const window = new DirectionalLight(0xfff6ee, 0.55);
     window.position.set(2, -0.6, 0.7);
-    const sky = new HemisphereLight(0xfffdfa, 0xd9bfa2, 1.75);
+    const sky = new HemisphereLight(0xfffdfa, 0xd9bfa2, 1.65);
     sky.position.set(0, 0, 1);
     scene.add(this.sun, this.sun.target, window, sky);
     this.reach = 1.25; // How far shadows are drawn, by the radius of the infant.
