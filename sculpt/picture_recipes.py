@@ -42,7 +42,8 @@ TITLE = (
     ("standing", 18, "standing", {"skin": "tan", "hair": "black", "eyes": "dark"}),
 )
 """Name, age in months, pose and looks of the infants at the top of the README."""
-COLUMN_PX = (320, 400)
+POSES = ("kicking", "looking", "sitting", "playing", "crawling", "standing")
+COLUMN_PX, CELL_PX = (320, 400), (240, 240)
 WHITE, INK = "white", (60, 56, 50)
 
 
@@ -122,12 +123,12 @@ def title(mimoc: Commands) -> Image.Image:
 def ages(mimoc: Commands) -> Image.Image:
     """Return an infant at five ages in six poses."""
     at = ",".join(map(str, AGES_MONTHS))
-    return drawn(mimoc, spec(mimoc, "child", 9), "--ages", at, "--poses", "all", size=None)
+    return drawn(mimoc, spec(mimoc, "child", 9), "--ages", at, "--poses", ",".join(POSES), size=CELL_PX)
 
 
 def heads(mimoc: Commands) -> Image.Image:
     """Return heads of one size in the order of age."""
-    portraits = [drawn(mimoc, spec(mimoc, "child", age), "--head", size=(240, 280)) for age in AGES_MONTHS]
+    portraits = [drawn(mimoc, spec(mimoc, "child", age), "--crop", "head", size=(240, 280)) for age in AGES_MONTHS]
     captions = ["newborn", *(f"{age} months" for age in AGES_MONTHS[1:])]
     return in_rows(portraits, len(portraits), captions)
 
@@ -135,7 +136,7 @@ def heads(mimoc: Commands) -> Image.Image:
 def expressions(mimoc: Commands) -> Image.Image:
     """Return a face with each expression."""
     faces = [
-        drawn(mimoc, spec(mimoc, "child", 9, body={"expression": name}), "--head", size=(220, 240))
+        drawn(mimoc, spec(mimoc, "child", 9, body={"expression": name}), "--crop", "head", size=(220, 240))
         for name in EXPRESSIONS
     ]
     return in_rows(faces, 5, EXPRESSIONS)
@@ -144,7 +145,7 @@ def expressions(mimoc: Commands) -> Image.Image:
 def tones(mimoc: Commands) -> Image.Image:
     """Return an infant of each tone of the skin."""
     infants = [spec(mimoc, f"child{number}", 12, body={"looks": looks}) for number, looks in enumerate(LOOKS)]
-    faces = [drawn(mimoc, infant, "--head", size=(200, 230)) for infant in infants]
+    faces = [drawn(mimoc, infant, "--crop", "head", size=(200, 230)) for infant in infants]
     return in_rows(faces, len(faces), [f"{looks['skin']}, {looks['hair'].replace('_', ' ')}" for looks in LOOKS])
 
 

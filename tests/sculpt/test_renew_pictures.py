@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import picture_recipes
 import pytest
 import renew_pictures
 from picture_recipes import PICTURES, beside, in_rows, spec
@@ -23,8 +24,6 @@ def test_every_picture_with_a_recipe_is_small_and_shown_on_some_page():
 
 
 def test_recipes_know_all_expressions_and_looks():
-    import picture_recipes
-
     assert set(picture_recipes.EXPRESSIONS) == set(EXPRESSIONS)
     tones = [looks["skin"] for looks in picture_recipes.LOOKS]
     assert len(tones) == len(set(tones)) == 6
@@ -48,7 +47,8 @@ def test_pictures_are_put_together_in_rows_and_side_by_side():
 def test_a_picture_that_is_too_large_gets_fewer_colours_or_an_error(tmp_path, capsys):
     picture = Image.radial_gradient("L").convert("RGB").rotate(30)
     renew_pictures.write(tmp_path / "whole.png", picture, 400)
-    assert Image.open(tmp_path / "whole.png").mode == "RGB"
+    with Image.open(tmp_path / "whole.png") as written:
+        assert written.mode == "RGB"
     fewer = (tmp_path / "whole.png").stat().st_size // 1000
     renew_pictures.write(tmp_path / "few.png", picture, max(fewer - 1, 1))
     assert "few.png: 256 x 256" in capsys.readouterr().out

@@ -1,11 +1,12 @@
-// Expressions: the face goes from one to another in a moment, by offsets of vertices of some layers of the skin.
+// Expressions: the face goes from one to another in a moment, by offsets of vertices of the skin.
 
 import { Ages } from "./ages.js";
 
 const SECONDS = 0.3;
 
 export class Face {
-  // `shapes`: ages, and for each layer the offsets of its vertices by expression; none if only pictures change.
+  // `shapes`: which vertices of a layer of the skin move, how far with each expression by age, and with which one the
+  // skin of the page has been made; none if only pictures change.
   constructor(shapes, shown) {
     this.shapes = shapes;
     this.ages = shapes && new Ages(shapes.ages_months);
@@ -33,15 +34,19 @@ export class Face {
     return this.shares.size === 1 && this.shares.get(this.wanted) === 1;
   }
 
-  // Add what the expressions move to the vertices of a layer at an age.
+  // Let the expressions move the vertices of a layer at an age.
   deform(layer, age, positions) {
-    const offsets = this.shapes?.layers[layer];
-    if (!offsets) return;
-    for (const [name, share] of this.shares) {
-      if (!offsets[name]) continue;
-      const moved = this.ages.blend(offsets[name], age);
-      const eased = share * share * (3 - 2 * share);
-      for (let i = 0; i < moved.length; i += 1) positions[i] += eased * moved[i];
-    }
+    if (this.shapes?.layer !== layer) return;
+    this.#move(this.shapes.begins, -1, age, positions);
+    for (const [name, share] of this.shares) this.#move(name, share * share * (3 - 2 * share), age, positions);
+  }
+
+  #move(name, share, age, positions) {
+    const { moving, moves } = this.shapes;
+    if (!moves[name]) return; // As of the neutral face.
+    const offsets = this.ages.blend(moves[name], age);
+    moving.values.forEach((vertex, i) => {
+      for (let axis = 0; axis < 3; axis += 1) positions[3 * vertex + axis] += share * offsets[3 * i + axis];
+    });
   }
 }
