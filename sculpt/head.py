@@ -1,6 +1,7 @@
 """A child's head: cranium, cheeks, jaw, lips, nose, ears, and lids over the eyes. Lengths are mm."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from faces import FaceShape
@@ -66,7 +67,7 @@ def _without_lips(head: Head, shape: FaceShape) -> Field:
 
 def _swellings(head: Head, shape: FaceShape) -> list[tuple[Array, Array, float]]:
     """Return middles, half breadths and heights of what stands out softly."""
-    ax, ay, az = head.half_axes
+    ax, _, az = head.half_axes
     x, y, z = head.eye
     cheek, jowl = shape.cheek, shape.jowl
     below = 0.5 * (z + shape.mouth[1])
@@ -145,8 +146,8 @@ def _along(bare: Field, places: list[tuple[float, float]], radii: tuple[float, .
     """Return a bent tube under places of a surface, of which as much stands out as *out*, less at its thin end."""
     points, most = _front(bare, places), max(radii)
     middles = [point - (radius - out * radius / most, 0, 0) for point, radius in zip(points, radii, strict=True)]
-    pairs = zip(zip(middles, middles[1:], strict=False), zip(radii, radii[1:], strict=False), strict=True)
-    tubes = [tube(a, b, both) for (a, b), both in pairs]
+    pieces = zip(pairwise(middles), pairwise(radii), strict=True)
+    tubes = [tube(a, b, both) for (a, b), both in pieces]
 
     def bent(q: Array) -> Array:
         d = tubes[0](q)

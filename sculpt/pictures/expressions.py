@@ -34,8 +34,6 @@ FACES = {
     ),
     "scared": Face(smile=-0.04, opening=0.055, mouth_width=0.23, brow_height=0.24, brow_tilt=-0.06),
     "sleepy": Face(smile=0.02, opening=0.02, mouth_width=0.12, brow_height=0.15, brow_tilt=-0.035),
-    "crying": Face(
-        smile=-0.03, opening=0.10, mouth_width=0.22, mouth_height=-0.52, brow_height=0.17, brow_tilt=-0.075
-    ),
+    "crying": Face(smile=-0.03, opening=0.10, mouth_width=0.22, mouth_height=-0.52, brow_height=0.17, brow_tilt=-0.075),
 }
 """Face by name of the expression."""

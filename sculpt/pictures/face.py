@@ -7,8 +7,7 @@ from faces import MESHED, SHAPES
 from fields import Array
 from head import Head, folded, lip_tubes, opening
 from mouth import PATCH
-from pictures.cubes import BLUSH, HAIR, INSIDE, LIP, SKIN, within
-from pictures.cubes import over as laid_over
+from pictures.cubes import BLUSH, HAIR, INSIDE, LIP, SKIN, over as laid_over, within
 from pictures.inks import Painted, ink, mixed, plain, with_palette
 from scipy.ndimage import distance_transform_edt
 
@@ -103,7 +102,9 @@ def _skin(canvas: Canvas, paint: Paint) -> None:
     ear = canvas.near((-6, 66, -13), (15, 8, 22))
     canvas.over(BLUSH, 0.30 * ear)
     canvas.over(SHADE, 0.30 * canvas.near((-4, 63, -12), (8, 5, 12)))
-    canvas.over(BLUSH, (0.10 + paint.eyes) * canvas.near(tuple(canvas.head.eye * (1, -1, 1) + (10, 0, 0)), (16, 16, 12)))
+    canvas.over(
+        BLUSH, (0.10 + paint.eyes) * canvas.near(tuple(canvas.head.eye * (1, -1, 1) + (10, 0, 0)), (16, 16, 12))
+    )
 
 
 def _folds(canvas: Canvas, paint: Paint) -> None:
@@ -181,7 +182,7 @@ def _places() -> tuple[Array, Head]:
 
 
 def _fill(shown: Array, corners: Array, verts: Array) -> None:
-    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther in front stays."""
+    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther out stays."""
     low = np.maximum(np.ceil(corners.min(axis=0) - 0.01).astype(int), 0)
     high = np.minimum(np.floor(corners.max(axis=0) + 0.01).astype(int), FACE_PX - 1)
     columns, rows = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))

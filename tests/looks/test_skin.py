@@ -22,6 +22,8 @@ BELOW_FLOOR_M = 0.002
 TURNED_M = 0.0012
 """How much farther trousers may be on the back: the skin was made for legs that lie straight, and tone and relaxed hips
 turn thighs outwards by 25 to 44 degrees."""
+HAIR_M = 0.007
+"""How much farther hair may be, which is soft."""
 CHEEK_M = 0.003
 """How much farther a cheek and an ear may be that an infant lies on: they are rounder than the solid of its head."""
 
@@ -91,6 +93,7 @@ def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
         lowest_m = {layer.name: posed(layer, placed)[:, 2].min() for layer in layers(age_months, hands)}
         assert min(lowest_m.values()) < BELOW_FLOOR_M, name
         assert lowest_m.pop("head") > -BELOW_FLOOR_M - CHEEK_M, name
+        assert lowest_m.pop("hair") > -BELOW_FLOOR_M - HAIR_M, name
         trousers_m = lowest_m.pop("trousers") + (TURNED_M if name == "supine" else 0.0)
         assert min(*lowest_m.values(), trousers_m) > -BELOW_FLOOR_M, name
 

@@ -19,6 +19,7 @@ from mimoc.geometry.adult import MOUTH_M, SIDES, STATURE_M, Adult, neck
 from mimoc.geometry.leaning import Frame, lean
 from mimoc.geometry.rotations import FloatArray, Vec3, quaternion_from_matrix
 from mimoc.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
+from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 HEAD = "head"
 BETWEEN_EYES = (0.94, 0.0, -0.09)
