@@ -39,7 +39,7 @@ EXPRESSED = {
         corner=(-2.0, 5.5, 6.5), upper=1.0, lower=6.0, square=1.6, cheek=3.6, brow=(0.8, 1.2), lids=(0.82, 0.55)
     ),
     "sad": Moved(
-        corner=(-0.5, 0.5, -5.0), upper=0.5, lower=-1.0, pout=1.6, brow=(4.5, -2.5), together=2.0, lids=(0.72, 0.95)
+        corner=(-0.5, 0.5, -5.0), upper=0.3, lower=0.2, pout=1.4, brow=(4.5, -2.5), together=2.0, lids=(0.72, 0.95)
     ),
     "surprised": Moved(corner=(1.5, -3.5, -0.5), upper=2.5, lower=10.0, pout=1.0, brow=(5.5, 5.5), lids=(1.22, 1.12)),
     "angry": Moved(

@@ -23,7 +23,7 @@ class Head:
 
 LID = 1.10
 """Radius of the lids over that of the eyeball."""
-MOUTH_HALF = 14.5
+MOUTH_HALF = 15.5
 """Distance of a corner of the mouth from the midline."""
 CORNER_IN = 1.0
 """How far inside of it the lips part."""
@@ -93,7 +93,7 @@ def _jaw(shape: FaceShape) -> list[tuple[Field, float]]:
     return [
         (ellipsoid((shape.jaw[0], 0, shape.jaw[1]), shape.jaw_size), 16.0),
         (ellipsoid((chin_x - radius, 0, chin_z), (radius, 1.2 * radius, radius)), 11.0),
-        (ellipsoid((mouth_x - 14.0, 0, mouth_z + 2.0), (12.0, 17.0, 13.0)), 9.0),
+        (ellipsoid((mouth_x - 14.2, 0, mouth_z + 2.0), (12.0, 18.0, 13.0)), 9.0),
     ]
 
 
@@ -123,7 +123,7 @@ def lip_tubes(head: Head, shape: FaceShape) -> tuple[Field, Field]:
     bare, z, half = _without_lips(head, shape), shape.mouth[1], MOUTH_HALF
     along_upper = [(0, z + 2.5), (-2.4, z + 3.3), (-7.0, z + 2.7), (-half + 1.2, z + 2.5)]
     along_lower = [(0, z - 3.6), (-4.0, z - 3.4), (-9.0, z - 1.5), (-half + 1.6, z + 1.1)]
-    return _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.7), _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.9)
+    return _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.35), _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.5)
 
 
 def mouth_line(head: Head, shape: FaceShape) -> Field:
