@@ -1,22 +1,12 @@
-"""Shirt and trousers: layers on the figure, cut at hem, sleeves, legs and neck. Lengths are mm."""
+"""Layers that are cut along smooth lines: lids. Lengths are mm."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from fields import Array, Field
-from figure import Figure, folded
 from meshing import gradient, largest, without_slivers
 
-from mimoc.body.kinematics import Frame
-
-SLEEVE, LEG = 0.64, 0.72
-"""Where sleeves and legs end, as shares of upper arm and thigh."""
-HEM, WAIST = 10.0, 21.0
-"""Heights of the shirt's hem and of the trousers' top above the hip."""
-NECK = (2.0, 0.0, 268.0)
-"""Middle of the neckline, a ball of radius `NECKLINE`, flatter from side to side."""
-NECKLINE = 40.0
 SLIVER = 0.22
 """Edges shorter than this share of the usual ones are drawn together."""
 
@@ -34,57 +24,6 @@ class Cloth:
     """The same for the edges beside which one sees skin."""
     hem_mm: float
     """Breadth of the fold along the edge, which leads into the skin, so that nobody sees into the cloth."""
-
-
-def rise(x: Array, low: float, high: float) -> Array:
-    """Return 0 below *low*, 1 above *high*, and a smooth step between."""
-    t = np.clip((x - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
-def shirt(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
-    """Return the shirt."""
-    body, arm = figure.field(), _along(frames["right_upper_arm"], (0, -4, 0), (0, -4, 90))
-
-    def layer(p: Array) -> Array:
-        t, far = arm(folded(p))
-        on_arm = rise(t, 0.05, 0.5) * rise(-far, -42, -34)
-        sides = rise(np.abs(p[:, 1]), 25, 72)
-        hem = rise(-p[:, 2], -100, -HEM)
-        loose = 1.5 + on_arm * (2.0 + 2.6 * rise(t, 0.3, SLEEVE)) + (1 - on_arm) * (sides * 0.6 + 1.8 * hem)
-        return body(p) - loose
-
-    def bare(p: Array) -> Array:
-        t, far = arm(folded(p))
-        sleeve = np.where((far < 44) & (t > 0.2), (t - SLEEVE) * 90, -99.0)
-        return np.maximum(sleeve, NECKLINE - np.linalg.norm((p - NECK) * (1, 0.84, 1), axis=1))
-
-    def cut(p: Array) -> Array:
-        return np.maximum(bare(p), HEM + 3 * np.cos(p[:, 1] / 80) - 3 - p[:, 2])
-
-    return Cloth("shirt", layer, cut, bare, 7.0)
-
-
-def trousers(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
-    """Return the trousers."""
-    body, leg = figure.field(), _along(frames["right_upper_leg"], (0, 0, 0), (0, 0, -112))
-
-    def layer(p: Array) -> Array:
-        t, _ = leg(folded(p))
-        on_leg = rise(t, 0.1, 0.5)
-        sides = rise(np.abs(p[:, 1]), 20, 70)
-        below_shirt = rise(-p[:, 2], -8, 12)
-        loose = below_shirt * (2.1 + 2.2 * on_leg * rise(t, 0.2, LEG) + 0.6 * sides) - 0.8
-        return body(p) - loose
-
-    def bare(p: Array) -> Array:
-        t, far = leg(folded(p))
-        return np.where((t > 0.3) & (far < 60), (t - LEG) * 112, -99.0)
-
-    def cut(p: Array) -> Array:
-        return np.maximum(p[:, 2] - WAIST, bare(p))
-
-    return Cloth("trousers", layer, cut, bare, 6.0)
 
 
 def sewn(cloth: Cloth, verts: Array, faces: np.ndarray) -> tuple[Array, np.ndarray, np.ndarray]:
@@ -160,16 +99,3 @@ def _hemmed(layer: Field, verts: Array, faces: np.ndarray, hem_mm: float) -> tup
     strip = [face for a, b, below_a, below_b in quads for face in ((b, a, below_a), (b, below_a, below_b))]
     twins = np.concatenate((np.arange(len(verts)), ends, ends))
     return np.vstack((verts, verts[ends], verts[ends] - hem_mm * normal)), np.vstack((faces, np.array(strip))), twins
-
-
-def _along(frame: Frame, start: tuple[float, ...], end: tuple[float, ...]):
-    """Return a function of points: how far along a bone they are, from 0 to 1, and how far from its line."""
-    origin, turn = frame[0] * 1000, frame[1]
-    a = origin + turn @ np.asarray(start, float)
-    along = turn @ np.subtract(end, start)
-
-    def place(p: Array) -> tuple[Array, Array]:
-        t = (p - a) @ along / (along @ along)
-        return t, np.linalg.norm(p - a - t[:, None] * along, axis=1)
-
-    return place

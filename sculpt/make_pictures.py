@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from pictures import adult, ceilings, cubes, face, floors, framed, hair, skin, walls
+from pictures import adult, ceilings, cloth, cubes, face, floors, framed, hair, skin, walls
 from pictures.expressions import FACES
 from pictures.inks import Painted, with_palette
 
@@ -53,8 +53,8 @@ def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     yield "stripes", with_palette(cubes.draw_stripes(), CUBE_COLOURS)
     yield "skin_body", skin.paint_skin()
     yield "skin_hair", hair.paint_hair()
-    yield "skin_shirt", skin.paint_shirt()
-    yield "skin_trousers", skin.paint_trousers()
+    yield "skin_shirt", cloth.paint_top()
+    yield "skin_trousers", cloth.paint_bottom()
 
 
 if __name__ == "__main__":

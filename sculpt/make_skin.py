@@ -4,19 +4,21 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-import clothes
+import body
+import features
 import figure
-import meshing
 import numpy as np
 import resting
 import shading
 import stretching
+import tailoring
 import weights
+from embedding import Drawn
 from fields import Array
 from make_head import sculpt_head
 
 from mimoc.body.head_surface import head_radius
-from mimoc.body.kinematics import frames, pose
+from mimoc.body.kinematics import Frame, frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.looks.skin.deformation import boxes
@@ -25,6 +27,7 @@ from mimoc.looks.skin.template_mesh import FOLDER, assembled
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
+SIDES = ("left", "right")
 SPREAD_DEG = 14.0
 """How far the fingers are spread, so that they are not meshed as one."""
 ANGLES_DEG = {
@@ -52,11 +55,10 @@ ANGLES_DEG = {
 """The pose that the skin is bound in: near the middle of the joints' ranges, with limbs clear of each other, [deg]."""
 TOES_DEG = {"big_toe": 28, "toes": -12}
 """Where a big toe moves on its own, it is apart from the others."""
-LOW, HIGH = np.array((-80.0, -280.0, -260.0)), np.array((270.0, 280.0, 320.0))
 SEED = 16
-ROUNDS, PRESSED = 14, 3
+ROUNDS, PRESSED = 10, 3
 """How often the skin is pressed onto the floor and its weights are eased, at most, and after how often it is flat."""
-ENOUGH = 3.4
+ENOUGH = 2.2
 """Stretch that is small enough to stop."""
 
 
@@ -67,11 +69,11 @@ def main() -> None:
     parser.add_argument("--only", choices=("mitten", "five_finger", "head"), help="make only this")
     asked = parser.parse_args()
     FOLDER.mkdir(exist_ok=True)
+    if asked.only in (None, "head"):
+        _save(FOLDER / "head.npz", sculpt_head())
     for hands in ("mitten", "five_finger"):
         if asked.only in (None, hands):
             _save(FOLDER / f"{hands}.npz", sculpt(hands, asked.cell))
-    if asked.only in (None, "head"):
-        _save(FOLDER / "head.npz", sculpt_head())
 
 
 def _save(path: Path, arrays: Mapping[str, Array]) -> None:
@@ -79,7 +81,7 @@ def _save(path: Path, arrays: Mapping[str, Array]) -> None:
     print(
         path,
         f"{path.stat().st_size / 1000:.0f} kB",
-        {name: len(each) for name, each in arrays.items() if name.endswith("verts_m")},
+        f"{len(arrays['verts_m'])} vertices",
     )
 
 
@@ -93,106 +95,50 @@ def child(hands: str) -> BodyTree:
 def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     """Return the arrays of the skin for a kind of hands."""
     tree = child(hands)
-    wanted = {
-        f"robot:{side}_{joint}": np.radians(angle) for side in ("left", "right") for joint, angle in ANGLES_DEG.items()
-    }
-    apart = {f"robot:{side}_{toe}": np.radians(angle) for side in ("left", "right") for toe, angle in TOES_DEG.items()}
-    wanted |= apart if hands == "five_finger" else {}
-    angles = {joint: angle for joint, angle in wanted.items() if joint in tree.joints}
+    angles = bound(tree)
     placed = frames(tree, angles)
     sculpted = figure.build(placed, hands)
-    parts = [body.name for body in tree.bodies if "eye" not in body.name]
-    rng = np.random.default_rng(SEED)
-    skin = _skin(sculpted, cell_mm, rng)
-    held = weights.weights(*skin, sculpted.solids, parts)
-    found = _common(tree, parts, angles, placed)
-    layers, twins = {"body": (*skin, held)}, {}
-    sewn = {cloth.name: cloth for cloth in (clothes.shirt(sculpted, placed), clothes.trousers(sculpted, placed))}
-    for name, cloth in sewn.items():
-        verts, faces, twins[name] = _cloth(cloth, cell_mm, rng)
-        below = weights.eased(held, parts, name, skin[0])
-        layers[name] = (verts, faces, weights.carried_over(skin[0], below, verts, faces, twins[name]))
-    layers["body"] = _uncovered(*layers["body"], parts, sewn)
-    twins["body"] = np.arange(len(layers["body"][0]))
-    head = sculpt_head()
-    colours = {name: shading.texcoords(name, layer[0], layer[1], sculpted, hands) for name, layer in layers.items()}
-    best, least = found, np.inf
+    parts = [part.name for part in tree.bodies if "eye" not in part.name]
+    drawn, twins, curves = body.mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
+    held = weights.weights(drawn, twins, sculpted.solids, parts)
+    cut = tailoring.cut_out(drawn, curves, placed)
+    arrays = _common(tree, parts, angles, placed) | _shape(tree, angles, drawn)
+    arrays |= shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held))
+    arrays |= features.arrays(drawn.verts, sculpted, placed)
+    with np.load(FOLDER / "head.npz") as archive:
+        head = {name: archive[name] for name in archive.files}
+    best, least = arrays, np.inf
     for number in range(ROUNDS):
-        for name, (verts, faces, own) in layers.items():
-            arrays = _layer(tree, angles, verts, faces, own, colours[name])
-            found |= {f"{name}/{key}": array for key, array in arrays.items()}
-        sculpted_skin = assembled(found, head)
-        moves, stretch = resting.pressed(sculpted_skin, hands), stretching.stretches(sculpted_skin, hands)
-        flat = {name: f"{1000 * np.linalg.norm(move, axis=1).max():.2f} mm" for name, move in moves.items()}
-        print("pressed flat by", flat, "stretched", {name: f"{each.max():.2f}" for name, each in stretch.items()})
-        worst = max(each.max() for each in stretch.values())
-        if number >= PRESSED and worst < least:
-            best, least = dict(found), worst
+        arrays |= _moving(held) | tailoring.arrays(cut)
+        skin = assembled(arrays, head)
+        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands)
+        cut = tailoring.thinned(cut, room_mm)
+        edges, stretch = stretching.stretches(skin, hands)
+        print("round", number, "room", f"{room_mm.min():.2f} mm", "stretched", f"{stretch.max():.2f}", flush=True)
+        if number >= PRESSED and stretch.max() < least:
+            best, least = dict(arrays), stretch.max()
         if least < ENOUGH:
             break
-        layers = {
-            name: (verts + 1000 * moves[name], faces, stretching.eased(own, twins[name], faces, stretch[name]))
-            for name, (verts, faces, own) in layers.items()
-        }
+        held = stretching.eased(held, edges, stretch, twins, parts)
     return best
 
 
-def _skin(sculpted: figure.Figure, cell_mm: float, rng: np.random.Generator) -> tuple[Array, np.ndarray]:
-    field = sculpted.field()
-    dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
-    verts, faces, _ = meshing.remesh(*dense, lambda points: _sizes(sculpted, points), rng)
-    print("skin", len(dense[0]), "->", len(verts), "defects", meshing.defects(faces))
-    verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
-    return meshing.without_slivers(verts, faces, SLIVER_MM)
+def bound(tree: BodyTree) -> dict[str, float]:
+    """Return the pose that the skin is bound in, by joint, [rad]."""
+    wanted = {f"robot:{side}_{joint}": angle for side in SIDES for joint, angle in ANGLES_DEG.items()}
+    if tree.hands == "five_finger":
+        wanted |= {f"robot:{side}_{toe}": angle for side in SIDES for toe, angle in TOES_DEG.items()}
+    return {joint: np.radians(angle) for joint, angle in wanted.items() if joint in tree.joints}
 
 
-SIZES = {"hand": 4.4, "lfmetacarpal": 4.0, "thbase": 3.6, "foot": 5.6, "toes": 3.3, "big_toe": 3.7, "fingers": 3.4}
-SLIVER_MM = 0.9
-"""Shorter edges are drawn together."""
-TRUNK_SIZE, LIMB_SIZE, FINGER_SIZE = 11.0, 9.0, 3.1
-"""Lengths of the skin's edges, [mm]."""
-
-
-def _sizes(sculpted: figure.Figure, points: Array) -> Array:
-    owners = weights.owners(points, sculpted.solids)
-    limbs = {"upper_arm": LIMB_SIZE, "lower_arm": LIMB_SIZE, "upper_leg": 10.0, "lower_leg": 9.5}
-    trunk = dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), TRUNK_SIZE)
-    table = {**SIZES, **limbs, **trunk}
-    names = {
-        name: table.get(name.removeprefix("left_").removeprefix("right_"), FINGER_SIZE) for name in np.unique(owners)
-    }
-    return np.array([names[name] for name in owners])
-
-
-def _cloth(cloth: clothes.Cloth, cell_mm: float, rng: np.random.Generator) -> tuple[Array, np.ndarray, np.ndarray]:
-    dense = meshing.largest(*meshing.surface(cloth.layer, LOW, HIGH, 2 * cell_mm))
-    near = cloth.cut(dense[0]) < 20
-    dense = meshing.only(*dense, near)
-    verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -10, 5.8, 13.0), rng)
-    verts = meshing.relax(cloth.layer, meshing.onto(cloth.layer, verts), faces, rounds=2)
-    found = clothes.sewn(cloth, verts, faces)
-    print(cloth.name, len(dense[0]), "->", len(found[0]))
-    return found
-
-
-COVERED_MM = 22.0
-"""How far inside of a hem the skin ends."""
-
-
-CLOTHED = ("hip", "lower_body", "upper_body", "chest", "upper_arm", "upper_leg")
-"""Bodies that clothes cover."""
-
-
-def _uncovered(
-    verts: Array, faces: np.ndarray, own: Array, parts: list[str], sewn: Mapping[str, clothes.Cloth]
-) -> tuple[Array, np.ndarray, Array]:
-    """Return the skin without what is deep under clothes or in the head."""
-    under = np.min([-cloth.bare(verts) for cloth in sewn.values()], axis=0)
-    trunk = np.isin(np.array(parts)[own.argmax(axis=1)], [part for part in parts if part.endswith(CLOTHED)])
-    keep = ~(trunk & (under > COVERED_MM)) & (verts[:, 2] < 300)
-    number = np.arange(len(verts))
-    kept, small = meshing.only(np.column_stack((verts, number)), faces, keep)
-    return kept[:, :3], small, own[kept[:, 3].astype(int)]
+def _hanging_mm(tree: BodyTree, parts: list[str], placed: Mapping[str, Frame], verts: Array, held: Array) -> Array:
+    """Return the height of each vertex where arms hang and legs are straight: stripes are level then."""
+    straight, height = frames(tree, {}), np.zeros(len(verts))
+    for index, part in enumerate(parts):
+        (origin, turn), (other, other_turn) = placed[part], straight[part]
+        moved = (verts - origin * 1000) @ (other_turn @ turn.T).T + other * 1000
+        height += held[:, index] * moved[:, 2]
+    return height
 
 
 def _common(tree: BodyTree, parts: list[str], angles: Mapping[str, float], placed: Mapping) -> dict[str, Array]:
@@ -213,42 +159,39 @@ def _common(tree: BodyTree, parts: list[str], angles: Mapping[str, float], place
 
 
 NEAR = 4
+FINE = ("hand", "finger", "_ff", "_mf", "_rf", "_lf", "_th", "toe", "foot")
+"""What geoms are called above which the skin is hardly blended."""
 
 
-def _layer(
-    tree: BodyTree, angles: Mapping[str, float], verts: Array, faces: np.ndarray, own: Array, colours: Array
-) -> dict[str, Array]:
-    """Return the arrays of one layer."""
-    verts_m = verts / 1000
-    order = np.argsort(-own, axis=1)[:, : weights.BONES]
+def _shape(tree: BodyTree, angles: Mapping[str, float], drawn: Drawn) -> dict[str, Array]:
+    """Return the arrays of the mesh and of its heights above the solids."""
+    verts_m = drawn.verts / 1000
     posed = pose(tree, angles)
     usable = [index for index, geom in enumerate(posed.geoms) if "eye" not in geom.name and geom.name != "head"]
-    far = np.full((len(verts), len(posed.geoms)), np.inf)
+    far = np.full((len(verts_m), len(posed.geoms)), np.inf)
     for index in usable:
         local = (verts_m - posed.centres[index]) @ posed.rotations[index]
         geom = posed.geoms[index]
         sizes = np.broadcast_to((*geom.size_m, *(0.0,) * (3 - len(geom.size_m))), local.shape)
         far[:, index] = height_above(geom.type, sizes, local)[0]
-    near = np.argsort(far, axis=1)[:, :NEAR]
-    fine = np.array(
-        [
-            ("hand" in name or "finger" in name or name.split("_")[-1][:2] in ("ff", "mf", "rf", "lf", "th"))
-            or "toe" in name
-            or "foot" in name
-            for name in tree.geoms
-        ]
-    )
-    blend_m = np.where(fine[near[:, 0]], 0.0015, 0.006)
+    near = np.argsort(far, axis=1, kind="stable")[:, :NEAR]
+    is_fine = np.array([any(word in name for word in FINE) for name in tree.geoms])
+    blend_m = np.where(is_fine[near[:, 0]], 0.0015, 0.006)
     offsets_m, _ = surface_distance(posed, list(tree.geoms), near, blend_m, verts_m)
     return {
         "verts_m": verts_m.astype(np.float32),
-        "faces": faces.astype(np.uint16),
-        "texcoords": colours.astype(np.float32),
-        "bones": order.astype(np.uint8),
-        "weights": np.rint(255 * np.take_along_axis(own, order, axis=1)).astype(np.uint8),
+        "faces": drawn.faces.astype(np.uint16),
         "solids": near.astype(np.uint8),
-        "offsets_m": offsets_m.astype(np.float32),
+        "offsets_um": np.rint(offsets_m * 1e6).astype(np.int32),
         "blend_m": blend_m.astype(np.float32),
+    }
+
+
+def _moving(held: Array) -> dict[str, Array]:
+    order = np.argsort(-held, axis=1, kind="stable")[:, : weights.BONES]
+    return {
+        "bones": order.astype(np.uint8),
+        "weights": np.rint(255 * np.take_along_axis(held, order, axis=1)).astype(np.uint8),
     }
 
 

@@ -1,57 +1,60 @@
 """Where the skin rests on the floor: it is pressed flat, so that one sees contact where it is."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
+from fields import Array
 
 from mimoc.body.head_surface import head_radius
-from mimoc.body.kinematics import frames_in_world
+from mimoc.body.kinematics import Frame, frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.looks.skin.deformation import layers_of
-from mimoc.looks.skin.template_mesh import LAYERS, Sculpture
+from mimoc.looks.skin.garments import BARE
+from mimoc.looks.skin.template_mesh import Sculpture
 from mimoc.mjcf.skin import SkinLayer
 from mimoc.schema.infant import InfantSpec
 
-AGES_MONTHS = (0.0, 4.0, 9.0, 24.0)
-ALLOWED_M = 0.0006
+ALLOWED_MM = 0.6
 """How far the skin may be below the floor."""
 
 
 @cache
 def child(hands: str, age_months: float) -> BodyTree:
-    """Return the body of an average child."""
+    """Return the body of an average child without clothes."""
     spec = {"mimoc": 1, "name": "child", "age_months": age_months, "body": {"hands": hands}}
-    return builder(InfantSpec.model_validate(spec), skin=False).tree
+    return replace(builder(InfantSpec.model_validate(spec), skin=False).tree, clothes=BARE)
 
 
-def pressed(sculpted: Sculpture, hands: str) -> Mapping[str, Any]:
-    """Return how the vertices of each layer move so that no age sinks into the floor in any resting pose, [m]."""
-    total = {name: np.zeros_like(sculpted.layers[name].verts_m) for name in LAYERS}
-    for age_months in AGES_MONTHS:
+def pressed(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
+    """Return fullness that lets no age sink into the floor in any resting pose, and how much room there is below.
+
+    Returns:
+        Fullness at each age that is sculpted, as it ships, and the least height of each vertex, [mm].
+    """
+    fullness_mm, room_mm = 1000 * sculpted.fullness_m, np.full(len(sculpted.mesh.verts_m), 99.0)
+    for index, age_months in enumerate(sculpted.ages_months):
         tree = child(hands, age_months)
-        layers = {layer.name: layer for layer in layers_of(tree, sculpted)}
+        bare = layers_of(tree, sculpted)[0]
+        size = head_radius(tree.geoms["head"]) / sculpted.head_radius_m
+        height_mm = np.full(len(bare.verts_m), 99.0)
         for pose in POSES:
             placed = frames_in_world(tree, resting_state(tree, poses_of(tree)[pose]))
-            for name in LAYERS:
-                move = _lifted(layers[name], placed) * (sculpted.head_radius_m / head_radius(tree.geoms["head"]))
-                larger = np.linalg.norm(move, axis=1) > np.linalg.norm(total[name], axis=1)
-                total[name][larger] = move[larger]
-    return total
+            height_mm = np.minimum(height_mm, 1000 * posed(bare, placed)[:, 2])
+        fullness_mm[index] -= np.clip(-ALLOWED_MM - height_mm, 0, 20) / size
+        room_mm = np.minimum(room_mm, height_mm)
+    return np.rint(10 * fullness_mm).clip(-127, 127).astype(np.int8), room_mm
 
 
-def _lifted(layer: SkinLayer, placed: Mapping[str, Any]) -> Any:
-    """Return how far each vertex has to move, in the pose that it is bound in, to be on the floor in another pose."""
-    verts = np.zeros_like(layer.verts_m)
-    up = np.zeros_like(layer.verts_m)
+def posed(layer: SkinLayer, placed: Mapping[str, Frame]) -> Array:
+    """Return where bodies take the vertices of a layer, as MuJoCo does it."""
+    verts_m = np.zeros_like(layer.verts_m)
     for index, bone in enumerate(layer.bones):
+        (moved,) = np.nonzero(layer.weights[:, index])
         origin, turn = placed[bone]
-        from_bind = turn @ layer.turns[index].T
-        share = layer.weights[:, index : index + 1]
-        verts += share * ((layer.verts_m - layer.origins_m[index]) @ from_bind.T + origin)
-        up += share * from_bind[2]
-    deep = np.clip(-ALLOWED_M - verts[:, 2], 0, 0.02)
-    return deep[:, None] * up / np.maximum(np.linalg.norm(up, axis=1, keepdims=True) ** 2, 0.3)
+        carried = (layer.verts_m[moved] - layer.origins_m[index]) @ (turn @ layer.turns[index].T).T + origin
+        verts_m[moved] += layer.weights[moved, index, None] * carried
+    return verts_m

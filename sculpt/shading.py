@@ -1,9 +1,12 @@
-"""Where each vertex is in the texture of its layer: how rosy it is, how deep in a crease, in which stripe."""
+"""Where each vertex is in textures: how rosy it is, how deep in a crease, in which stripe, how near a hem."""
 
 import meshing
 import numpy as np
+from embedding import Drawn
 from fields import Array
 from figure import Figure
+from pictures.cloth import BANDS, PLACES, shade_of
+from tailoring import GARMENTS, Cut
 from weights import owners
 
 STRIPE_MM = 26.0
@@ -12,14 +15,17 @@ REACH_MM = (1.5, 3.0, 6.0, 11.0)
 """Distances from the surface at which it is asked how much of the space is filled."""
 
 
-def texcoords(name: str, verts: Array, faces: np.ndarray, figure: Figure, hands: str) -> Array:
-    """Return places in the texture of a layer, shape (n, 2): rosiness or stripe, and openness, 0 to 1."""
-    open_space = openness(figure, verts)
-    if name == "body":
-        return np.column_stack((0.02 + 0.96 * rosiness(figure, verts), 0.02 + 0.96 * open_space))
-    if name == "shirt":
-        return np.column_stack((verts[:, 2] / STRIPE_MM, 0.02 + 0.96 * open_space))
-    return np.column_stack((np.full(len(verts), 0.5), 0.02 + 0.96 * open_space))
+def texcoords(drawn: Drawn, figure: Figure, cut: Cut, hanging_mm: Array) -> dict[str, np.ndarray]:
+    """Return places in the texture of skin, along the pattern of cloth, and in the shades of each garment."""
+    free = openness(figure, drawn.verts)
+    shades = [shade_of(PLACES[name], cut.hem_mm[name] / BANDS[name], free) for name in GARMENTS]
+    return {
+        "texcoords": np.column_stack((0.02 + 0.96 * rosiness(figure, drawn.verts), 0.02 + 0.96 * free)).astype(
+            np.float32
+        ),
+        "pattern": (hanging_mm / STRIPE_MM).astype(np.float32),
+        "shades": np.rint(255 * np.array(shades)).astype(np.uint8),
+    }
 
 
 def openness(figure: Figure, verts: Array) -> Array:

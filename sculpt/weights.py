@@ -3,15 +3,17 @@
 from collections.abc import Sequence
 
 import numpy as np
+from embedding import Drawn
 from fields import Array, Solid
 from figure import folded
 from meshing import edges_of
 from scipy.sparse import coo_matrix, diags, eye
 from scipy.sparse.linalg import splu
-from scipy.spatial import cKDTree
 
 BONES = 4
 """Bodies that move a vertex, at most."""
+LEAST = 0.03
+"""Smaller weights are left out."""
 SPREAD = {
     "upper_arm": 14.0,
     "lower_arm": 8.5,
@@ -28,14 +30,14 @@ LUMBAR = (("hip", -99.0, 23.0), ("lower_body", 23.0, 104.0), ("upper_body", 104.
 """Bodies of the trunk, from height to height, [mm]."""
 
 
-def weights(verts: Array, faces: np.ndarray, solids: Sequence[Solid], names: Sequence[str]) -> Array:
+def weights(drawn: Drawn, twins: np.ndarray, solids: Sequence[Solid], names: Sequence[str]) -> Array:
     """Return the weight of each body for each vertex, shape (vertices, names); at most four, which sum to 1."""
-    owner = owners(verts, solids)
+    verts, owner = drawn.verts, owners(drawn.verts, solids)
     index = {name: number for number, name in enumerate(names)}
     start = np.zeros((len(verts), len(names)))
     start[np.arange(len(verts)), [index[name] for name in owner]] = 1
     spread = np.array([_spread(name) for name in owner])
-    return quantized(_diffused(verts, faces, start, spread))
+    return symmetric(_diffused(verts, drawn.faces, start, spread), twins, names)
 
 
 def owners(verts: Array, solids: Sequence[Solid]) -> np.ndarray:
@@ -83,7 +85,7 @@ def quantized(values: Array) -> Array:
     """Return weights of at most four bodies for each vertex, as 255ths that sum to 1."""
     order = np.argsort(-values, axis=1)[:, :BONES]
     top = np.take_along_axis(values, order, axis=1)
-    top = np.where(top < 0.05, 0, top)
+    top = np.where(top < LEAST, 0, top)
     top /= top.sum(axis=1, keepdims=True)
     parts = np.floor(top * 255)
     parts[:, 0] += 255 - parts.sum(axis=1)
@@ -92,41 +94,12 @@ def quantized(values: Array) -> Array:
     return found
 
 
-CLOTH = 6.0
-"""How much farther the hold of a body fades out along cloth, [mm]."""
-
-
-def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray, twins: np.ndarray) -> Array:
-    """Return the weights of a layer on the skin, from those of the four nearest vertices of the skin.
-
-    Args:
-        verts: Of the skin.
-        own: Weights of the skin.
-        other: Vertices of the layer.
-        faces: Of the layer.
-        twins: The vertex of the layer that each one moves with.
-    """
-    far, near = cKDTree(verts).query(other, k=4)
-    share = 1 / np.maximum(far, 0.3) ** 2
-    share /= share.sum(axis=1, keepdims=True)
-    start = np.einsum("nk,nkb->nb", share, own[near])
-    return quantized(_diffused(other, faces, start, np.full(len(other), CLOTH))[twins])
-
-
-HANGING = 0.45
-"""Share of a thigh's hold that the hem of a shirt takes over, and the trousers under it; the rest is the hip's."""
-UNDER_SHIRT = (-16.0, 6.0)
-"""Heights from where trousers begin to hang to where they do as the shirt does, [mm]."""
-
-
-def eased(held: Array, names: Sequence[str], cloth: str, verts: Array) -> Array:
-    """Return the weights that a piece of clothing takes over from the skin below, whose vertices are given."""
-    found, share = held.copy(), np.full(len(verts), HANGING)
-    if cloth == "trousers":
-        share = np.interp(verts[:, 2], UNDER_SHIRT, (1.0, HANGING))
-    hip = list(names).index("hip")
-    for side in ("left", "right"):
-        thigh = list(names).index(f"{side}_upper_leg")
-        found[:, hip] += (1 - share) * found[:, thigh]
-        found[:, thigh] *= share
-    return found
+def symmetric(held: Array, twins: np.ndarray, names: Sequence[str]) -> Array:
+    """Return weights of which those of mirrored vertices are of mirrored bodies."""
+    sides = {"left": "right", "right": "left"}
+    other = [
+        list(names).index(f"{sides[side]}_{rest}" if (side := name.partition("_")[0]) in sides else name)
+        for name in names
+        for rest in [name.partition("_")[2]]
+    ]
+    return quantized((held + held[twins][:, other]) / 2)

@@ -1,6 +1,6 @@
 """Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Literal
 
 from mimoc.actuation.build_setup import ActuationSetup
@@ -30,9 +30,13 @@ GRIPPING = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.
 MuJoCo's friction is soft: with other geoms' contacts, 1 to 2 N squeeze a rod out of a newborn's hand (D)."""
 
 
-def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
-    """Return every pose of this body as a state that rests on the ground, z = 0."""
-    poses = poses_of(tree)
+UPRIGHT = frozenset(("upper_body", "chest", "head"))
+"""Parts of which each, if it is held, keeps a sitting infant upright."""
+
+
+def keyframes(tree: BodyTree, held: Collection[str] = ()) -> tuple[Keyframe, ...]:
+    """Return every pose of this body as a state that rests on the ground, z = 0; some of its parts may be held."""
+    poses = poses_of(tree, upright=not UPRIGHT.isdisjoint(held))
     return tuple(map(Keyframe, poses, resting_states(tree, list(poses.values()))))
 
 
@@ -89,7 +93,7 @@ def assemble_infant(
             *(sensor for placed in senses.values() for sensor in placed.sensors),
         ),
         world=World(),
-        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
+        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree, spec.scene.held)),
         skin=skin,
     )
 

@@ -42,6 +42,7 @@ from mimoc.compiler.provenance import (
     trace_actuation,
     trace_birth,
     trace_child,
+    trace_clothes,
     trace_plugins,
     trace_spec,
     trace_task,
@@ -122,6 +123,7 @@ class Builder:
             **trace_plugins(manifest.plugins),
             **dict(trace_child(tree, manifest.child)),
             **dict(trace_birth(spec)),
+            **dict(trace_clothes(spec)),
         }
         return find_target(self.target).origins(tree, entries)
 
@@ -208,7 +210,10 @@ class Builder:
 
 def sees_skin(spec: InfantSpec) -> bool:
     """Return whether an infant's eyes see skins: one of many has a skin only then, if its spec does not say."""
-    return spec.senses.vision is not None and spec.senses.vision.body == "skin"
+    vision = spec.senses.vision
+    if vision is None or vision.body == "solids":
+        return False
+    return vision.body == "skin" or spec.development != "published"
 
 
 def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None, skin: bool = True) -> Builder:

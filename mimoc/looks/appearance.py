@@ -84,8 +84,8 @@ def dress_skin(
     solid = add_materials(expression, looks, clothes, round_head=round_head)
     shown = face_texture(expression)
     faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
-    drawn = {name: material for name, material in SKIN_MATERIALS.items() if name in layers}
-    shades = {name: Texture(material, f"assets/{material}.png") for name, material in drawn.items()}
+    # Those of clothes that it does not wear are there, too: many infants in one model have the same materials.
+    shades = {name: Texture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
     cubes = tuple(
         replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
         for cube in solid.textures

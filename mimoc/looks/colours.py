@@ -31,7 +31,10 @@ class ClothColours(NamedTuple):
     shirt: Colour
     stripe: Colour
     """Stripes of the shirt."""
+    band: Colour
+    """Knitted bands along the hems of the shirt."""
     trousers: Colour
+    trousers_band: Colour
 
 
 SKINS: Mapping[str, SkinColours] = {
@@ -39,8 +42,8 @@ SKINS: Mapping[str, SkinColours] = {
     "fair": SkinColours((244, 205, 178), (240, 150, 130), (224, 130, 120), (196, 122, 100), (250, 248, 244)),
     "medium": SkinColours((229, 182, 147), (216, 130, 106), (202, 112, 100), (170, 106, 78), (248, 245, 240)),
     "tan": SkinColours((202, 149, 112), (188, 104, 82), (176, 92, 84), (140, 86, 60), (246, 243, 237)),
-    "brown": SkinColours((152, 105, 77), (146, 78, 62), (142, 74, 70), (98, 60, 42), (244, 240, 233)),
-    "dark": SkinColours((108, 74, 57), (112, 58, 49), (118, 64, 62), (63, 39, 30), (242, 238, 230)),
+    "brown": SkinColours((154, 107, 79), (152, 82, 66), (156, 84, 78), (100, 62, 44), (244, 240, 233)),
+    "dark": SkinColours((114, 79, 62), (126, 67, 56), (140, 78, 76), (68, 43, 33), (242, 238, 230)),
 }
 HAIR: Mapping[str, Colour] = {
     "black": (33, 28, 28),
@@ -58,12 +61,19 @@ EYES: Mapping[str, Colour] = {
     "blue": (94, 122, 152),
     "grey": (122, 130, 138),
 }
+CREAM: Colour = (248, 238, 218)
+YELLOW: Colour = (247, 204, 112)
+ORANGE: Colour = (232, 142, 92)
+TEAL: Colour = (112, 160, 172)
+WHITE: Colour = (246, 244, 239)
 CLOTHES: Mapping[Clothes, ClothColours] = {
-    "bodysuit": ClothColours((248, 238, 218), (150, 196, 196), (248, 238, 218)),
-    "shirt_and_trousers": ClothColours((247, 204, 112), (252, 236, 196), (112, 160, 172)),
-    "trousers": ClothColours((247, 204, 112), (252, 236, 196), (112, 160, 172)),
-    "nappy": ClothColours((246, 244, 239), (246, 244, 239), (246, 244, 239)),
+    "bodysuit": ClothColours(CREAM, (150, 196, 196), (142, 186, 170), CREAM, (142, 186, 170)),
+    "shirt_and_trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
+    "trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
+    "nappy": ClothColours(WHITE, WHITE, WHITE, WHITE, (196, 218, 226)),
 }
+FOLDED = "_fold"
+"""How the name of the ink of a cloth's folds ends."""
 FOLD = (0.20, 0.26, 0.30)
 """How much darker cloth is in a fold: a little redder, too."""
 DARKEST: Colour = (46, 30, 27)
@@ -97,12 +107,8 @@ def inks_of(looks: LooksSpec, clothes: Clothes) -> dict[str, Colour]:
         "glint": (255, 255, 255),
         "inside": (138, 56, 58),
         "tongue": (214, 122, 118),
-        "shirt": cloth.shirt,
-        "stripe": cloth.stripe,
-        "trousers": cloth.trousers,
-        "shirt_fold": folded(cloth.shirt),
-        "stripe_fold": folded(cloth.stripe),
-        "trousers_fold": folded(cloth.trousers),
+        **cloth._asdict(),
+        **{f"{name}{FOLDED}": folded(colour) for name, colour in cloth._asdict().items()},
     }
 
 

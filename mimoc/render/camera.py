@@ -45,6 +45,10 @@ class Spheres:
     radii_m: FloatArray
     """Shape (n,)."""
 
+    def radius_m(self, middle_m: FloatArray) -> float:
+        """Return the radius of the sphere around a point, shape (3,), that holds all of them."""
+        return float((np.linalg.norm(self.centres_m - middle_m, axis=1) + self.radii_m).max())
+
 
 @dataclass(frozen=True, slots=True)
 class Planes:

@@ -12,11 +12,12 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis
-from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m, company, view_of_scene
+from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.renderer import Picture, Shown
+from mimoc.render.soft_light import STILL
 
 GAP_M = 0.06
 """Between one infant and the next."""
@@ -130,7 +131,7 @@ def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
     prefixes = [f"{number}: " for number in range(len(bundles))]
     files: dict[str, bytes] = {}
     for bundle, prefix in zip(bundles, prefixes, strict=True):
-        files |= _files(bundle, ".png")
+        files |= {prefix + name: picture for name, picture in _files(bundle, ".png").items()}
         files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
     row = mujoco.MjSpec.from_string(FLOOR, assets=files)
     for bundle, prefix in zip(bundles, prefixes, strict=True):
@@ -138,6 +139,8 @@ def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
         scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
         for geom in infant.geoms:
             geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
+        for texture in infant.textures:
+            texture.file = prefix + texture.file  # Infants of other looks have other pictures by the same names.
         infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
         row.attach(infant, frame=row.worldbody.add_frame(), prefix=prefix)
         for skin in scene.skins:
@@ -301,10 +304,7 @@ def _picture(
 ) -> Picture:
     """Return a picture of bodies and what is beside them, seen in a direction with a vertical field of view."""
     (width, height), (view, fovy_deg), distance_m = size_px, seen_from, framing.distance_m
-    fade_m = None if framing.transparent else backdrop_m(model, data, roots, view, width / height, fovy_deg)
-    if fade_m is not None and distance_m is not None:
-        fade_m = distance_m + FADES_BEHIND_M
-    options: Any = {"fovy_deg": fovy_deg, "supersample": STILL, "shown": shown, "fade_m": fade_m}
+    options: Any = {"fovy_deg": fovy_deg, "exposure": STILL, "shown": shown, "as_it_is": True}
     with closing(
         BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, beside=beside, **options)
     ) as camera:
@@ -328,6 +328,6 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
     shown = [root, *(toy.body for toy in toys)]
     view, beside = view_of_scene(FROM_ABOVE, bundle.manifest, [root], data), company(bundle.manifest, [root], data)
-    with closing(BodyCamera(model, shown, width, height, view, supersample=STILL, beside=beside)) as camera:
+    with closing(BodyCamera(model, shown, width, height, view, exposure=STILL, beside=beside, as_it_is=True)) as camera:
         camera.turn(data)
         return camera.render(data)

@@ -1,6 +1,7 @@
 """The skin of a child, carried from the sculpture by the child's solids."""
 
 import pickle
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -11,10 +12,11 @@ from mimoc.body.tree import BodyTree
 from mimoc.geometry.face_steps import Steps, on_grid, steps_between
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
+from mimoc.looks.skin.garments import OUTFITS, Piece, dressed, normals_of
 from mimoc.looks.skin.hair import hair_over
 from mimoc.looks.skin.head import deform_head
 from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
-from mimoc.looks.skin.template_mesh import HAIR, HEAD, LAYERS, IntArray, SculptedLayer, Sculpture, template_mesh
+from mimoc.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.mjcf.skin import Skin, SkinLayer
 
 ROUNDS = 2
@@ -37,14 +39,14 @@ def skin_of(tree: BodyTree) -> Skin:
 def skins(pickled: bytes) -> Skin:
     """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
-    names = (*LAYERS, HEAD, HAIR)
+    names = (BODY, *OUTFITS[tree.clothes], HEAD, HAIR)
     return Skin(names, lambda: layers_of(tree, template_mesh(tree.hands)), lambda: moves_of(tree))
 
 
 def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
     """Return the layers of a body's skin, carried from a sculpture."""
     carried = _Carrying(sculpted, tree)
-    return (*(carried.layer(name, layer) for name, layer in carried.sculpted.layers.items()), *carried.head())
+    return (*carried.dressed(), *carried.head())
 
 
 def moves_of(tree: BodyTree) -> dict[str, Steps]:
@@ -76,26 +78,47 @@ class _Carrying:
         home = self.tree.home(part)
         return home if home in self.placed else self._home(self.sculpted.parents[part])
 
-    def layer(self, name: str, layer: SculptedLayer) -> SkinLayer:
-        verts_m, sizes = self._moved(layer)
-        lost = (layer.weights * self.is_missing[layer.bones]).sum(axis=1)
-        verts_m = self._on_solids(layer, verts_m, sizes, lost)
-        moved_by = {self.homes[index] for index in np.unique(layer.bones[layer.weights > 0])}
+    def dressed(self) -> Iterator[SkinLayer]:
+        """Yield the layers of the body in its clothes."""
+        mesh = self.sculpted.mesh
+        verts_m, sizes = self._moved(mesh)
+        lost = (mesh.weights * self.is_missing[mesh.bones]).sum(axis=1)
+        verts_m = self._on_solids(mesh, verts_m, sizes, lost)
+        sizes = sizes * (1 - lost)
+        normals = normals_of(verts_m, mesh.faces)
+        verts_m = verts_m + (self._fullness_m() * sizes)[:, None] * normals
+        normals = normals_of(verts_m, mesh.faces)
+        for piece in dressed(self.sculpted, self.tree.clothes):
+            lifts_m = piece.lifts_m * sizes[piece.sources]
+            yield self._layer(piece, verts_m[piece.sources] + lifts_m[:, None] * normals[piece.sources], lost)
+
+    def _fullness_m(self) -> FloatArray:
+        """Return how much fuller than its solids each vertex of the reference child would be at the child's age."""
+        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
+        for index, unit in enumerate(np.eye(len(ages))):
+            share[index] = np.interp(self.tree.age_months, ages, unit)
+        return share @ self.sculpted.fullness_m
+
+    def _layer(self, piece: Piece, verts_m: FloatArray, lost: FloatArray) -> SkinLayer:
+        """Return a layer whose vertices are given, without what missing limbs moved."""
+        mesh = self.sculpted.mesh
+        bones_of, weights_of = mesh.bones[piece.sources], mesh.weights[piece.sources]
+        moved_by = {self.homes[index] for index in np.unique(bones_of[weights_of > 0])}
         bones = sorted(moved_by, key=[*self.placed].index)
         column = np.array([bones.index(home) if home in bones else 0 for home in self.homes])
         weights = np.zeros((len(verts_m), len(bones)))
-        np.add.at(weights, (np.arange(len(verts_m))[:, None], column[layer.bones]), layer.weights)
-        kept = layer.faces[~(lost[layer.faces] > GONE).all(axis=1)]
+        np.add.at(weights, (np.arange(len(verts_m))[:, None], column[bones_of]), weights_of)
+        kept = piece.faces[~(lost[piece.sources][piece.faces] > GONE).all(axis=1)]
         used = np.unique(kept)
         number = np.zeros(len(verts_m), np.intp)
         number[used] = np.arange(len(used))
         moving = np.flatnonzero(weights[used].sum(axis=0))
         names = tuple(bones[index] for index in moving)
         return SkinLayer(
-            name,
+            piece.name,
             verts_m[used],
             number[kept],
-            layer.texcoords[used],
+            piece.texcoords[used],
             names,
             np.array([self.placed[bone][0] for bone in names]).reshape(-1, 3),
             np.array([self.placed[bone][1] for bone in names]).reshape(-1, 3, 3),
@@ -118,12 +141,12 @@ class _Carrying:
         bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
         return SkinLayer(name, on_grid(origin + verts_m @ turn.T), faces, places, *bind)
 
-    def _moved(self, layer: SculptedLayer) -> tuple[FloatArray, FloatArray]:
+    def _moved(self, mesh: SculptedMesh) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""
-        turn = np.einsum("nk,nkij->nij", layer.weights, self.turns[layer.bones])
-        shift = np.einsum("nk,nki->ni", layer.weights, self.shifts[layer.bones])
-        sizes = (layer.weights * self.sizes[layer.bones]).sum(axis=1)
-        return np.einsum("nij,nj->ni", turn, layer.verts_m) + shift, sizes
+        turn = np.einsum("nk,nkij->nij", mesh.weights, self.turns[mesh.bones])
+        shift = np.einsum("nk,nki->ni", mesh.weights, self.shifts[mesh.bones])
+        sizes = (mesh.weights * self.sizes[mesh.bones]).sum(axis=1)
+        return np.einsum("nij,nj->ni", turn, mesh.verts_m) + shift, sizes
 
     def _stretched(self, index: int, part: str) -> tuple[FloatArray, FloatArray, float]:
         """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size.
@@ -145,12 +168,12 @@ class _Carrying:
         shift = origin + turn @ (low - stretch * sculpted.low_m[index]) - matrix @ sculpted.origins_m[index]
         return matrix, shift, float(np.cbrt(stretch.prod()))
 
-    def _on_solids(self, layer: SculptedLayer, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
+    def _on_solids(self, mesh: SculptedMesh, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
         """Return vertices at their sculpted heights above the child's solids."""
-        wanted, most = layer.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
-        solids, blend_m = self.sculpted.solids, layer.blend_m * sizes
+        wanted, most = mesh.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
+        solids, blend_m = self.sculpted.solids, mesh.blend_m * sizes
         for _ in range(ROUNDS):
-            height, slope = surface_distance(self.posed, solids, layer.solids, blend_m, verts_m)
+            height, slope = surface_distance(self.posed, solids, mesh.solids, blend_m, verts_m)
             steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
             move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
             verts_m = verts_m + move[:, None] * slope

@@ -1,4 +1,4 @@
-"""The sculpted skin of a child of nine months, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
+"""The sculpted skin of a child, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -14,8 +14,8 @@ from mimoc.geometry.rotations import FloatArray
 
 IntArray = npt.NDArray[np.intp]
 FOLDER = Path(__file__).parent / "sculpted"
-LAYERS = ("body", "shirt", "trousers")
-"""What several bodies move."""
+BODY = "body"
+"""What several bodies move: the name of the layer of bare skin, and of the mesh that clothes are parts of."""
 HEAD = "head"
 """What one body moves: the name of the layer, the body and the solid."""
 HAIR = "hair"
@@ -25,8 +25,8 @@ MOVE_M = 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SculptedLayer:
-    """A mesh of n vertices on the reference child, in the pose that it is bound in."""
+class SculptedMesh:
+    """The whole surface of the reference child but its head, n vertices, in the pose that it is bound in."""
 
     verts_m: FloatArray
     """In the frame of the hip, shape (n, 3)."""
@@ -44,6 +44,18 @@ class SculptedLayer:
     """Height of each vertex above these, blended, shape (n,)."""
     blend_m: FloatArray
     """Width of that blend, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Garment:
+    """A part of the body's mesh, of n vertices and m faces, that is raised as cloth."""
+
+    is_covered: npt.NDArray[np.bool_]
+    """Whether each face is of it, shape (m,)."""
+    lifts_m: FloatArray
+    """How high its cloth is above each vertex, shape (n,)."""
+    texcoords: FloatArray
+    """Place in the texture of its layer: along the pattern, and how near a hem or how deep in a fold, shape (n, 2)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +120,12 @@ class Sculpture:
     """The pose that the skin is bound in, by joint; others are at zero."""
     head_radius_m: float
     """Of a circle with the head's circumference."""
-    layers: Mapping[str, SculptedLayer]
+    mesh: SculptedMesh
+    garments: Mapping[str, Garment]
+    ages_months: FloatArray
+    """Ages that the body is sculpted at."""
+    fullness_m: FloatArray
+    """How much fuller than its solids the body is at each of these ages, shape (ages, n)."""
     head: SculptedHead
 
 
@@ -122,6 +139,7 @@ def template_mesh(hands: str) -> Sculpture:
 def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
     """Return a sculpture from its arrays, by their names in the files."""
     parts = tuple(map(str, arrays["parts"]))
+    mesh = {field.name: _fixed(arrays[field.name]) for field in fields(SculptedMesh) if field.name != "offsets_m"}
     return Sculpture(
         parts=parts,
         parents=MappingProxyType(
@@ -131,14 +149,25 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
         solids=tuple(map(str, arrays["solids"])),
         angles_rad=MappingProxyType(dict(zip(map(str, arrays["joints"]), arrays["angles_rad"].tolist(), strict=True))),
         head_radius_m=float(arrays["head_radius_m"]),
-        layers=MappingProxyType({name: _layer(arrays, name) for name in LAYERS}),
+        mesh=SculptedMesh(
+            **{**mesh, "weights": mesh["weights"] / 255, "offsets_m": arrays["offsets_um"] * 1e-6},
+        ),
+        garments=MappingProxyType(
+            {str(name): _garment(arrays, index) for index, name in enumerate(arrays["garments"])}
+        ),
+        ages_months=_fixed(arrays["ages_months"]),
+        fullness_m=arrays["fullness_100um"] * 1e-4,
         head=_head(head),
     )
 
 
-def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
-    values = {field.name: _fixed(arrays[f"{name}/{field.name}"]) for field in fields(SculptedLayer)}
-    return SculptedLayer(**{**values, "weights": values["weights"] / 255})
+def _garment(arrays: Mapping[str, npt.NDArray[Any]], index: int) -> Garment:
+    across = np.column_stack((arrays["pattern"], arrays["shades"][index] / 255))
+    return Garment(
+        is_covered=(arrays["covers"] >> index & 1).astype(bool),
+        lifts_m=arrays["lifts_50um"][index] * 5e-5,
+        texcoords=_fixed(across),
+    )
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:

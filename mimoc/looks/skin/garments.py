@@ -1,0 +1,95 @@
+"""Clothes: regions of the body's mesh that are raised above the skin, so that they move as it does.
+
+A hem is an edge of such a region. There, a strip of cloth leads down to what is below: skin, or another garment.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.skin.template_mesh import BODY, Garment, IntArray, Sculpture
+
+BARE = "bare"
+"""The outfit of a body that is only measured."""
+OUTFITS: Mapping[str, Mapping[str, str]] = {
+    "bodysuit": {"shirt": "bodysuit"},
+    "shirt_and_trousers": {"shirt": "shirt", "trousers": "trousers"},
+    "trousers": {"trousers": "trousers"},
+    "nappy": {"trousers": "nappy"},
+    BARE: {},
+}
+"""The garments of each outfit, by the layer of skin that they are, from the outermost."""
+SUNK_M = 0.0007
+"""How deep in what is below it a hem ends (D)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """One layer of a dressed body: its n vertices are vertices of the body, raised along its normals."""
+
+    name: str
+    sources: IntArray
+    """The vertex of the body that each is, shape (n,)."""
+    lifts_m: FloatArray
+    """How high it is above that, on the reference child, shape (n,)."""
+    faces: IntArray
+    texcoords: FloatArray
+
+
+@lru_cache(maxsize=16)
+def dressed(sculpted: Sculpture, outfit: str) -> tuple[Piece, ...]:
+    """Return the layers of a body in an outfit, a key of `OUTFITS`: what is bare, then its clothes."""
+    worn = [(layer, sculpted.garments[name]) for layer, name in OUTFITS[outfit].items()]
+    rank = np.full(len(sculpted.mesh.faces), len(worn))
+    for number, (_, garment) in reversed([*enumerate(worn)]):
+        rank[garment.is_covered] = number
+    levels_m = [*(garment.lifts_m for _, garment in worn), np.zeros(len(sculpted.mesh.verts_m))]
+    return (
+        _piece(BODY, sculpted.mesh.faces[rank == len(worn)], levels_m[-1], sculpted.mesh.texcoords),
+        *(_sewn(sculpted, layer, garment, rank, number, levels_m) for number, (layer, garment) in enumerate(worn)),
+    )
+
+
+def _piece(name: str, faces: IntArray, lifts_m: FloatArray, texcoords: FloatArray) -> Piece:
+    used, numbered = np.unique(faces, return_inverse=True)
+    return Piece(name, used, lifts_m[used], numbered.reshape(-1, 3), texcoords[used])
+
+
+def _sewn(
+    sculpted: Sculpture, layer: str, garment: Garment, rank: IntArray, number: int, levels_m: list[FloatArray]
+) -> Piece:
+    """Return a garment with strips at those hems beside which there is what is below it."""
+    faces = sculpted.mesh.faces
+    cloth = _piece(layer, faces[rank == number], levels_m[number], garment.texcoords)
+    beside = {(a, b): place for face, place in zip(faces.tolist(), rank.tolist(), strict=True) for a, b in _edges(face)}
+    rim = sorted(edge for edge, place in beside.items() if place == number and beside.get(edge[::-1], -1) > number)
+    below = {a: levels_m[beside[b, a]][a] for a, b in rim}
+    ends = np.array(sorted(below), np.intp)
+    upper = np.searchsorted(cloth.sources, ends)
+    lower = len(cloth.sources) + np.arange(len(ends))
+    place = {vertex: index for index, vertex in enumerate(ends.tolist())}
+    quads = [(place[a], place[b]) for a, b in rim]
+    strip = [face for a, b in quads for face in ((upper[b], upper[a], lower[a]), (upper[b], lower[a], lower[b]))]
+    return Piece(
+        layer,
+        np.concatenate((cloth.sources, ends)),
+        np.concatenate((cloth.lifts_m, [below[vertex] - SUNK_M for vertex in ends.tolist()])),
+        np.vstack((cloth.faces, np.array(strip, np.intp).reshape(-1, 3))),
+        np.vstack((cloth.texcoords, garment.texcoords[ends])),
+    )
+
+
+def _edges(face: list[int]) -> tuple[tuple[int, int], ...]:
+    a, b, c = face
+    return (a, b), (b, c), (c, a)
+
+
+def normals_of(verts_m: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the direction away from a mesh at each vertex, shape (n, 3); 0 where it has no area."""
+    a, b, c = (verts_m[faces[:, corner]] for corner in range(3))
+    across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    total = np.column_stack([np.bincount(faces.ravel(), across[:, axis], len(verts_m)) for axis in range(3)])
+    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)

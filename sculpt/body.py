@@ -1,0 +1,60 @@
+"""The surface of the whole body as one symmetric mesh, with the hems of all clothes drawn into it. Lengths are mm."""
+
+from collections.abc import Mapping
+
+import embedding
+import figure
+import meshing
+import numpy as np
+import tailoring
+import weights
+from fields import Array
+
+from mimoc.body.kinematics import Frame
+
+LOW, HIGH = np.array((-80.0, -280.0, -260.0)), np.array((270.0, 280.0, 320.0))
+TOP = 298.0
+"""Above this height the neck is in the head."""
+SIZES = {
+    "hand": 4.5,
+    "lfmetacarpal": 4.1,
+    "thbase": 3.7,
+    "foot": 6.0,
+    "toes": 3.6,
+    "big_toe": 3.9,
+    "fingers": 3.5,
+    "upper_arm": 9.0,
+    "lower_arm": 8.5,
+    "upper_leg": 10.0,
+    "lower_leg": 9.5,
+    **dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), 11.5),
+}
+FINGER_SIZE, HEM_SIZE = 3.1, 8.5
+"""Lengths of edges, by body; beside hems, at most that long."""
+
+
+def mesh(
+    sculpted: figure.Figure, frames: Mapping[str, Frame], cell_mm: float, rng: np.random.Generator
+) -> tuple[embedding.Drawn, np.ndarray, Mapping[str, embedding.Curve]]:
+    """Return the mesh, the mirror image of each of its vertices, and the hems."""
+    field, curves = sculpted.field(), tailoring.hems(frames)
+
+    def size(points: Array) -> Array:
+        return sizes(sculpted, points)
+
+    dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
+    dense = meshing.only(*dense, dense[0][:, 2] < TOP)
+    verts, faces, _ = meshing.remesh(*dense, size, rng)
+    verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
+    half = embedding.right_half(field, verts, faces)
+    drawn = embedding.embedded(field, half, tuple(curves.values()), size)
+    whole, twins = embedding.mirrored(drawn)
+    print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
+    return whole, twins, curves
+
+
+def sizes(sculpted: figure.Figure, points: Array) -> Array:
+    """Return the length of edges that is wanted at some points."""
+    owners = weights.owners(points, sculpted.solids)
+    parts = {name: SIZES.get(name.removeprefix("left_").removeprefix("right_"), FINGER_SIZE) for name in set(owners)}
+    return np.array([parts[name] for name in owners])
