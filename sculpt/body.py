@@ -12,8 +12,8 @@ from fields import Array
 
 from mimoc.body.kinematics import Frame
 
-LOW, HIGH = np.array((-80.0, -280.0, -260.0)), np.array((270.0, 280.0, 320.0))
-TOP = 298.0
+LOW, HIGH = np.array((-80.0, -280.0, -300.0)), np.array((270.0, 280.0, 320.0))
+TOP = 308.0
 """Above this height the neck is in the head."""
 SIZES = {
     "hand": 4.5,
