@@ -104,14 +104,14 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     cut = tailoring.cut_out(drawn, curves, placed)
     arrays = _common(tree, parts, angles, placed) | _shape(tree, angles, drawn)
     arrays |= shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held))
-    arrays |= features.arrays(drawn.verts, sculpted, placed)
+    arrays |= features.arrays(drawn.verts, held, parts, placed, hands)
     with np.load(FOLDER / "head.npz") as archive:
         head = {name: archive[name] for name in archive.files}
     best, least = arrays, np.inf
     for number in range(ROUNDS):
         arrays |= _moving(held) | tailoring.arrays(cut)
         skin = assembled(arrays, head)
-        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands)
+        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
         cut = tailoring.thinned(cut, room_mm)
         edges, stretch = stretching.stretches(skin, hands)
         print("round", number, "room", f"{room_mm.min():.2f} mm", "stretched", f"{stretch.max():.2f}", flush=True)
