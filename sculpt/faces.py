@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class FaceShape:
-    """Shapes of one age, in a frame at the middle of the head's solid: x forward, z up; y is the distance from the middle.
+    """Shapes of one age, in a frame at the middle of the head's solid: x forward, z up; both sides are the same.
 
     All are by eye (D), from portraits of children and from the ratios of Farkas (1994) where it has some.
     """
