@@ -1,6 +1,5 @@
 """Where each vertex is in textures: how rosy it is, how deep in a crease, in which stripe, how near a hem."""
 
-
 import meshing
 import numpy as np
 from embedding import Drawn
