@@ -106,21 +106,21 @@ def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> I
 
 
 def prepared(
-    source: Bundle | InfantSpec | str | Path, like: Variants | None = None, alone: bool = True
+    source: Bundle | InfantSpec | str | Path, like: Variants | None = None, skin: bool | None = True
 ) -> dict[str, Any]:
     """Return what the environments of an infant are made of; see `make`.
 
     Args:
         source: The infant.
         like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
-        alone: Whether it is not one of many, which have skins only if they see them, unless their specs ask for one.
+        skin: Whether it has a skin, if its spec does not say; None: if its eyes see it, as one of many.
     """
     if isinstance(source, InfantSpec):
-        return _compiled(source, like, alone)
+        return _compiled(source, like, skin)
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):
         from mimoc.compiler import loading
 
-        return _compiled(loading.load_spec(source), like, alone)
+        return _compiled(loading.load_spec(source), like, skin)
     return _opened(source if isinstance(source, Bundle) else _read(source))
 
 
@@ -154,7 +154,7 @@ def make_task(
 
 
 def prepared_task(
-    kind: str, bundle: Bundle | str | Path | None = None, alone: bool = True, **options: Any
+    kind: str, bundle: Bundle | str | Path | None = None, skin: bool | None = True, **options: Any
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
     load_plugins()
@@ -163,7 +163,7 @@ def prepared_task(
     child = _given({key: options.pop(key, None) for key in ("age_months", "hands", "actuation")})
     task = {"kind": kind, **task_options}
     if bundle is None:
-        return _compiled(_child(task, **child), alone=alone), options
+        return _compiled(_child(task, **child), skin=skin), options
     if child:
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     opened = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
@@ -171,7 +171,7 @@ def prepared_task(
         return _opened(opened), options
     from mimoc.compiler.variants import spec_of
 
-    return _compiled(spec_of(opened).with_(task=None).with_(task=task), alone=alone), options
+    return _compiled(spec_of(opened).with_(task=None).with_(task=task), skin=skin), options
 
 
 def _given(choices: dict[str, Any]) -> dict[str, Any]:
@@ -185,12 +185,12 @@ def _opened(bundle: Bundle) -> dict[str, Any]:
     return {"bundle": bundle, "variants": BundleVariants(bundle)}
 
 
-def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True) -> dict[str, Any]:
+def _compiled(spec: InfantSpec, like: Variants | None = None, skin: bool | None = True) -> dict[str, Any]:
     """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
     from mimoc.compiler.building import sees_skin
     from mimoc.compiler.variants import SpecVariants
 
-    variants = SpecVariants(spec, skin=alone or sees_skin(spec))
+    variants = SpecVariants(spec, skin=sees_skin(spec) if skin is None else skin)
     variant = variants.own_like(like) if isinstance(like, SpecVariants) else variants.original
     return {"bundle": variant, "variants": variants}
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import body
 import features
 import figure
-import head as heads
 import numpy as np
 import resting
 import shading
@@ -16,6 +15,7 @@ import tailoring
 import weights
 from embedding import PLANE
 from fields import Array
+from make_head import sculpt_head
 
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import Frame, frames, pose
@@ -193,28 +193,6 @@ def _moving(held: Array) -> dict[str, Array]:
     return {
         "bones": order.astype(np.uint8),
         "weights": np.rint(255 * np.take_along_axis(held, order, axis=1)).astype(np.uint8),
-    }
-
-
-def sculpt_head() -> dict[str, Array]:
-    """Return the arrays of the head."""
-    tree = child("mitten")
-    solid, eye = tree.geoms["head"], next(body for body in tree.bodies if body.name == "right_eye")
-    middle = np.subtract(eye.pos_m, solid.pos_m)
-    sculpted = heads.Head(np.array(solid.size_m) * 1000, middle * 1000, tree.geoms["right_eye1"].size_m[0] * 1000)
-    verts, faces = heads.mesh(sculpted, np.random.default_rng(SEED))
-    verts, faces, places = heads.split_at_end(sculpted, verts, faces)
-    print("head", len(verts))
-    return {
-        "verts_m": (verts / 1000).astype(np.float32),
-        "newborn_m": (heads.newborn(sculpted, verts) / 1000).astype(np.float32),
-        "closing_right_m": (heads.closing(sculpted, verts, -1.0) / 1000).astype(np.float32),
-        "closing_left_m": (heads.closing(sculpted, verts, 1.0) / 1000).astype(np.float32),
-        "faces": faces.astype(np.uint16),
-        "texcoords": places.astype(np.float32),
-        "half_axes_m": sculpted.half_axes / 1000,
-        "eye_m": sculpted.eye / 1000,
-        "eye_radius_m": np.array(sculpted.eye_radius / 1000),
     }
 
 

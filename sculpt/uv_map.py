@@ -4,10 +4,10 @@ import numpy as np
 
 from mimoc.geometry.rotations import FloatArray
 
-POLE_DEG = -8.0
+POLE_DEG = -16.0
 """Elevation of the direction in the middle of the picture, below the eyes; the picture ends opposite, in the hair."""
-STRETCH = 0.6
-"""Exponent of the distance from the middle, as a share of half a turn: below 1, what is near the middle is larger."""
+NEAR_RAD = np.radians(60.0)
+"""Within about this angle of the middle the picture is even; what is behind, under hair, is smaller and smaller."""
 
 
 def unwrapped(directions: FloatArray) -> FloatArray:
@@ -18,10 +18,10 @@ def unwrapped(directions: FloatArray) -> FloatArray:
     """
     along = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
     middle, right, up = _axes()
-    far = np.arccos(np.clip(along @ middle, -1, 1)) / np.pi
+    far = np.arccos(np.clip(along @ middle, -1, 1))
     x, y = along @ right, along @ up
     across = np.maximum(np.hypot(x, y), 1e-12)
-    radius = 0.5 * far**STRETCH
+    radius = 0.5 * np.tanh(far / NEAR_RAD) / np.tanh(np.pi / NEAR_RAD)
     return np.stack((0.5 + radius * x / across, 0.5 + radius * y / across), axis=-1)
 
 
@@ -33,7 +33,7 @@ def wrapped(places: FloatArray) -> FloatArray:
     """
     x, y = places[..., 0] - 0.5, places[..., 1] - 0.5
     radius = np.hypot(x, y)
-    angle = np.pi * np.minimum(2 * radius, 1) ** (1 / STRETCH)
+    angle = NEAR_RAD * np.arctanh(np.minimum(2 * radius, 1) * np.tanh(np.pi / NEAR_RAD))
     middle, right, up = _axes()
     share = np.sin(angle) / np.maximum(radius, 1e-12)
     return np.cos(angle)[..., None] * middle + (share * x)[..., None] * right + (share * y)[..., None] * up

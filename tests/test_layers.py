@@ -72,7 +72,8 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.body schema.entries schema.looks schema.names schema.quantities schema.source schema.yaml_document",
+        "schema.body schema.entries schema.expressions schema.looks schema.names schema.quantities schema.source"
+        " schema.yaml_document",
         "errors units grammar part parts",
         "pydantic yaml",
     ),
@@ -85,7 +86,7 @@ LAYERS = {
     "fits": layer("fits", "errors units geometry"),
     "body": layer("body", f"{LANGUAGE} schema fits part parts"),
     "mjcf": layer("mjcf", f"{BASE} grammar language parts body", "jinja2 lxml"),
-    "looks": layer("looks", f"{BASE} body mjcf", "PIL"),
+    "looks": layer("looks", f"{BASE} grammar language body mjcf", "PIL"),
     "build": layer(
         "", f"{LANGUAGE} schema bundle parts body mjcf looks", "trimesh coacd fast_simplification platformdirs"
     ),

@@ -141,6 +141,24 @@ POSES: Mapping[str, Pose] = {
 """What is the same at all ages in the poses of infants; `poses_of` adds the angles at which the rest of the body rests.
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
+SLUMPED = "slumped"
+"""How infants sit who cannot hold up trunk and head yet, among the poses of `data/postures.csv`."""
+SLUMP_DEG: Mapping[str, float] = {"hip_bend1": 10.0, "hip_bend2": 10.0, "head_tilt": 18.0}
+"""How much farther forward than in `sitting` a newborn's trunk and head are (D, by eye): its back is one curve."""
+SLUMP_MONTHS = (1.0, 4.0)
+"""Until when an infant sits as a newborn does, and from when it sits upright if somebody supports it: the curve leaves
+the neck, the chest and then the loins (Amiel-Tison; Bly 1994; M); linear between (D)."""
+
+
+def slumped(age_months: float) -> Pose:
+    """Return how the maturing infant of an age sits while somebody supports it, its arms left out."""
+    bent, upright = SLUMP_MONTHS
+    share = min(1.0, max(0.0, (upright - age_months) / (upright - bent)))
+    sitting = POSES["sitting"]
+    angles = {joint: sitting.angles_deg.get(joint, 0.0) + share * more for joint, more in SLUMP_DEG.items()}
+    return replace(sitting, angles_deg={**sitting.angles_deg, **angles})
+
+
 FREE_DEG: Mapping[str, Mapping[str, float]] = {
     "supine": {"{side}_shoulder_ad_ab": 75.0, "{side}_fingers": -40.0},
     "prone": {"{side}_hip2": -60.0},
@@ -166,16 +184,24 @@ def standing_height(tree: BodyTree) -> float:
     return pose(tree, {}).extent(np.array([0.0, 0.0, -1.0]))
 
 
-def poses_of(tree: BodyTree) -> dict[str, Pose]:
+def poses_of(tree: BodyTree, upright: bool = True) -> dict[str, Pose]:
     """Return the poses of `POSES` as a body takes them, with the angles at which a body of its age comes to rest.
 
     Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk.
+
+    Args:
+        tree: The body.
+        upright: Whether it sits upright at all ages; if not, young infants slump, but for those of the published law.
     """
+    slumps = not upright and tree.development == "maturing" and tree.age_months < SLUMP_MONTHS[1]
     hands = tree.hands if tree.hands == "five_finger" else "mitten"  # Others' hands were not laid down.
     share = min(1.0, FREED * max(0.0, _disproportion(tree) - ALIKE))
     poses = {}
     for name, wanted in POSES.items():
-        settled = settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+        row = name
+        if slumps and name == "sitting":
+            row, wanted = SLUMPED, slumped(tree.age_months)
+        settled = settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, row, tree.age_months)
         pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
         for joint, free_deg in FREE_DEG.get(name, {}).items():
             if share and joint in settled:

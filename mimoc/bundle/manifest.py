@@ -35,6 +35,7 @@ from mimoc.schema.entries import (
     Skin,
     WeldName,
 )
+from mimoc.schema.looks import Clothes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks import TASKS
@@ -55,6 +56,8 @@ class ChildEntry(Model):
     """How long before term the child was born; 0 from term on."""
     sex: Literal["male", "female"] | None = None
     """Which of WHO's standards it is compared with; None is the mean of boys and girls."""
+    clothes: Clothes = "shirt_and_trousers"
+    """What its skin wears."""
     length_cm: Amount
     """Length from crown to sole."""
     weight_kg: Amount
@@ -69,7 +72,7 @@ class ChildEntry(Model):
         """Age of what matures with it: that since term of a child that was born before."""
         return max(0.0, self.age_months - self.months_early)
 
-    _serialized = omitting("months_early")
+    _serialized = omitting("months_early", "clothes")
 
 
 class FaceEntry(Model):
@@ -81,6 +84,12 @@ class FaceEntry(Model):
     """Material by expression."""
     skin: Skin | None = None
     """The skin of the head, if it has one, whose material is the expression then."""
+    begins: Label = "neutral"
+    """The expression that the skin of the head is built with."""
+    shapes: tuple[Label, ...] = ()
+    """Expressions that move vertices of that skin; the arrays `face/moving` and `face/<expression>` say how."""
+
+    _serialized = omitting("begins", "shapes")
 
 
 class ToyEntry(Model):

@@ -1,6 +1,6 @@
 """Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Literal
 
 from mimoc.actuation.build_setup import ActuationSetup
@@ -14,6 +14,7 @@ from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
+from mimoc.looks.skin.template_mesh import HEAD
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
@@ -29,9 +30,13 @@ GRIPPING = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.
 MuJoCo's friction is soft: with other geoms' contacts, 1 to 2 N squeeze a rod out of a newborn's hand (D)."""
 
 
-def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
-    """Return every pose of this body as a state that rests on the ground, z = 0."""
-    poses = poses_of(tree)
+UPRIGHT = frozenset(("upper_body", "chest", "head"))
+"""Parts of which each, if it is held, keeps a sitting infant upright."""
+
+
+def keyframes(tree: BodyTree, held: Collection[str] = ()) -> tuple[Keyframe, ...]:
+    """Return every pose of this body as a state that rests on the ground, z = 0; some of its parts may be held."""
+    poses = poses_of(tree, upright=not UPRIGHT.isdisjoint(held))
     return tuple(map(Keyframe, poses, resting_states(tree, list(poses.values()))))
 
 
@@ -61,7 +66,7 @@ def assemble_infant(
 ) -> SceneTree:
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
     parts = _parts(tree, actuation, senses, has_skin)
-    skin = skin_of(tree) if has_skin else None
+    skin = skin_of(tree).showing(spec.body.expression, HEAD) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"
     expression = spec.body.expression
     return SceneTree(
@@ -72,9 +77,9 @@ def assemble_infant(
             multiccd=multiccd(spec.scene),
         ),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
-        appearance=dress_skin(expression, skin.names, round_head=round_head)
+        appearance=dress_skin(expression, skin.names, spec.body.looks, spec.clothes, round_head=round_head)
         if skin
-        else add_materials(expression, round_head=round_head),
+        else add_materials(expression, spec.body.looks, spec.clothes, round_head=round_head),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         excluded=tree.excluded,
         frictionless=tree.frictionless,
@@ -88,7 +93,7 @@ def assemble_infant(
             *(sensor for placed in senses.values() for sensor in placed.sensors),
         ),
         world=World(),
-        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
+        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree, spec.scene.held)),
         skin=skin,
     )
 

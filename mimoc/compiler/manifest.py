@@ -98,12 +98,7 @@ def make_manifest(
     actuation = _actuation(spec.actuation, scene.actuators, commanded).model_copy(update={"voice": voice})
     manifest = Manifest(
         name=spec.name,
-        child=ChildEntry(
-            age_months=spec.age_months,
-            months_early=spec.months_early,
-            sex=spec.body.individual and spec.body.individual.sex,
-            **stature(tree),
-        ),
+        child=_child(spec, tree),
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
@@ -124,11 +119,23 @@ def make_manifest(
             geom="head",
             materials={name: face_material(name) for name in EXPRESSIONS},
             skin="head" if scene.skin else None,
+            begins=spec.body.expression if scene.skin else "neutral",
+            shapes=EXPRESSIONS[1:] if scene.skin else (),
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
         plugins=_used_plugins(spec),
     )
     return Manifest.model_validate(rounded(manifest.model_dump()))
+
+
+def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
+    return ChildEntry(
+        age_months=spec.age_months,
+        months_early=spec.months_early,
+        sex=spec.body.individual and spec.body.individual.sex,
+        clothes=spec.clothes,
+        **stature(tree),
+    )
 
 
 def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:

@@ -21,7 +21,7 @@ from mimoc.bundle.model import prepare
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.model_parameters import Slot, parameters, read
 from mimoc.mjcf.scene import SceneTree
-from mimoc.mjcf.skin import Skin, single
+from mimoc.mjcf.skin import Skin, single, texture_places
 
 KINDS = ("body", "jnt", "dof", "geom", "site", "cam", "light", "tendon", "actuator", "eq", "key", "qpos", "bvh", "pair")
 """What the arrays of a model begin with whose numbers can depend on age."""
@@ -117,6 +117,8 @@ def _set_textures(model: mujoco.MjModel, skin: Skin) -> None:
         index = model.skin(layer.name).id
         first, bone = model.skin_vertadr[index], model.skin_boneadr[index]
         model.skin_vert[first : first + len(layer.verts_m)] = single(layer.verts_m)
+        place = model.skin_texcoordadr[index]
+        model.skin_texcoord[place : place + len(layer.texcoords)] = texture_places(layer)
         model.skin_bonebindpos[bone : bone + len(layer.bones)] = single(layer.origins_m)
         model.skin_bonebindquat[bone : bone + len(layer.bones)] = single(layer.quats)
 

@@ -14,6 +14,7 @@ from mimoc.compiler.placing import PlacedScene
 from mimoc.fits.who import percentile
 from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.looks import BODYSUIT_UNTIL_MONTHS
 from mimoc.schema.reading import FileModel
 from mimoc.schema.source import Source
 from mimoc.tasks.spec_base import TaskEntry
@@ -194,6 +195,16 @@ def trace_birth(spec: InfantSpec) -> Iterator[tuple[str, Entry]]:
         given = "gestation_weeks" if spec.impairments.gestation_weeks is not None else "preset"
         rule = "from birth to 40 weeks of gestation; body, delays and acuity are those of the age less this"
         yield "child.months_early", Origin(rule, (f"spec.impairments.{given}",), "months").entry(spec.months_early)
+
+
+def trace_clothes(spec: InfantSpec) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for the clothes of a child."""
+    if spec.body.looks.clothes:
+        yield "child.clothes", {"value": spec.clothes, "rule": "as asked for", "from": ["spec.body.looks.clothes"]}
+    else:
+        rule = f"a bodysuit below {BODYSUIT_UNTIL_MONTHS:g} months of corrected age, else a shirt and trousers"
+        early = ["child.months_early"] if spec.months_early else []
+        yield "child.clothes", {"value": spec.clothes, "rule": rule, "from": ["spec.age_months", *early]}
 
 
 def who_percentiles(child: ChildEntry) -> dict[str, float]:

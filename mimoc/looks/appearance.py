@@ -1,19 +1,17 @@
 """Textures and materials of an infant in the MJCF."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from mimoc.looks.pictures import read_picture
+from mimoc.looks.colours import Colour, inks_of
+from mimoc.looks.palettes import coloured_picture
 from mimoc.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
+from mimoc.schema.expressions import EXPRESSIONS
+from mimoc.schema.looks import Clothes, LooksSpec
 
-Colour = tuple[float, float, float]
-"""Red, green and blue, 0 to 255."""
-
-EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared")
-"""The facial expressions that a spec can name."""
-SKIN: Colour = (244, 205, 178)
-TOP: Colour = (247, 204, 112)
-PANTS: Colour = (112, 160, 172)
+AVERAGE = LooksSpec()
+"""What an infant looks like of which nothing is said."""
 
 GRID_LAYOUT = "RLUDFB"
 """The sides of a cube texture in its picture, two rows of three, by MuJoCo's letters (`templates/infant.xml.j2`)."""
@@ -45,30 +43,48 @@ HEAD_FEATURES = (
 """The nose and the ears, so that a head is recognisable from the side; the rest of the face is in the texture."""
 
 
-def add_materials(expression: str, *, round_head: bool = True) -> Appearance:
+def add_materials(
+    expression: str,
+    looks: LooksSpec = AVERAGE,
+    clothes: Clothes = "shirt_and_trousers",
+    *,
+    round_head: bool = True,
+) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
     A head that is not round, a sphere, is as much narrower as children's are.
     """
+    inks = inks_of(looks, clothes)
     face_shape = "face_round" if round_head else "face"
     faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
-    others = [Texture(name, f"assets/{name}.png") for name in ("eye", "ear", "stripes")]
+    names = ("eye", "ear", "stripes") if clothes in WITH_SHIRT else ("eye", "ear")
+    others = [Texture(name, f"assets/{name}.png") for name in names]
     assets = {
-        **{texture.file: read_picture(f"{face_shape}_{name}") for name, texture in faces.items()},
-        **{texture.file: read_picture(texture.name) for texture in others},
+        **{texture.file: coloured_picture(f"{face_shape}_{name}", inks) for name, texture in faces.items()},
+        **{texture.file: coloured_picture(texture.name, inks) for texture in others},
     }
-    return Appearance((*faces.values(), *others), _materials(expression), MappingProxyType(assets))
+    materials = (*_body_materials(expression, inks), *_cloth_materials(clothes, inks))
+    return Appearance((*faces.values(), *others), materials, MappingProxyType(assets))
 
 
-SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers"}
+SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers", "hair": "skin_hair"}
 """Material of each layer of a skin; that of the head is the expression."""
 
 
-def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = True) -> Appearance:
+def dress_skin(
+    expression: str,
+    layers: tuple[str, ...],
+    looks: LooksSpec = AVERAGE,
+    clothes: Clothes = "shirt_and_trousers",
+    *,
+    round_head: bool = True,
+) -> Appearance:
     """Return the textures and materials of an infant with layers of skin; its solids show one expression only."""
-    solid = add_materials(expression, round_head=round_head)
+    inks = inks_of(looks, clothes)
+    solid = add_materials(expression, looks, clothes, round_head=round_head)
     shown = face_texture(expression)
     faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
+    # Those of clothes that it does not wear are there, too: many infants in one model have the same materials.
     shades = {name: Texture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
     cubes = tuple(
         replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
@@ -84,8 +100,8 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
         assets=MappingProxyType(
             {
                 **{cube.file: solid.assets[cube.file] for cube in cubes},
-                **{texture.file: read_picture(f"skin_face_{name}") for name, texture in faces.items()},
-                **{shade.file: read_picture(shade.name) for shade in shades.values()},
+                **{texture.file: coloured_picture(f"skin_face_{name}", inks) for name, texture in faces.items()},
+                **{shade.file: coloured_picture(shade.name, inks) for shade in shades.values()},
             }
         ),
         flat_textures=(*faces.values(), *shades.values()),
@@ -106,17 +122,31 @@ def face_material(expression: str) -> str:
     return f"head_{expression}"
 
 
-def _materials(expression: str) -> tuple[Material, ...]:
-    """Return the materials of the body's geoms and of the head's features."""
+def _body_materials(expression: str, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
+    """Return the materials of the geoms of bare skin and of the head's features."""
     return (
-        Material("skin", _rgba(SKIN)),
+        Material("skin", _rgba(inks["skin"])),
         Material("head", UNTINTED, face_texture(expression)),
         *(Material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
         Material("ear", UNTINTED, "ear"),
         *(Material(f"eye_{side}", UNTINTED, "eye", specular=0.5, shininess=0.8) for side in ("left", "right")),
-        *(Material(f"top_{part}", UNTINTED, "stripes") for part in ("down", "middle", "up")),
-        Material("top_sleeve", _rgba(TOP)),
-        *(Material(f"pants_{part}", _rgba(PANTS)) for part in ("down", "up", "leg")),
+    )
+
+
+WITH_SHIRT: tuple[Clothes, ...] = ("bodysuit", "shirt_and_trousers")
+WITH_LEGS: tuple[Clothes, ...] = ("trousers", "shirt_and_trousers")
+
+
+def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
+    """Return the materials of the geoms that can be clothed: cloth, or skin where the clothes leave them bare."""
+    has_shirt, skin = clothes in WITH_SHIRT, _rgba(inks["skin"])
+    seat = _rgba(inks["shirt" if clothes == "bodysuit" else "trousers"])
+    trunk = (UNTINTED, "stripes") if has_shirt else (skin, None)
+    return (
+        *(Material(f"top_{part}", *trunk) for part in ("down", "middle", "up")),
+        Material("top_sleeve", _rgba(inks["shirt"]) if has_shirt else skin),
+        *(Material(f"pants_{part}", seat) for part in ("down", "up")),
+        Material("pants_leg", seat if clothes in WITH_LEGS else skin),
     )
 
 

@@ -1,6 +1,8 @@
 """What is printed of an infant with a prefix to all its names, so that several infants fit into one model."""
 
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass, replace
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from mimoc.mjcf.furniture import PrintedSkin
@@ -17,12 +19,34 @@ SHARED = frozenset(("world", "solver"))
 
 
 def prefixed_scene(scene: SceneTree, prefix: str) -> SceneTree:
-    """Return an infant, its world as it is, whose names all begin with a prefix; pictures are shared files."""
+    """Return an infant, its world as it is, whose names all begin with a prefix; equal pictures are shared files."""
     renamed = prefixed(replace(scene, name="", skin=None), prefix)
     if scene.skin is None:
         return replace(renamed, name=scene.name, prefix=prefix)
     skin = _prefixed_skin(scene.skin, prefix)
     return replace(renamed, name=scene.name, prefix=prefix, skin=skin)
+
+
+def with_pictures_apart(scenes: Sequence[SceneTree]) -> list[SceneTree]:
+    """Return infants with prefixes such that no two have different pictures in one file.
+
+    The second infant that would have `assets/eye.png`, of other colours, has `assets/ben_eye.png`.
+    """
+    files: dict[str, bytes] = {}
+    apart = []
+    for scene in scenes:
+        looks = scene.appearance
+        taken = {file for file, content in looks.assets.items() if files.get(file, content) != content}
+        renamed = {file: file.replace("assets/", f"assets/{scene.prefix}") for file in taken}
+        textures, flat_textures = (
+            tuple(replace(texture, file=renamed.get(texture.file, texture.file)) for texture in group)
+            for group in (looks.textures, looks.flat_textures)
+        )
+        assets = MappingProxyType({renamed.get(file, file): content for file, content in looks.assets.items()})
+        files |= assets
+        looks = replace(looks, textures=textures, flat_textures=flat_textures, assets=assets)
+        apart.append(replace(scene, appearance=looks))
+    return apart
 
 
 def prefixed(part: Part, prefix: str) -> Part:
@@ -66,4 +90,4 @@ def _prefixed_skin(skin: Skin, prefix: str) -> Skin:
             for layer in skin.layers
         )
 
-    return Skin(tuple(prefix + name for name in skin.names), layers)
+    return Skin(tuple(prefix + name for name in skin.names), layers, lambda: skin.moves)

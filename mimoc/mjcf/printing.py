@@ -10,6 +10,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
 from mimoc.base.rounding import num
+from mimoc.mjcf.prefixing import with_pictures_apart
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import World
 
@@ -77,6 +78,7 @@ def render_infants(
         world: What is around all of them.
         keyframes: States of all of them.
     """
+    infants = with_pictures_apart(infants)
     first, *others = (_parsed(render_inhabitant(infant)) for infant in infants)
     for other in others:
         for section in other:

@@ -1,13 +1,14 @@
 """The skin of an infant in MJCF: meshes that several bodies move, seen but not felt."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.rounding import rounded_array
+from mimoc.geometry.face_steps import Steps, stepped
 from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
 
 NAME_BYTES = 40
@@ -19,7 +20,7 @@ class SkinLayer:
     """One mesh of a skin, of n vertices, bound to bodies in a pose."""
 
     name: str
-    """`body`, `shirt`, `trousers` or `head`."""
+    """`body`, `shirt`, `trousers`, `head` or `hair`."""
     verts_m: FloatArray
     """In the frame of the hip, shape (n, 3)."""
     faces: npt.NDArray[np.intp]
@@ -49,14 +50,36 @@ class SkinLayer:
 class Skin:
     """The layers of a skin, made when they are first asked for: not everyone who builds an infant looks at it."""
 
-    def __init__(self, names: tuple[str, ...], make: Callable[[], tuple[SkinLayer, ...]]):
-        """Promise layers of these names, in the order that they are drawn in."""
-        self.names, self._make = names, make
+    def __init__(
+        self,
+        names: tuple[str, ...],
+        make: Callable[[], tuple[SkinLayer, ...]],
+        move: Callable[[], Mapping[str, Steps]] = dict,
+    ):
+        """Promise layers of these names, in the order that they are drawn in, and how expressions move the head's."""
+        self.names, self._make, self._move = names, make, move
 
     @cached_property
     def layers(self) -> tuple[SkinLayer, ...]:
         """All layers."""
         return self._make()
+
+    @cached_property
+    def moves(self) -> Mapping[str, Steps]:
+        """How far each expression moves the vertices of the head's layer from the neutral face, shape (n, 3)."""
+        return self._move()
+
+    def showing(self, expression: str, head: str) -> "Skin":
+        """Return the same with another expression; *head* is the name of the layer that it moves."""
+
+        def layers() -> tuple[SkinLayer, ...]:
+            steps = self.moves.get(expression)
+            return tuple(
+                replace(layer, verts_m=stepped(layer.verts_m, None, steps)) if layer.name == head else layer
+                for layer in self.layers
+            )
+
+        return Skin(self.names, layers, lambda: self.moves)
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:
@@ -67,11 +90,10 @@ class Skin:
 def encode_skn(layer: SkinLayer) -> bytes:
     """Return MuJoCo's file of a layer: little-endian, single precision (XML reference, `deformable/skin/file`)."""
     counts = len(layer.verts_m), len(layer.texcoords), len(layer.faces), len(layer.bones)
-    texcoords = layer.texcoords * (1, -1) + (0, 1)  # MuJoCo's begin at the upper left.
     parts = [
         np.array(counts, "<i4").tobytes(),
         single(layer.verts_m).tobytes(),
-        single(texcoords).tobytes(),
+        texture_places(layer).tobytes(),
         layer.faces.astype("<i4").tobytes(),
     ]
     for index, (name, quat) in enumerate(zip(layer.bones, layer.quats, strict=True)):
@@ -85,6 +107,11 @@ def encode_skn(layer: SkinLayer) -> bytes:
             single(layer.weights[moved, index]).tobytes(),
         ]
     return b"".join(parts)
+
+
+def texture_places(layer: SkinLayer) -> npt.NDArray[np.float32]:
+    """Return places in the texture as they are in the file: MuJoCo's begin at the upper left."""
+    return single(layer.texcoords * (1, -1) + (0, 1))
 
 
 def single(values: FloatArray) -> npt.NDArray[np.float32]:

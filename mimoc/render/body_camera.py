@@ -7,8 +7,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import CaregiverEntry, Manifest
 from mimoc.bundle.world import WorldManifest
+from mimoc.render.backdrop import backdrop_settings, fade, is_outdoors
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -22,27 +24,18 @@ from mimoc.render.camera import (
     unobstructed_view,
     view_of_bodies,
 )
+from mimoc.render.framing import drawn_spheres
 from mimoc.render.markers import Markers, add_markers
-from mimoc.render.renderer import Picture, Renderer, Setting, Shown, average_down, visual_settings
+from mimoc.render.renderer import Picture, Renderer, Setting, Shown, visual_settings
+from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_FROM, SHADOWS_WITHIN, Exposure, Mean, passes
 
-STILL, MOVING = 3, 2
-"""Supersampling of single pictures and of moving ones: they are drawn so many times larger and then averaged down,
-which smooths the edges of shadows too."""
-LARGEST_PX = 4096
-"""Side of what is drawn: a picture that would be larger is drawn at its size, with MuJoCo's multisampling."""
-SAMPLES = 8
-"""For each pixel, of MuJoCo's multisampling."""
-BACKDROP = (0.915, 0.94, 0.935, 1.0)
-"""What the floor fades into behind an infant that is in no room: the colour of the sky above it."""
-SHADOWS_WITHIN_M = 1.0
-"""Distance from an infant that is drawn alone within which things cast shadows: half of the usual, so that the edges of
-shadows are twice as fine. With a quarter, the floor gets speckled."""
-HIDDEN_GROUP = 5
-"""MuJoCo's group of geoms that are not drawn by default, and that mimoc has none in."""
-FADES_BEHIND_M, FADES_WITHIN_M = 0.7, 4.5
-"""How far behind the middle of a picture it begins to, and the distance that it takes."""
-
-
+SUN_PX, LAMP_PX = 512, 2048
+"""Side of the map of the sun's shadows and of a lamp's; passes blur its cells."""
+DRAWN_GROUPS = 3
+"""How many of MuJoCo's groups of geoms are drawn by default."""
+CUBE_SIDES = 6
+HIDDEN_GROUP = 3
+"""MuJoCo's group of geoms that are never drawn, and that mimoc has none in."""
 NEAR_M, STRING_M = 1.0, 0.15
 """Distance from an infant within which its objects are in its pictures, but for what is longer, such as strings."""
 
@@ -67,17 +60,6 @@ def _adult(manifest: Manifest | WorldManifest) -> CaregiverEntry | None:
     return manifest.caregiver if isinstance(manifest, Manifest) else None
 
 
-def backdrop_m(
-    model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str], view: View, aspect: float, fovy_deg: float
-) -> float | None:
-    """Return how far from a camera that looks at some bodies things may fade; None if a room is around them."""
-    walls = planes_of(model, data)
-    seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in roots])
-    if len(walls.normals) > 1:
-        return None
-    return fit_shot(bounding_spheres(model, data, seen), walls, view, aspect, fovy_deg).depth_m + FADES_BEHIND_M
-
-
 class BodyCamera:
     """A camera that looks at some bodies and all that is attached to them, and the OpenGL context it needs."""
 
@@ -90,12 +72,12 @@ class BodyCamera:
         view: View = FROM_THE_SIDE,
         *,
         fovy_deg: float = FOVY_DEG,
-        supersample: int = MOVING,
+        exposure: Exposure = MOVING,
         margin: float = MARGIN,
         shown: Shown = "skin",
-        fade_m: float | None = None,
         cut_out: bool = False,
         beside: Sequence[str] = (),
+        as_it_is: bool = False,
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -106,30 +88,29 @@ class BodyCamera:
             height_px: Of a picture.
             view: The direction it looks in.
             fovy_deg: Vertical field of view, where there is space for it.
-            supersample: How many times larger pictures are drawn and then averaged down, if that is not too large.
+            exposure: How many drawings a picture is the mean of.
             margin: How much wider the field of view is than what it has to show.
             shown: What is drawn of infants.
-            fade_m: How far from the camera things begin to fade into a backdrop; by default, they do not.
             cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
             beside: Names of other outermost bodies, that are to be in the picture as well.
+            as_it_is: Whether nothing gets another material later, as a face does with another expression; to open
+                takes a third of the time then.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
         """
         self._model, self.view, self._fovy_deg, self._margin = model, view, fovy_deg, margin
-        self._supersample = supersample if supersample * max(width_px, height_px) <= LARGEST_PX else 1
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
-        self.aspect = width_px / height_px
+        self.aspect, self._height_px = width_px / height_px, height_px
         """Width of the pictures over their height."""
-        larger = self._supersample * width_px, self._supersample * height_px
-        self._fades, self._cut_out = fade_m is not None, cut_out
+        self._shown: Shown = shown
+        self._exposure, self._cut_out, self._outdoors = exposure, cut_out, is_outdoors(model)
         if cut_out:  # What is beside them is not drawn then.
             model.geom_group[~self._seen] = HIDDEN_GROUP
         else:
             are_beside = np.isin(model.body_rootid[model.geom_bodyid], [model.body(name).id for name in beside])
             self._seen |= are_beside & (model.geom_rbound < STRING_M)
-        settings = partial(_settings, 0 if self._supersample > 1 else SAMPLES, fade_m, len(root_bodies) == 1)
-        self._renderer = Renderer(model, *larger, settings, shown)
+        self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is), shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model of the same parts from now on.
@@ -149,10 +130,16 @@ class BodyCamera:
         walls = planes_of(self._model, data)
         self.view = unobstructed_view(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg)
 
-    def shot(self, data: mujoco.MjData) -> Shot:
-        """Return the shot that shows all of it."""
-        walls = planes_of(self._model, data)
-        return fit_shot(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg, self._margin)
+    def shot(self, data: mujoco.MjData, spheres: Spheres | None = None) -> Shot:
+        """Return the shot that shows all of it, or some spheres."""
+        walls, shown = planes_of(self._model, data), spheres or self.spheres(data)
+        return fit_shot(shown, walls, self.view, self.aspect, self._fovy_deg, self._margin)
+
+    def drawn(self, data: mujoco.MjData, bodies: Sequence[str]) -> Spheres:
+        """Return what is drawn of some bodies and all that hangs on them, more closely than `spheres` has it."""
+        self._renderer.compose(data, mujoco.MjvCamera())
+        are_drawn = drawn_geoms(self._model, self._shown)
+        return drawn_spheres(self._model, data, self._renderer.scene, bodies, are_drawn, self._shown)
 
     def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
         """Return a picture of all of it or of a shot; markers are drawn without shadows.
@@ -160,26 +147,25 @@ class BodyCamera:
         Its shape is (height, width, 3), or (height, width, 4) with the opacity if all else is cut out.
         """
         with self._renderer.in_use():
-            drawn = self._draw(data, markers, shot or self.shot(data))
-            if self._cut_out:
-                return _with_opacity(drawn, self._renderer.read_drawn()[::-1], self._supersample)
-        if self._supersample == 1:
-            return drawn.copy()
-        return np.rint(average_down(drawn.astype(np.float32), self._supersample)).astype(np.uint8)
+            return self._draw(data, markers, shot or self.shot(data))[::-1]
 
     def _draw(self, data: mujoco.MjData, markers: Markers | None, shot: Shot) -> Picture:
-        renderer = self._renderer
+        """Return the mean of all passes of a picture, the lowest row first."""
+        renderer, exposure = self._renderer, self._exposure
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
         self._compose(data, shot)
-        flags, shadow = renderer.scene.flags, mujoco.mjtRndFlag.mjRND_SHADOW
-        shadows = flags[shadow]
+        scene, shadow = renderer.scene, mujoco.mjtRndFlag.mjRND_SHADOW
+        shadows = scene.flags[shadow]
         if markers is not None:
-            flags[shadow] = False  # Those of the markers would hide the skin.
-            add_markers(renderer.scene, markers)
-        renderer.draw()
-        flags[shadow] = shadows
-        return renderer.read()[::-1]
+            scene.flags[shadow] = False  # Those of the markers would hide the skin.
+            add_markers(scene, markers)
+        mean = Mean()
+        for _ in passes(scene, shot, self._height_px, exposure, DAYLIGHT if self._outdoors else None):
+            renderer.draw()
+            mean.add(renderer.read(), renderer.read_drawn() if self._cut_out else None)
+        scene.flags[shadow] = shadows
+        return mean.picture()
 
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""
@@ -192,28 +178,37 @@ class BodyCamera:
         camera.azimuth, camera.elevation = shot.view
         with visual_settings([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
             self._renderer.compose(data, camera)
-        scene = self._renderer.scene
-        scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = self._fades
-        if self._cut_out:
-            scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
-        for light in scene.lights[: scene.nlight]:
-            if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
-                light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.
+        flags = self._renderer.scene.flags
+        flags[mujoco.mjtRndFlag.mjRND_FOG] = self._outdoors and not self._cut_out
+        flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = not self._cut_out
+        if self._outdoors:
+            radius_m = self.spheres(data).radius_m(shot.lookat_m)
+            fade(shot, radius_m)
+            self._renderer.context.shadowClip = SHADOWS_WITHIN * min(radius_m, SHADOWS_FROM * shot.half_height_m)
 
 
-def _with_opacity(drawn: Picture, is_drawn: npt.NDArray[np.bool_], times: int) -> Picture:
-    """Return a picture that is smaller so many times, with its opacity; colours are those of what is drawn alone."""
-    opaque = is_drawn[..., None].astype(np.float32)
-    share = average_down(opaque, times)
-    colour = average_down(drawn * opaque, times) / np.maximum(share, np.finfo(np.float32).tiny)
-    return np.rint(np.concatenate([colour, 255 * share], axis=2)).astype(np.uint8)
+def _settings(shown: Shown, as_it_is: bool, model: mujoco.MjModel) -> list[Setting]:
+    """Return what OpenGL is opened with for a model."""
+    outdoors, quality = is_outdoors(model), model.vis.quality
+    shadows_px = min(quality.shadowsize, SUN_PX if outdoors else LAMP_PX)
+    return [
+        (quality, "offsamples", 0),
+        (quality, "shadowsize", shadows_px),
+        *(backdrop_settings(model) if outdoors else ()),
+        *(_without_unused(model, shown) if as_it_is else ()),
+    ]
 
 
-def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> list[Setting]:
-    settings: list[Setting] = [(model.vis.quality, "offsamples", samples)]
-    if fade_m is not None:
-        fog, unit_m = model.vis.map, model.stat.extent
-        settings += [(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []
-        settings += [(fog, "fogstart", fade_m / unit_m), (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m)]
-        settings.append((model.vis.rgba, "fog", BACKDROP))
-    return settings
+def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
+    """Return which geoms are drawn, shape (ngeom,)."""
+    return (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
+
+
+def _without_unused(model: mujoco.MjModel, shown: Shown) -> list[Setting]:
+    """Leave no more than a pixel of textures that are not on anything that is drawn: MuJoCo reduces each in steps."""
+    materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
+    used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
+    used |= model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX
+    of_cubes = np.where(model.tex_type == mujoco.mjtTexture.mjTEXTURE_2D, 1, CUBE_SIDES)
+    sizes = (("tex_width", 1), ("tex_height", of_cubes))
+    return [(model, name, np.where(used, getattr(model, name), size).astype(np.int32)) for name, size in sizes]

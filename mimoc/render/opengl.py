@@ -156,6 +156,13 @@ def _backends() -> Iterator[str]:
         yield from ("egl", "osmesa")
 
 
+def set_fog(start_m: float, end_m: float) -> None:
+    """Let what the current context draws fade from one distance to another; MuJoCo sets this once for a context."""
+    opengl = importlib.import_module("OpenGL.GL")
+    opengl.glFogf(opengl.GL_FOG_START, start_m)
+    opengl.glFogf(opengl.GL_FOG_END, end_m)
+
+
 def opengl_driver() -> str:
     """Return what pictures are drawn with here: `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say.
 

@@ -110,6 +110,11 @@ class Renderer:
         everything = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, data, self._options, self._perturbation, camera, everything, self.scene)
 
+    def turn_to(self, data: mujoco.MjData, camera: mujoco.MjvCamera) -> None:
+        """Show what `compose` has filled the scene with from another camera, whose light goes with it."""
+        mujoco.mjv_updateCamera(self._model, data, camera, self.scene)
+        mujoco.mjv_makeLights(self._model, data, self.scene)
+
     @contextmanager
     def in_use(self) -> Iterator[None]:
         """Draw and read within; before and after, any thread can do so.

@@ -131,7 +131,7 @@ def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mappi
 
 def sees_skin(manifest: Manifest) -> bool:
     """Return whether an infant's eyes see skins."""
-    return manifest.senses.vision is not None and manifest.senses.vision.body == "skin"
+    return manifest.senses.vision is not None and manifest.senses.vision.body != "solids"
 
 
 def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:

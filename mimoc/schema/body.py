@@ -11,6 +11,7 @@ from pydantic_core import PydanticKnownError
 from mimoc.base.errors import suggestion
 from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.expressions import Expression
 from mimoc.schema.looks import LooksSpec
 from mimoc.schema.names import (
     MEASUREMENT_KEYS,
@@ -22,8 +23,6 @@ from mimoc.schema.names import (
     trunk_bodies,
 )
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
-
-Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 
 
 def _known_measurement(key: str) -> str:

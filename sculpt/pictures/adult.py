@@ -1,11 +1,11 @@
 """Drawing of an adult's face: eyes at half of the head's height, small for the head, with brows, nose and full lips."""
 
 import numpy as np
-from pictures.cubes import FACE_CELL_PX, HAIR, INSIDE, IRIS_RIM, LID, PUPIL, WHITE, blob, directions, over, within
+from pictures.cubes import FACE_CELL_PX, blob, directions, over, within
 from pictures.expressions import FACES, Face
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import Colour
+from mimoc.looks.colours import Colour
 
 SKIN: Colour = (232, 190, 162)
 SHADE: Colour = (206, 156, 130)
@@ -13,6 +13,12 @@ CHEEK: Colour = (226, 146, 128)
 LIP: Colour = (188, 74, 76)
 IRIS: Colour = (110, 78, 52)
 HAIRLINE: Colour = (69, 46, 31)
+BROW: Colour = (150, 108, 74)
+INSIDE: Colour = (146, 62, 62)
+LID: Colour = (96, 60, 46)
+WHITE: Colour = (250, 248, 244)
+IRIS_RIM: Colour = (44, 54, 64)
+PUPIL: Colour = (22, 18, 20)
 BREADTH = 0.65
 """Half of the head's breadth by half of its height; features are measured by the latter."""
 EYE_Y, EYE_Z, EYE_HALF = 0.285, 0.02, (0.15, 0.08)
@@ -58,7 +64,7 @@ def _brows(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray
     across = (side - EYE_Y) / 0.17
     height = 0.2 + SHOWN * (face.brow_height - 0.165) + SHOWN * face.brow_tilt * across - 0.03 * across**2
     thickness = 0.032 * np.clip(1 - 0.6 * across**2, 0, 1)
-    return over(image, HAIR, front * (np.abs(across) < 1) * within(np.abs(z - height) - thickness, 0.03))
+    return over(image, BROW, front * (np.abs(across) < 1) * within(np.abs(z - height) - thickness, 0.03))
 
 
 def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:

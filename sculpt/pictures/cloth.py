@@ -7,14 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 from pictures.cubes import over, within
+from pictures.inks import Painted, ink, plain, with_palette
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import PANTS, TOP, Colour
+from mimoc.looks.colours import FOLDED, INKS
 
 ROWS_PX, COLUMNS_PX = 128, 32
 """Height and width of a picture."""
-FOLD = (0.20, 0.26, 0.30)
-"""How much darker cloth is in a fold: a little redder, too."""
 PLACES: Mapping[str, int] = {"bodysuit": 0, "shirt": 1, "nappy": 0, "trousers": 1}
 """Which garment of its picture each is, from the bottom."""
 BANDS: Mapping[str, float] = {"bodysuit": 5.0, "shirt": 7.0, "nappy": 7.0, "trousers": 8.0}
@@ -23,14 +22,8 @@ SEEN = 2.2
 """Distance from a hem, in breadths of its band, up to which a place in the picture tells it."""
 HIGH, MIDDLE, LOW = 0.96, 0.5, 0.06
 """Places at the hem, far from it, and deep in a fold, as shares of a garment's part of the picture."""
-
-TOP_STRIPE: Colour = (252, 236, 196)
-TOP_BAND: Colour = (232, 142, 92)
-SUIT: Colour = (238, 232, 214)
-SUIT_BAND: Colour = (142, 186, 170)
-PANTS_BAND: Colour = (84, 128, 142)
-NAPPY: Colour = (244, 244, 240)
-NAPPY_BAND: Colour = (196, 218, 226)
+SHADES = 256
+"""Colours of a picture."""
 
 
 def shade_of(place: int, bands: FloatArray, free: FloatArray) -> FloatArray:
@@ -46,19 +39,18 @@ def shade_of(place: int, bands: FloatArray, free: FloatArray) -> FloatArray:
     return (place + within_part) / 2
 
 
-def paint_top() -> FloatArray:
+def paint_top() -> Painted:
     """Return the colours of a shirt with stripes, and of a bodysuit below it."""
     across, _ = _places()
     stripes = within(0.25 - np.cos(2 * np.pi * across), 0.5)
-    shirt = over(np.full((*across.shape, 3), TOP, np.float64), TOP_STRIPE, stripes)
-    return np.vstack((_shaded(shirt, TOP_BAND), _shaded(np.full((*across.shape, 3), SUIT, np.float64), SUIT_BAND)))
+    suit = plain(across.shape, ink("shirt"))
+    return with_palette(np.vstack([_shaded(top, "band") for top in (over(suit, ink("stripe"), stripes), suit)]), SHADES)
 
 
-def paint_bottom() -> FloatArray:
+def paint_bottom() -> Painted:
     """Return the colours of trousers, and of a nappy below them."""
-    across, _ = _places()
-    plain = [np.full((*across.shape, 3), colour, np.float64) for colour in (PANTS, NAPPY)]
-    return np.vstack((_shaded(plain[0], PANTS_BAND), _shaded(plain[1], NAPPY_BAND)))
+    bottom = _shaded(plain(_places()[0].shape, ink("trousers")), "trousers_band")
+    return with_palette(np.vstack((bottom, bottom)), SHADES)
 
 
 def _places() -> tuple[FloatArray, FloatArray]:
@@ -69,10 +61,19 @@ def _places() -> tuple[FloatArray, FloatArray]:
     return across, height
 
 
-def _shaded(image: FloatArray, band: Colour) -> FloatArray:
-    """Return a garment with its band, and darker in folds."""
+def _shaded(cloth: FloatArray, band: str) -> FloatArray:
+    """Return a garment with a band of an ink, and darker in folds."""
     _, height = _places()
     edge = HIGH - (HIGH - MIDDLE) / SEEN
-    image = over(image, band, np.clip((height - edge) * (ROWS_PX // 2) + 0.5, 0, 1))
+    flat = over(cloth, ink(band), np.clip((height - edge) * (ROWS_PX // 2) + 0.5, 0, 1))
     deep = np.clip((MIDDLE - height) / (MIDDLE - LOW), 0, 1)
-    return image * (1 - deep[..., None] ** 1.3 * FOLD)
+    return flat + deep[..., None] ** 1.3 * (_folded(flat) - flat)
+
+
+def _folded(flat: FloatArray) -> FloatArray:
+    """Return a canvas of cloth as it is in a fold."""
+    fold = np.zeros_like(flat)
+    for number, name in enumerate(INKS):
+        if name + FOLDED in INKS:
+            fold[..., INKS.index(name + FOLDED)] = flat[..., number]
+    return fold

@@ -1,12 +1,14 @@
-"""Drawing of the infant's textures: face, eyes, ears and clothes."""
+"""Drawing of the textures of an infant's solids, in inks: face, eyes, ears and clothes."""
 
 from collections.abc import Callable
 
 import numpy as np
 from pictures.expressions import FACES, Face
+from pictures.inks import ink, mixed, plain
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import GRID_LAYOUT, SKIN, Colour
+from mimoc.looks.appearance import GRID_LAYOUT
+from mimoc.looks.colours import Colour
 
 FACE_CELL_PX = 85
 """Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
@@ -28,24 +30,19 @@ CELLS = {
     "B": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 }
 
-BLUSH: Colour = (240, 150, 130)
-HAIR: Colour = (150, 108, 74)
-EAR: Colour = (243, 192, 166)
-EAR_HOLLOW: Colour = (222, 152, 128)
-LIP: Colour = (224, 136, 124)
-INSIDE: Colour = (146, 62, 62)
-LID: Colour = (96, 60, 46)
-WHITE: Colour = (250, 248, 244)
-IRIS: Colour = (96, 118, 140)
-IRIS_RIM: Colour = (44, 54, 64)
-PUPIL: Colour = (22, 18, 20)
+SKIN, BLUSH, LIP, LID, WHITE, HAIR = map(ink, ("skin", "blush", "lip", "lash", "white", "hair"))
+INSIDE, IRIS, IRIS_RIM, IRIS_LIGHT = map(ink, ("inside", "iris", "iris_rim", "iris_light"))
+PUPIL, GLINT = ink("pupil"), ink("glint")
+EAR = mixed(skin=0.77, blush=0.23)
+EAR_HOLLOW = mixed(skin=0.3, shade=0.4, blush=0.3)
+SHIRT, STRIPE = ink("shirt"), ink("stripe")
 
 EYE_Y, EYE_Z = 0.352, -0.090
 """Centre of the eye opening in the frontal view, in head radii."""
 
 
 def draw_face(expression: str, breadth: float = 1.0) -> FloatArray:
-    """Return the head's cube texture: one grid of 2 by 3 cells.
+    """Return the head's cube texture in inks: one grid of 2 by 3 cells.
 
     Args:
         expression: A key of `FACES`.
@@ -69,12 +66,12 @@ def draw_ear() -> FloatArray:
     return _paint_cube(EAR_CELL_PX, _ear_colour)
 
 
-def draw_stripes(ground: Colour, stripe: Colour) -> FloatArray:
+def draw_stripes() -> FloatArray:
     """Return a capsule's cube texture: stripes that run along its axis, z.
 
     A 2D texture would do, but MuJoCo 3.5 and 3.17 lay those around a capsule in different ways.
     """
-    return _paint_cube(CLOTH_CELL_PX, lambda direction: _cloth_colour(direction, ground, stripe))
+    return _paint_cube(CLOTH_CELL_PX, _cloth_colour)
 
 
 def directions(cell_px: int) -> FloatArray:
@@ -101,7 +98,7 @@ def _bare_head(breadth: float) -> FloatArray:
     direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
     front, side = x > 0, breadth * np.abs(y)
-    image = blush(np.full(direction.shape, SKIN, np.float64), breadth * y, z, front)
+    image = blush(plain(direction.shape, SKIN), breadth * y, z, front)
     image = hair(image, x, y, z)
     return _eye_opening(image, side, z, front)
 
@@ -158,25 +155,30 @@ def _eye_colour(direction: FloatArray) -> FloatArray:
     """Return the colour of an eyeball by direction from its centre; the pupil is at +x."""
     x, y, z = np.moveaxis(direction, 2, 0)
     angle = np.degrees(np.arccos(np.clip(x, -1, 1)))
-    image = np.full(direction.shape, WHITE, np.float64)
-    image = over(image, IRIS_RIM, within(angle - 41, 4))
-    image = over(image, IRIS, within(angle - 36, 5))
-    image = over(image, PUPIL, within(angle - 20, 3))
-    return over(image, (255, 255, 255), within(np.hypot(y - 0.16, z - 0.2) - 0.085, 0.05) * (x > 0))
+    around = np.arctan2(z, y)
+    image = over(plain(direction.shape, WHITE), mixed(white=0.5, shade=0.5), 0.22 * within(34 - angle, 30))
+    image = over(image, IRIS_RIM, 0.9 * within(angle - 42, 5))
+    image = over(image, IRIS, within(angle - 37, 6))
+    rays = 0.5 + 0.5 * np.sin(17 * around) * np.sin(7 * around + 1)
+    image = over(image, IRIS_LIGHT, 0.55 * within(np.abs(angle - 27) - 4, 10) * rays * within(z - 0.1, 0.7))
+    image = over(image, PUPIL, within(angle - 19, 4))
+    image = over(image, mixed(pupil=0.6, shade=0.4), 0.34 * within(0.36 - z, 0.30) * within(angle - 80, 20))
+    image = over(image, GLINT, 0.95 * within(np.hypot(y - 0.17, z - 0.22) - 0.085, 0.06) * (x > 0))
+    return over(image, GLINT, 0.35 * within(np.hypot(y + 0.20, z + 0.24) - 0.05, 0.08) * (x > 0))
 
 
 def _ear_colour(direction: FloatArray) -> FloatArray:
     """Return the colour of an ear by direction from its centre; its hollow faces along y."""
     x, _, z = np.moveaxis(direction, 2, 0)
     hollow = np.hypot(x / 0.55, (z - 0.12) / 0.62) - 1
-    return over(np.full(direction.shape, EAR, np.float64), EAR_HOLLOW, 0.8 * within(hollow, 0.5))
+    return over(plain(direction.shape, EAR), EAR_HOLLOW, 0.8 * within(hollow, 0.5))
 
 
-def _cloth_colour(direction: FloatArray, ground: Colour, stripe: Colour) -> FloatArray:
+def _cloth_colour(direction: FloatArray) -> FloatArray:
     """Return the colour of striped cloth by direction from the centre of a capsule along z."""
     x, y, _ = np.moveaxis(direction, 2, 0)
     wave = np.cos(STRIPES * np.arctan2(y, x))
-    return over(np.full(direction.shape, ground, np.float64), stripe, within(0.45 - wave, 0.5))
+    return over(plain(direction.shape, SHIRT), STRIPE, within(0.45 - wave, 0.5))
 
 
 def blob(across: FloatArray, up: FloatArray, width: float, height: float) -> FloatArray:
@@ -193,6 +195,9 @@ def within(distance: FloatArray, edge: float) -> FloatArray:
     return t * t * (3 - 2 * t)
 
 
-def over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
-    """Return *image* blended with *colour*; *coverage* is its opacity, 0 to 1, shape `(rows, columns)`."""
+def over(image: FloatArray, colour: Colour | FloatArray, coverage: FloatArray) -> FloatArray:
+    """Return *image* blended with *colour*; *coverage* is its opacity, 0 to 1, shape `(rows, columns)`.
+
+    Image and colour are of red, green and blue, or mixtures of inks.
+    """
     return image + coverage[..., None] * (np.asarray(colour, np.float64) - image)

@@ -1,4 +1,4 @@
-"""Shapes of mouth and brows in the seven facial expressions."""
+"""Shapes of mouth and brows in the facial expressions of solids."""
 
 from dataclasses import dataclass
 
@@ -33,5 +33,7 @@ FACES = {
         smile=-0.09, opening=0.03, mouth_width=0.17, mouth_height=-0.45, brow_height=0.12, brow_tilt=0.01
     ),
     "scared": Face(smile=-0.04, opening=0.055, mouth_width=0.23, brow_height=0.24, brow_tilt=-0.06),
+    "sleepy": Face(smile=0.02, opening=0.02, mouth_width=0.12, brow_height=0.15, brow_tilt=-0.035),
+    "crying": Face(smile=-0.03, opening=0.10, mouth_width=0.22, mouth_height=-0.52, brow_height=0.17, brow_tilt=-0.075),
 }
 """Face by name of the expression."""

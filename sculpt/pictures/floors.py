@@ -4,7 +4,7 @@ import numpy as np
 from pictures.tiling import Field, cells, grid, lit, noise, paint, plain, tones
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import Colour
+from mimoc.looks.colours import Colour
 
 BOARDS = 6
 """Number of boards side by side in a tile."""

@@ -4,7 +4,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import Colour
+from mimoc.looks.colours import Colour
 
 WIDTH_PX, HEIGHT_PX = 256, 192
 FRAME_PX, MOUNT_PX = 12, 10

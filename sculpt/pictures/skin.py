@@ -1,64 +1,25 @@
-"""The pictures of the skin: faces, and colours of skin and cloth by how rosy and how deep in a crease they are."""
+"""The pictures of the skin: colours of skin and cloth by how rosy and how deep in a crease they are."""
 
 import numpy as np
-import numpy.typing as npt
-from pictures.cubes import HAIR, blob, blush, brow, mouth, over, within
-from pictures.expressions import FACES
-from PIL import Image
-from uv_map import wrapped
+from pictures.cubes import SKIN, over
+from pictures.inks import Painted, ink, mixed, plain, with_palette
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import SKIN, Colour
-from mimoc.looks.pictures import png_of
 
-FACE_PX = 256
-"""Sides of the picture of a face."""
-COLOURS = 112
-"""Of a face."""
+SHADES = 256
+"""Colours of skin and cloth."""
 SHADES_PX = 32
 """Sides of the pictures of skin and cloth."""
-DEEP: Colour = (196, 122, 100)
+DEEP = ink("shade")
 """Skin in a crease."""
-ROSY: Colour = (238, 158, 138)
-LASH: Colour = (92, 62, 50)
-RIM: Colour = (232, 158, 142)
-"""The rims of the lids."""
-EYE_Y, EYE_Z = 0.322, -0.083
-"""Middle of an eye in the frontal view, in head radii, of a head of a child's breadth."""
-BREADTH = 0.863
-"""Half of the breadth of the head that the faces are drawn for, in head radii: the skin stretches them on others."""
+ROSY = mixed(blush=0.85, skin=0.15)
 
 
-def paint_face(expression: str) -> bytes:
-    """Return a PNG of the skin of the head with an expression, a key of `FACES`; see `uv_map`."""
-    face, (x, y, z), image = FACES[expression], _directions(), _bare_head()
-    rows, columns = np.nonzero((x > 0.3) & (z < 0.5) & (np.abs(y) < 0.75))
-    part = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    front, across, height = np.where(x[part] > 0, 1.0, 0.0), BREADTH * y[part], z[part]
-    drawn = brow(image[part], np.abs(across), height, front, face)
-    image[part] = mouth(drawn, across, height, front, face)
-    lips = np.argwhere((x > 0) & (np.abs(y) < 0.34) & (np.abs(z + 0.5) < 0.16))
-    return _with_palette(image, tuple(lips.T))
-
-
-def paint_skin() -> FloatArray:
+def paint_skin() -> Painted:
     """Return the colours of skin: rosier to the right, deeper in a crease to the bottom."""
     rosy, deep = _shades()
-    return over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
-
-
-def _with_palette(image: FloatArray, fine: tuple[npt.NDArray[np.intp], ...]) -> bytes:
-    """Return the PNG of an image with a palette of which half is for the colours of some texels.
-
-    Args:
-        image: Of 0 to 255, shape (rows, columns, 3).
-        fine: Rows and columns of these texels.
-    """
-    whole, part = (Image.fromarray(np.rint(texels).astype(np.uint8)) for texels in (image, image[fine][None]))
-    halves = [half.quantize(COLOURS // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for half in (whole, part)]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([value for half in halves for value in half[: 3 * (COLOURS // 2)]])
-    return png_of(whole.quantize(palette=palette, dither=Image.Dither.NONE))
+    image = over(over(plain(rosy.shape, SKIN), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
+    return with_palette(image, SHADES)
 
 
 def _shades() -> tuple[FloatArray, FloatArray]:
@@ -66,32 +27,3 @@ def _shades() -> tuple[FloatArray, FloatArray]:
     steps = (np.arange(SHADES_PX, dtype=np.float64) + 0.5) / SHADES_PX
     right, down = np.meshgrid(steps, steps)
     return right, down
-
-
-def _directions() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the direction that each texel of a face shows, in half axes of the head."""
-    steps = (np.arange(FACE_PX, dtype=np.float64) + 0.5) / FACE_PX
-    right, up = np.meshgrid(steps, steps[::-1])
-    x, y, z = np.moveaxis(wrapped(np.stack((right, up), axis=-1)), 2, 0)
-    return x, y, z
-
-
-def _thin_hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    """Draw even hair whose ends are strands: strands all over would double the size of the picture."""
-    whorl_x, whorl_z = -0.8, 0.6
-    angle = np.arccos(np.clip(whorl_x * x + whorl_z * z, -1, 1))
-    strands = np.sin(23 * np.arctan2(np.abs(y), whorl_z * x - whorl_x * z) + 3 * angle)
-    return over(image, HAIR, 0.55 * within(angle - (1.27 + 0.03 * strands), 0.60))
-
-
-def _bare_head() -> FloatArray:
-    """Return what all expressions share: skin, hair, and the lids' rims."""
-    x, y, z = _directions()
-    front, across = np.where(x > 0, 1.0, 0.0), BREADTH * y
-    image = blush(np.full((*x.shape, 3), SKIN, np.float64), across, z, front)
-    image = over(image, DEEP, 0.30 * blob(np.abs(y) - 1.0, z + 0.16, 0.06, 0.12) * (np.abs(x) < 0.25))
-    image = _thin_hair(image, x, y, z)
-    side, up = (np.abs(across) - EYE_Y) / 0.142, (z - EYE_Z) / 0.092
-    image = over(image, RIM, 0.40 * front * blob(side, up, 1.3, 1.5))
-    lashes = np.hypot(side, up) - 1.06
-    return over(image, LASH, 0.75 * front * np.clip(0.15 + 1.2 * up, 0, 1) * within(np.abs(lashes) - 0.07, 0.14))

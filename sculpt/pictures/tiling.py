@@ -5,7 +5,7 @@ import numpy.typing as npt
 from pictures.cubes import over
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.appearance import Colour
+from mimoc.looks.colours import Colour
 
 TILE_PX = 256
 """Size of a tile, which is the maximum for images of a bundle."""

@@ -1,10 +1,14 @@
 """Start poses rest: without commands, hands and feet stay where they are, and nothing is deep in anything."""
 
+from itertools import pairwise
+
 import mujoco
+import numpy as np
 import pytest
 from support.full import full_but
 from support.start_poses import DEPTH_M, MOVED_M, held_dofs, rests, spec_of
 
+import mimoc
 from mimoc.body.poses import POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder
@@ -87,3 +91,41 @@ def test_what_strength_holds_is_of_trunk_neck_and_legs():
     for pose in ("sitting", "standing"):
         held = {model.joint(int(model.dof_jntid[dof])).name for dof in held_dofs(model, pose)}
         assert {groups[joint] for joint in held} == {"trunk", "neck", "left_leg", "right_leg"}
+
+
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_newborns_slump_as_they_sit_less_from_month_to_month(hands):
+    """Their backs are round and their heads low; from 4 months on, they sit as older infants do."""
+    months = (0, 1, 2, 3, 4, 6)
+    trunks_deg, heads_deg = zip(*(leaning_deg(spec_of(month, hands)) for month in months), strict=True)
+    assert trunks_deg[0] > 30 > 20 > trunks_deg[-1]
+    assert heads_deg[0] > trunks_deg[0] + 15
+    assert all(younger >= older - 1.5 for younger, older in pairwise(trunks_deg))
+    assert all(younger >= older - 1.5 for younger, older in pairwise(heads_deg))
+    assert heads_deg[4] == pytest.approx(trunks_deg[4], abs=1)
+
+
+@pytest.mark.parametrize(
+    ("sections", "is_upright"),
+    [
+        ({"scene": {"pose": "sitting", "held": ["chest"]}}, True),
+        ({"scene": {"pose": "sitting", "held": ["head"]}}, True),
+        ({"scene": {"pose": "sitting", "held": ["hip"]}}, False),
+        ({"development": "published"}, True),
+    ],
+    ids=str,
+)
+def test_newborns_sit_upright_who_are_held_by_chest_or_head_and_those_of_the_published_law(sections, is_upright):
+    trunk_deg, head_deg = leaning_deg(spec_of(0, **sections))
+    assert (trunk_deg < 20) == is_upright
+    assert (head_deg < 20) == is_upright
+
+
+def leaning_deg(spec: mimoc.InfantSpec) -> tuple[float, float]:
+    """Return how far chest and head lean forward in the pose `sitting`, in degrees."""
+    model = load_model(build(spec))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("sitting").id)
+    mujoco.mj_forward(model, data)
+    chest, head = (np.degrees(np.arcsin(-data.body(name).xmat[6])) for name in ("chest", "head"))
+    return float(chest), float(head)

@@ -50,6 +50,7 @@ BUILT = {
     "body.parts": {"right_upper_arm": {"length": 0.95}},
     "body.remove": ["left_lower_arm"],
     "body.expression": "happy",
+    "body.looks": {"hair": "black", "clothes": "trousers"},
     "body.looks.skin": "dark",
     "body.looks.hair": "red",
     "body.looks.eyes": "green",

@@ -15,10 +15,10 @@ from mimoc.looks.skin import deformation as carrying
 from mimoc.looks.skin.deformation import layers_of
 from mimoc.mjcf.skin import single
 
-LAYERS = ["body", "shirt", "trousers", "head"]
+LAYERS = ["body", "shirt", "trousers", "head", "hair"]
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
 VISION = {"width_px": 16, "height_px": 16}
-SEES = {**VISION, "body": "skin"}
+SEES_SOLIDS = {**VISION, "body": "solids"}
 
 
 def spec(**keys) -> mimoc.InfantSpec:
@@ -34,8 +34,16 @@ def test_a_single_infant_has_a_skin_unless_its_spec_says_no(built):
     assert skins(load_model(built(body={"skin": False}))) == []
 
 
-@pytest.mark.parametrize(("keys", "expected"), [({}, []), ({"body": {"skin": True}}, LAYERS)])
-def test_infants_in_a_batch_have_one_only_if_asked(keys, expected):
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({}, []),
+        ({"body": {"skin": True}}, LAYERS),
+        ({"senses": {"vision": VISION}}, LAYERS),
+        ({"senses": {"vision": SEES_SOLIDS}}, []),
+    ],
+)
+def test_infants_in_a_batch_have_one_only_if_asked_or_seen(keys, expected):
     infants = mimoc.make_vec(spec(**keys), num_envs=2, threads=1)
     try:
         assert [skins(infant.model) for infant in infants.infants] == [expected] * 2
@@ -43,9 +51,18 @@ def test_infants_in_a_batch_have_one_only_if_asked(keys, expected):
         infants.close()
 
 
-def test_one_of_many_that_sees_skins_has_one():
-    assert not sees_skin(spec(senses={"vision": VISION}))
-    assert sees_skin(spec(senses={"vision": SEES}))
+def test_eyes_see_skins_unless_the_spec_says_solids_or_the_law_is_the_published_one():
+    assert sees_skin(spec(senses={"vision": VISION}))
+    assert not sees_skin(spec(senses={"vision": SEES_SOLIDS}))
+    assert not sees_skin(spec(senses={"vision": VISION}, development="published"))
+    assert sees_skin(spec(senses={"vision": {**VISION, "body": "skin"}}, development="published"))
+    assert not sees_skin(spec())
+
+
+@pytest.mark.parametrize(("development", "expected"), [("maturing", None), ("published", "solids")])
+def test_a_bundle_says_what_eyes_see(development, expected):
+    bundle = builder(spec(senses={"vision": VISION}, development=development), skin=False)(0, check=False)
+    assert bundle.manifest.senses.vision.body == expected
 
 
 def test_code_written_for_mimo_is_given_solids():
@@ -109,7 +126,12 @@ def test_a_skin_of_a_bundle_is_that_of_its_spec(built):
 
 @pytest.mark.parametrize(
     ("keys", "options", "expected"),
-    [({}, {}, 0), ({"senses": {"vision": SEES}}, {}, 1), ({}, {"render_mode": "rgb_array"}, 1)],
+    [
+        ({}, {}, 0),
+        ({"senses": {"vision": SEES_SOLIDS}}, {}, 0),
+        ({"senses": {"vision": VISION}}, {}, 1),
+        ({}, {"render_mode": "rgb_array"}, 1),
+    ],
 )
 def test_skin_is_carried_to_another_age_only_for_what_draws_it(keys, options, expected, monkeypatch):
     carried = []

@@ -1,9 +1,12 @@
 """What is drawn of infants: the skin, or the solids under it."""
 
+from contextlib import closing
+
 import mujoco
 import numpy as np
 import pytest
 
+import mimoc
 from mimoc.bundle.model import load_posed
 from mimoc.render.portrait import lineup, portrait
 from mimoc.senses.vision.eyes import Eyes
@@ -30,11 +33,14 @@ def test_infants_in_a_row_are_drawn_either_way(both):
     assert not np.array_equal(skins, solids)
 
 
-def drawn(bundle, shown: str) -> np.ndarray:
+EYES = ("eye_left", "eye_right")
+
+
+def drawn(bundle, shown: str, cameras=EYES) -> np.ndarray:
     model, data = load_posed(bundle, "sitting")
     data.qpos[model.joint("robot:head_tilt").qposadr] = model.joint("robot:head_tilt").range[1]
     mujoco.mj_forward(model, data)
-    eyes = Eyes(model, ("eye_left", "eye_right"), 48, 48, OWN, shown)
+    eyes = Eyes(model, cameras, 48, 48, OWN, shown)
     try:
         return eyes(data).astype(int)
     finally:
@@ -45,3 +51,26 @@ def test_eyes_see_solids_or_skin(both):
     clothed, bare = both
     assert np.array_equal(drawn(clothed, "solids"), drawn(bare, "solids"))
     assert (np.abs(drawn(clothed, "skin") - drawn(clothed, "solids")).max(axis=-1) > 20).mean() > 0.01
+
+
+def test_both_eyes_draw_from_one_scene_what_each_draws_alone(both):
+    together = drawn(both[0], "skin")
+    assert not np.array_equal(*together)
+    for picture, camera in zip(together, EYES, strict=True):
+        assert np.array_equal(picture, drawn(both[0], "skin", (camera,))[0])
+
+
+def test_without_a_choice_infants_see_skins_alone_and_in_batches():
+    """Batches and single infants see the same."""
+    keys = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}}
+    sharp = {"width_px": 48, "height_px": 48, "acuity": "off", "fovy_deg": 150}
+
+    def seen(**vision):
+        spec = mimoc.InfantSpec.model_validate({**keys, "senses": {"vision": {**sharp, **vision}}})
+        with mimoc.make(spec) as env, closing(mimoc.make_vec(spec, num_envs=2, threads=1)) as envs:
+            alone, of_many = env.reset(seed=0)[0]["eye_left"], envs.reset(seed=0)[0]["eye_left"][0]
+        assert np.array_equal(alone, of_many)
+        return alone
+
+    assert np.array_equal(seen(), seen(body="skin"))
+    assert not np.array_equal(seen(), seen(body="solids"))

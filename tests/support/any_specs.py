@@ -1,9 +1,12 @@
 """A strategy for specs."""
 
+from typing import get_args
+
 from hypothesis import strategies as st
 
 from mimoc.body.parts import kinds_of_hands
 from mimoc.schema import InfantSpec, PartSpec
+from mimoc.schema.looks import Clothes, EyeColour, HairColour, SkinTone
 from mimoc.schema.names import (
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
@@ -13,6 +16,13 @@ from mimoc.schema.names import (
 )
 
 LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
+
+LOOKS = {
+    "skin": st.sampled_from(get_args(SkinTone)),
+    "hair": st.sampled_from(get_args(HairColour)),
+    "eyes": st.sampled_from(get_args(EyeColour)),
+    "clothes": st.none() | st.sampled_from(get_args(Clothes)),
+}
 
 
 def specs() -> st.SearchStrategy[InfantSpec]:
@@ -41,6 +51,7 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
                 "hands": hands,
                 "measurements": measurements,
                 "parts": scaled,
+                "looks": {name: data.draw(looks) for name, looks in LOOKS.items()},
                 "remove": [] if said else data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
             },
             "actuation": {"strength": strength},

@@ -78,6 +78,8 @@ SPECS = {
     + "body: {hands: mittens, expression: joyful}\nactuation: {model: muscles}\n"
     + "senses: {proprioception: {include: [speed, torque]}, touch: {quantity: 3}, vision: {acuity: of}}\n"
     + "delays: {preset: Paper}\nscene: {kind: nursery, pose: sit}\ntask: {kind: reech}\n",
+    "looks that there are not": HEAD
+    + "body: {looks: {skin: dusky, hair: blonde, eyes: gray, clothes: [shirt], shoes: red}}\nlooks: {skin: dark}\n",
     "numbers out of range": HEAD
     + "body: {individual: {sex: male, length_percentile: 0, weight_kg: 74}, measurements: {foot_length_cm: 0},"
     + " parts: {head: {girth: 3}}}\n"

@@ -18,8 +18,8 @@ from mimoc.companions.caregiver.spec_acts import ACTS, ActSpec
 from mimoc.geometry.adult import MOUTH_M, SIDES, STATURE_M, Adult, neck
 from mimoc.geometry.leaning import Frame, lean
 from mimoc.geometry.rotations import FloatArray, Vec3, quaternion_from_matrix
-from mimoc.looks.appearance import EXPRESSIONS
 from mimoc.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
+from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 HEAD = "head"
 BETWEEN_EYES = (0.94, 0.0, -0.09)
@@ -90,7 +90,7 @@ def _entry(spec: CaregiverSpec, tree: BodyTree, scale: float) -> CaregiverEntry:
         trunk=f"{NAME}_trunk",
         arms=(_arm("left"), _arm("right")),
         face=f"{NAME}_face",
-        materials={name: face_material(name) for name in EXPRESSIONS},
+        materials={name: face_material(name) for name in ADULT_EXPRESSIONS},
         mouth_m=(scale * x, scale * y, scale * z),
         infant_face_m=on_head(head, BETWEEN_EYES),
         place=spec.place,

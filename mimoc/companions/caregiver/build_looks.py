@@ -1,8 +1,8 @@
 """Textures and materials of a caregiver."""
 
-from mimoc.looks.appearance import EXPRESSIONS
 from mimoc.looks.pictures import read_picture
 from mimoc.mjcf.furniture import UNTINTED, Rgba, WorldMaterial, WorldTexture
+from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 NAME = "caregiver"
 SKIN: Rgba = (0.9098, 0.7451, 0.6353, 1.0)
@@ -26,7 +26,7 @@ def faces() -> tuple[WorldTexture, ...]:
     """Return the texture of each facial expression, a cube of six sides."""
     return tuple(
         WorldTexture(f"{NAME}_face_{name}", f"assets/{NAME}_face_{name}.png", read_picture(f"adult_face_{name}"))
-        for name in EXPRESSIONS
+        for name in ADULT_EXPRESSIONS
     )
 
 
@@ -34,7 +34,7 @@ def materials() -> tuple[WorldMaterial, ...]:
     """Return all materials."""
     return (
         *(WorldMaterial(material(what), rgba, emission=GLOW * (what == "skin")) for what, rgba in COLOURS.items()),
-        *(WorldMaterial(face_material(name), UNTINTED, face_material(name), emission=GLOW) for name in EXPRESSIONS),
+        *(WorldMaterial(name, UNTINTED, name, emission=GLOW) for name in map(face_material, ADULT_EXPRESSIONS)),
     )
 
 

@@ -8,9 +8,9 @@ from mimoc.base.units import to_steps
 from mimoc.companions.caregiver.spec_acts import ActName, ActSpec, check_acts
 from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.entries import Amount, Body, Duration, Geom, Label, Length, Material, Number, WeldName
+from mimoc.schema.expressions import AdultExpression
 from mimoc.schema.quantities import Centimetres, Milliseconds, Real
 
-Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 Behaviour = Literal["kick", "gaze", "vocalisation", "touch"]
 """What an infant does that can be answered."""
 Place = Literal["in_front", "beside", "above"]
@@ -61,7 +61,7 @@ class CaregiverSpec(Model):
     """Height of its face above the floor, in place of what follows from the others."""
     stature_cm: Annotated[Centimetres, Field(ge=140, le=200)] = 163.0
     """Its stature, which all its lengths follow."""
-    expression: Expression = "neutral"
+    expression: AdultExpression = "neutral"
     """Its facial expression at the start."""
     script: Annotated[tuple[ActSpec, ...], Field(max_length=1000)] = ()
     """What it does in every episode, in order of time."""

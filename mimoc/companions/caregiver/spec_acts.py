@@ -7,6 +7,7 @@ from pydantic import Field, StringConstraints, model_validator
 
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import PartName
+from mimoc.schema.expressions import AdultExpression
 from mimoc.schema.quantities import Milliseconds, Real
 
 ActName = Literal[
@@ -21,8 +22,7 @@ ActName = Literal[
     "still_face",
     "interact",
 ]
-Face = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
-"""Names of acts, and of facial expressions."""
+"""Names of acts."""
 
 
 class Act(NamedTuple):
@@ -57,7 +57,7 @@ class ActSpec(Model):
     """What it does: `show_face`; `smile`, which passes; `look_at` the infant; `look_away`; `speak`; `offer` an object,
     within the infant's reach; `hold` a part of the infant; `release` what it holds; `still_face`: a neutral face that
     looks at the infant and answers nothing; `interact`: the face of the start, and answers again."""
-    face: Face | None = None
+    face: AdultExpression | None = None
     """The expression of `show_face`."""
     object: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)] | None = None
     """The object or toy that is offered: its name, or of a toy that of its kind, such as `ball`."""

@@ -9,12 +9,14 @@ import numpy as np
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
+from mimoc.geometry.face_steps import Steps, on_grid, steps_between
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
 from mimoc.looks.skin.garments import OUTFITS, Piece, dressed, normals_of
+from mimoc.looks.skin.hair import hair_over
 from mimoc.looks.skin.head import deform_head
 from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
-from mimoc.looks.skin.template_mesh import BODY, HEAD, SculptedMesh, Sculpture, template_mesh
+from mimoc.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.mjcf.skin import Skin, SkinLayer
 
 ROUNDS = 2
@@ -37,13 +39,25 @@ def skin_of(tree: BodyTree) -> Skin:
 def skins(pickled: bytes) -> Skin:
     """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
-    return Skin((BODY, *OUTFITS[tree.clothes], HEAD), lambda: layers_of(tree, template_mesh(tree.hands)))
+    names = (BODY, *OUTFITS[tree.clothes], HEAD, HAIR)
+    return Skin(names, lambda: layers_of(tree, template_mesh(tree.hands)), lambda: moves_of(tree))
 
 
 def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
     """Return the layers of a body's skin, carried from a sculpture."""
     carried = _Carrying(sculpted, tree)
-    return (*carried.dressed(), carried.head())
+    return (*carried.dressed(), *carried.head())
+
+
+def moves_of(tree: BodyTree) -> dict[str, Steps]:
+    """Return how far each expression moves the vertices of the head's layer, shape (n, 3)."""
+    sculpted = template_mesh(tree.hands)
+    _, turn = frames(tree, sculpted.angles_rad)[HEAD]
+    neutral_m = deform_head(sculpted.head, tree) @ turn.T
+    return {
+        name: steps_between(neutral_m, deform_head(sculpted.head, tree, name) @ turn.T)
+        for name in sculpted.head.moves_m
+    }
 
 
 class _Carrying:
@@ -111,20 +125,21 @@ class _Carrying:
             weights[used][:, moving],
         )
 
-    def head(self) -> SkinLayer:
-        tree, sculpted = self.tree, self.sculpted.head
-        origin, turn = self.placed[HEAD]
-        verts_m = deform_head(sculpted, tree)
-        return SkinLayer(
-            HEAD,
-            origin + verts_m @ turn.T,
-            sculpted.faces,
-            sculpted.texcoords,
-            (HEAD,),
-            origin[None],
-            turn[None],
-            np.ones((len(verts_m), 1)),
+    def head(self) -> tuple[SkinLayer, SkinLayer]:
+        """Return the head and its hair."""
+        sculpted = self.sculpted.head
+        verts_m = deform_head(sculpted, self.tree)
+        hair_m, places = hair_over(sculpted.hair, verts_m, self.tree.age_months, self.scale)
+        return (
+            self._on_head(HEAD, verts_m, sculpted.faces, sculpted.texcoords),
+            self._on_head(HAIR, hair_m, sculpted.hair.faces, places),
         )
+
+    def _on_head(self, name: str, verts_m: FloatArray, faces: IntArray, places: FloatArray) -> SkinLayer:
+        """Return a layer that the head moves, of vertices in its frame."""
+        origin, turn = self.placed[HEAD]
+        bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
+        return SkinLayer(name, on_grid(origin + verts_m @ turn.T), faces, places, *bind)
 
     def _moved(self, mesh: SculptedMesh) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""

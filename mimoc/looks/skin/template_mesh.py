@@ -18,6 +18,10 @@ BODY = "body"
 """What several bodies move: the name of the layer of bare skin, and of the mesh that clothes are parts of."""
 HEAD = "head"
 """What one body moves: the name of the layer, the body and the solid."""
+HAIR = "hair"
+"""The layer over it, which the same body moves."""
+MOVE_M = 1e-5
+"""Unit of the moves of an expression in the file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,15 +59,35 @@ class Garment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SculptedHair:
+    """The part of the head's mesh that has hair, of n vertices."""
+
+    verts: IntArray
+    """Of the head, shape (n,)."""
+    faces: IntArray
+    """Of these, shape (m, 3)."""
+    inside_deg: FloatArray
+    """How far within the hairline each is, and how much farther if there is a full fringe, shape (n, 2)."""
+    around: FloatArray
+    """Which way from the whorl, 0 to 1, the same on both sides, shape (n,)."""
+    worn: FloatArray
+    """How much of the hair rubs off on the ground, 0 to 1, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SculptedHead:
     """The mesh of the head on the reference child, in the frame of the head's solid."""
 
-    verts_m: FloatArray
-    """At nine months and more, shape (n, 3)."""
-    newborn_m: FloatArray
-    """At birth."""
-    closing_m: Mapping[str, FloatArray]
-    """How each vertex moves where an eye is missing, so that the lids close, by side; shape (n, 3)."""
+    ages_months: FloatArray
+    """Ages that it was sculpted at, rising, shape (ages,)."""
+    at_ages_m: FloatArray
+    """The vertices at these ages, as if the head's solid were always the same, shape (ages, n, 3)."""
+    lids: FloatArray
+    """How far the lids are open at these ages, upper and lower, by how far they are in the mesh, shape (ages, 2)."""
+    moves_m: Mapping[str, FloatArray]
+    """How each vertex moves from the neutral to another expression, lids aside, by expression, shape (n, 3)."""
+    lids_by_expression: Mapping[str, FloatArray]
+    """How far the lids are open then, by how far they are, shape (2,)."""
     faces: IntArray
     texcoords: FloatArray
     half_axes_m: FloatArray
@@ -71,6 +95,7 @@ class SculptedHead:
     eye_m: FloatArray
     """Middle of the right eye, shape (3,)."""
     eye_radius_m: float
+    hair: SculptedHair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,11 +171,14 @@ def _garment(arrays: Mapping[str, npt.NDArray[Any]], index: int) -> Garment:
 
 
 def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
-    names = ("verts_m", "newborn_m", "faces", "texcoords", "half_axes_m", "eye_m")
+    names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
+    expressions = [name.removeprefix("moves/") for name in arrays if name.startswith("moves/")]
     return SculptedHead(
         **{name: _fixed(arrays[name]) for name in names},
-        closing_m=MappingProxyType({side: _fixed(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
+        moves_m=MappingProxyType({name: _fixed(arrays[f"moves/{name}"] * MOVE_M) for name in expressions}),
+        lids_by_expression=MappingProxyType({name: _fixed(arrays[f"lids/{name}"]) for name in expressions}),
         eye_radius_m=float(arrays["eye_radius_m"]),
+        hair=SculptedHair(**{field.name: _fixed(arrays[f"hair/{field.name}"]) for field in fields(SculptedHair)}),
     )
 
 

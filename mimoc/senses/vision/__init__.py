@@ -113,8 +113,9 @@ class VisionSpec(Model):
     supersample: Annotated[Whole, Field(ge=1, le=8)] = 1
     """Factor by which an image is rendered and blurred larger, in both directions, before it is averaged down: a
     grating of f cycles per degree requires more than 2 f x fovy_deg rendered pixels."""
-    body: Shown = "solids"
-    """What the eyes see of infants: their `solids`, which are drawn faster, or the `skin` over them (`body.skin`)."""
+    body: Shown | None = None
+    """What the eyes see of infants: the `skin`, or the `solids` under it. By default the skin of those that have one
+    (`body.skin`), but solids on a device, which draws no skins, and by the law `published`, as in MIMo."""
 
 
 MATURING = (
@@ -170,8 +171,9 @@ class VisionEntry(Model):
     """Meaning of R in the foveation mapping."""
     unseen: tuple[Body, ...]
     """Bodies that are hidden from the eyes: the infant's own head."""
-    body: Shown = "solids"
-    """What the eyes see of infants: their skins, or the solids under these."""
+    body: Shown | None = "solids"
+    """What the eyes see of infants: their skins, or the solids under these. None is the skins of those that have some,
+    where skins can be drawn; a device draws solids then. Bundles from before there were skins do not say."""
 
     @model_validator(mode="after")
     def _each_eye_has_its_share(self) -> Self:

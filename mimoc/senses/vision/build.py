@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from mimoc.body.tree import BodyTree
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.scene import Placed
-from mimoc.senses.vision import VisionEntry, VisionSpec
+from mimoc.senses.vision import Shown, VisionEntry, VisionSpec
 from mimoc.senses.vision.build_acuity import resolve_acuity
 from mimoc.senses.vision.build_maturity import UNITS, maturity_of, rules_of
 
@@ -33,10 +33,15 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         field_deg=dict(body.field_deg),
         foveation_radius=spec.foveation_radius,
         unseen=tuple(name for name in sensor_sites.UNSEEN if name in names),
-        body=spec.body,
+        body=_seen(spec, body),
         **fields,
     )
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
+
+
+def _seen(spec: VisionSpec, body: BodyTree) -> Shown | None:
+    """Return what the eyes see of infants: by the published law, solids, unless the spec asks for skins."""
+    return "solids" if spec.body is None and body.development == "published" else spec.body
 
 
 def _shares(body: BodyTree, eyes: Iterable[str]) -> tuple[float, ...]:

@@ -67,7 +67,7 @@ def preview(
     if fovy_deg is not None:
         model.camera(name).fovy = fovy_deg
     size_px = first.supersample * first.width_px, first.supersample * first.height_px
-    with closing(Eyes(model, first.cameras, *size_px, first.unseen, first.body)) as eyes:
+    with closing(Eyes(model, first.cameras, *size_px, first.unseen, first.body or "skin")) as eyes:
         view = eyes.view(data)
     return [[perceive_view(view, entry, eyes.fovy_deg)[0] for entry in row] for row in entries]
 

@@ -79,9 +79,9 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     Raises:
         RenderingError: If there is no OpenGL here, or none that draws such large pictures.
     """
-    times = entry.supersample
+    times, shown = entry.supersample, entry.body or "skin"
     ids = [model.camera(name).id for name in entry.cameras]
-    eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen, entry.body)
+    eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen, shown)
     names = [bundle.manifest.of_infant(name) for name in entry.cameras]
     return Vision(eyes, filters(entry, eyes.fovy_deg), entry, model.cam_bodyid[ids].astype(np.intp), names)
 

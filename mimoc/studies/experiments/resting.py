@@ -10,8 +10,9 @@ import numpy as np
 
 from mimoc.compiler.validation.measuring import ROOT
 from mimoc.control.holding.postures import seat
-from mimoc.render.body_camera import STILL, BodyCamera
+from mimoc.render.body_camera import BodyCamera
 from mimoc.render.picture_files import Picture, tile_pictures
+from mimoc.render.soft_light import STILL
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones import TRIALS, Conditions, Outcome, TrialInfant, compile_at
@@ -115,7 +116,7 @@ def try_to_sit(development: Development, age_months: float) -> Picture:
             best, outcome = data, ended
         if outcome.success:
             break
-    with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, supersample=STILL)) as camera:
+    with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, exposure=STILL)) as camera:
         held = "sits" if outcome.success else f"falls after {outcome.seconds:.1f} s"
         return tile_pictures([[camera.render(best)]], columns=[f"{age_months:g} months: {held}"])
 

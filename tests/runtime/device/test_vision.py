@@ -31,7 +31,7 @@ def build(age_months: float, **vision: object) -> mimoc.Bundle:
         "mimoc": 1,
         "name": "infant",
         "age_months": age_months,
-        "senses": {"proprioception": {}, "vestibular": {}, "vision": {**SIZE, **vision}},
+        "senses": {"proprioception": {}, "vestibular": {}, "vision": {**SIZE, "body": "solids", **vision}},
         "task": {"kind": "reach"},
         "delays": {"vision_ms": 30 if age_months > 12 else 15},
     }
@@ -195,6 +195,11 @@ def test_eyes_out_of_focus_are_refused_in_one_line():
         DeviceError, match=r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on"
     ):
         mimoc.make_vec([build(1, focus="age")], device=DEVICE)
+
+
+def test_skins_are_refused_in_one_line_since_nothing_draws_them():
+    with pytest.raises(DeviceError, match=r"infant 0: MuJoCo Warp draws no skins, so eyes see solids on a device"):
+        mimoc.make_vec([build(1, body="skin")], device=DEVICE)
 
 
 @pytest.mark.slow

@@ -119,7 +119,7 @@ def test_gymnasium_is_told_of_the_pictures(infant):
 def test_a_sitting_infant_that_looks_down_sees_its_limbs_on_the_floor(infant, open_vision):
     model, data = posed(infant)
     pictures = open_vision(infant, model)(data)
-    model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
+    model.mat_rgba[[*model.geom_matid[model.geom_bodyid > 0], *model.skin_matid], 3] = 0
     limbs = np.abs(pictures.astype(int) - open_vision(infant, model)(data)).max(axis=-1) > 10
     for share in limbs.mean(axis=(1, 2)):
         assert 0.05 < share < 0.9
@@ -152,7 +152,7 @@ def test_toys_look_the_same_whatever_is_drawn_of_the_infant():
 def test_the_left_foot_is_on_the_left_and_the_right_one_on_the_right(side, columns, infant, open_vision):
     """A foot is where the picture of the eye on its side changes when it is hidden."""
     model, data = posed(infant)
-    vision = open_vision(infant, model)
+    vision = open_vision(infant, model, body="solids")
     with_foot = vision.observe(vision(data))[f"eye_{side}"].astype(int)
     for name in ("foot", "toes"):
         model.geom_group[model.geom_bodyid == model.body(f"{side}_{name}").id] = HIDDEN_GROUP
@@ -178,7 +178,8 @@ def test_own_head_and_eyes_are_never_in_the_way(age_months, open_vision):
     model, _ = posed(bundle)
     vision, naive = open_vision(bundle, model), open_vision(bundle, model, unseen=())
     own = np.isin(model.geom_bodyid, [model.body(name).id for name in ("head", "left_eye", "right_eye")])
-    model.geom_matid[own] = -1
+    own_skins = [index for index in range(model.nskin) if model.skin(index).name in ("head", "hair")]
+    model.geom_matid[own] = model.skin_matid[own_skins] = -1
     names = [name for name in GAZE if name.startswith("head")]
     names += [f"{side}_{name}" for name in GAZE if name.startswith("eye") for side in ("left", "right")]
     rng, in_the_way = np.random.default_rng(0), 0
@@ -186,7 +187,7 @@ def test_own_head_and_eyes_are_never_in_the_way(age_months, open_vision):
         _, data = posed(bundle, {name: rng.uniform(*model.joint(f"robot:{name}").range) for name in names})
         pictures = []
         for colour in ((1, 0, 1, 1), (0, 1, 0, 1)):
-            model.geom_rgba[own] = colour
+            model.geom_rgba[own] = model.skin_rgba[own_skins] = colour
             pictures.append((vision(data), naive(data)))
         assert np.array_equal(pictures[0][0], pictures[1][0])
         in_the_way += not np.array_equal(pictures[0][1], pictures[1][1])

@@ -139,7 +139,7 @@ class VisionReader:
 
         Raises:
             MixtureError: If their eyes have pictures of different sizes.
-            DeviceError: If they are out of focus, which takes distances that are not drawn here.
+            DeviceError: If they are out of focus, which takes distances that are not drawn here, or are to see skins.
         """
         entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]
         _check(entries)
@@ -191,6 +191,11 @@ def _check(entries: Sequence[VisionEntry]) -> None:
             raise DeviceError(
                 f"infant {number}: eyes that are out of focus ('senses.vision.focus') do not run on a device; leave it "
                 "out, or leave out device"
+            )
+        if entry.body == "skin":
+            raise DeviceError(
+                f"infant {number}: MuJoCo Warp draws no skins, so eyes see solids on a device; leave out "
+                "'senses.vision.body', or leave out device"
             )
         for name in SHARED:
             ours, theirs = getattr(entries[0], name), getattr(entry, name)

@@ -1,0 +1,58 @@
+"""What is behind infants that are in no room: a floor that fades into a plain background, without a horizon."""
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.render.camera import Shot
+from mimoc.render.opengl import set_fog
+from mimoc.render.renderer import Setting
+from mimoc.render.soft_light import Colour
+
+BACKGROUND: Colour = (0.93, 0.925, 0.912)
+"""Of what is far away (D)."""
+FLOOR: tuple[Colour, Colour] = (1.0, 0.992, 0.976), (0.984, 0.976, 0.96)
+"""Of the fields of the floor, before light falls on it: two that hardly differ (D)."""
+FADES_WITHIN = 1.6
+"""Over what distance the floor fades behind what is shown, as a share of that from the camera to there (D)."""
+SKY, MAT = "sky", "mat"
+"""Names of textures in `templates/scene.xml.j2`."""
+
+
+def is_outdoors(model: mujoco.MjModel) -> bool:
+    """Return whether no room is around the infants of a model: it has at most one plane, the floor."""
+    return int((model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).sum()) <= 1
+
+
+def backdrop_settings(model: mujoco.MjModel) -> list[Setting]:
+    """Return the colours of floor, sky and what is far away, for the time in which OpenGL takes a model's textures."""
+    colours = model.tex_data.copy()
+    for name in (SKY, MAT):
+        number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXTURE, name)
+        if number >= 0:
+            pixels = _pixels(model, colours, number)
+            pixels[:] = _of_byte(BACKGROUND) if name == SKY else _floor(pixels)
+    return [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
+
+
+def fade(shot: Shot, radius_m: float) -> None:
+    """Let what is drawn from now on fade behind what is within a radius of the middle of a shot."""
+    start_m = shot.depth_m + radius_m
+    set_fog(start_m, (1 + FADES_WITHIN) * start_m)
+
+
+def _pixels(model: mujoco.MjModel, colours: npt.NDArray[np.uint8], number: int) -> npt.NDArray[np.uint8]:
+    """Return a view of the pixels of a texture, shape (pixels, 3)."""
+    texture = model.texture(number)
+    (start,), (width,), (height,), (channels,) = texture.adr, texture.width, texture.height, texture.nchannel
+    return colours[start : start + width * height * channels].reshape(-1, channels)
+
+
+def _floor(pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return the pixels of a floor of two colours in those of pictures."""
+    brightness = pixels.sum(axis=1, dtype=np.int64)
+    return np.where((2 * brightness > brightness.min() + brightness.max())[:, None], *map(_of_byte, FLOOR))
+
+
+def _of_byte(colour: Colour) -> npt.NDArray[np.uint8]:
+    return np.rint(255 * np.array(colour)).astype(np.uint8)

@@ -1,0 +1,244 @@
+"""Soft light for pictures: a large sun, the sky and the floor's own light, drawn as the mean of several passes.
+
+MuJoCo draws lights as points, so that shadows have hard edges, and each has one map of shadows, whose cells show as
+speckle. Here a picture is the mean of `passes` drawings of one scene, `I = sum(I_k) / passes`. In each, every light
+that casts shadows stands at other points of a disc, which softens shadows as a lamp of that size does, and the camera
+is moved by another fraction of a pixel, which smooths all edges. As the mean smooths anyway, a pass needs neither
+multisampling nor a fine map of shadows: eight passes take no longer than one in full quality did. The points are the
+same for every picture, so that videos do not flicker.
+"""
+
+from collections.abc import Iterator
+from copy import copy
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.geometry.rotations import FloatArray, direction
+from mimoc.render.camera import Shot
+from mimoc.render.renderer import Picture
+
+Colour = tuple[float, float, float]
+"""Red, green and blue, 0 to 1."""
+GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))
+"""Angle between one point of a Fibonacci disc and the next."""
+DIRECTIONAL = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+STRENGTHS = ("diffuse", "ambient", "specular")
+ACROSS = (0.6, 0.8, 0.0)
+"""A direction that no light shines along."""
+BLACK: Colour = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Exposure:
+    """How many drawings a picture is the mean of."""
+
+    passes: int
+    suns: int = 1
+    """Points of the sun's disc that shine in each of them."""
+
+
+STILL, MOVING, ONCE = Exposure(5, 3), Exposure(3, 2), Exposure(1)
+"""For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beam:
+    """Light from one direction, without an end."""
+
+    azimuth_deg: float
+    """That it shines in, less that of the camera: 0 is from behind the camera, 90 from its right."""
+    elevation_deg: float
+    """That it shines in; below 0 is downwards."""
+    colour: Colour
+    """On what faces it."""
+
+    def towards(self, camera_azimuth_deg: float) -> FloatArray:
+        """Return the unit vector that it shines along, shape (3,), in the world."""
+        return direction(np.radians(camera_azimuth_deg + self.azimuth_deg), np.radians(self.elevation_deg))
+
+
+@dataclass(frozen=True, slots=True)
+class Daylight:
+    """The light of a picture of an infant that is in no room."""
+
+    sun: Beam
+    """The only one that casts shadows."""
+    sun_radius_deg: float
+    """Of its disc, as seen from the infant: as large as a window."""
+    fills: tuple[Beam, ...]
+    """Sky and floor, without shadows."""
+    ambient: Colour
+    """On everything."""
+
+
+DAYLIGHT = Daylight(
+    sun=Beam(36.0, -50.0, (0.43, 0.415, 0.39)),
+    sun_radius_deg=9.0,
+    fills=(
+        Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
+        Beam(-25.0, -8.0, (0.15, 0.15, 0.15)),
+        Beam(0.0, 65.0, (0.11, 0.098, 0.08)),
+    ),
+    ambient=(0.42, 0.415, 0.415),
+)
+"""A sun at the upper right of the camera, sky from above and from the left, warm light back from the floor (D)."""
+
+GLOSS: Colour = (0.08, 0.08, 0.08)
+"""Of the sun on what is shiny (D)."""
+LAMP_RADIUS = 0.08
+"""Radius of a lamp in a room, as a share of its distance from the infant (D)."""
+SUN_DISTANCE_M = 4.0
+"""From the middle of what is shown to where the map of shadows begins."""
+NEAR, FAR_M = 0.25, 2000.0
+"""Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
+share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 2000 m not."""
+SHADOWS_WITHIN = 1.1
+"""Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
+
+SHADOWS_FROM = 2.5
+"""Or, where a picture shows less, in halves of its height: those of what is farther away do not fall into it."""
+
+
+def disc_points(count: int) -> FloatArray:
+    """Return points that are spread evenly over the unit disc, shape (count, 2).
+
+    They are those of a Fibonacci disc, `r_i = sqrt((i + 1/2) / count)` at the angle `i * GOLDEN_RAD`.
+
+    >>> bool(abs(disc_points(16).mean(axis=0)).max() < 0.05)
+    True
+    """
+    steps = np.arange(count)
+    radii, angles = np.sqrt((steps + 0.5) / count), steps * GOLDEN_RAD
+    return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
+
+
+def pixel_points(count: int) -> FloatArray:
+    """Return points that are spread evenly over a pixel, from -1/2 to 1/2, shape (count, 2).
+
+    No two share a row or a column: along one side they are `(i + 1/2) / count`, along the other they are the multiples
+    of the golden section, put in order.
+    """
+    along = (np.arange(count) + 0.5) / count
+    order = np.argsort(np.argsort(np.arange(count) * (np.sqrt(5) - 1) / 2 % 1.0))
+    return np.stack([along, along[order]], axis=1) - 0.5
+
+
+def passes(
+    scene: mujoco.MjvScene, shot: Shot, height_px: int, exposure: Exposure, daylight: Daylight | None = None
+) -> Iterator[None]:
+    """Light a scene that is filled, for each pass of a picture of a shot in turn.
+
+    With daylight, its lights replace those of the scene.
+    """
+    if daylight is not None:
+        _set_daylight(scene, shot, daylight)
+        for camera in scene.camera:
+            _set_range(camera, NEAR * shot.depth_m, FAR_M)
+    steady, casting = _sorted_lights(scene)
+    cameras = [(camera, camera.frustum_center, camera.frustum_bottom, camera.frustum_top) for camera in scene.camera]
+    lamp_points = disc_points(exposure.passes * exposure.suns).reshape(exposure.suns, exposure.passes, 2)
+    radius = np.tan(np.radians(daylight.sun_radius_deg)) if daylight is not None else LAMP_RADIUS
+    for number, point in enumerate(pixel_points(exposure.passes)):
+        for camera, centre, bottom, top in cameras:
+            across, up = point * (top - bottom) / height_px
+            camera.frustum_center, camera.frustum_bottom, camera.frustum_top = centre + across, bottom + up, top + up
+        scene.nlight = steady
+        for light in casting:
+            for lamp_point in lamp_points[:, number]:
+                _add_light(scene, light, 1 / exposure.suns)
+                _move_light(scene.lights[scene.nlight - 1], shot, radius * lamp_point)
+        yield
+
+
+def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> None:
+    """Replace all lights of a scene."""
+    azimuth, _ = shot.view
+    scene.nlight = 1 + len(daylight.fills)
+    for light, beam in zip(scene.lights, (daylight.sun, *daylight.fills), strict=False):
+        light.type, light.headlight, light.castshadow, light.texid = DIRECTIONAL, 0, beam is daylight.sun, -1
+        light.dir[:], light.pos[:] = beam.towards(azimuth), shot.lookat_m - SUN_DISTANCE_M * beam.towards(azimuth)
+        light.diffuse[:], light.ambient[:] = beam.colour, daylight.ambient if beam is daylight.fills[0] else BLACK
+        light.specular[:] = GLOSS if beam is daylight.sun else BLACK
+
+
+def _set_range(camera: mujoco.MjvGLCamera, near_m: float, far_m: float) -> None:
+    """Let a camera see things within a range of distances, in the same field of view."""
+    share = near_m / camera.frustum_near
+    camera.frustum_near, camera.frustum_far = near_m, far_m
+    camera.frustum_center *= share
+    camera.frustum_bottom *= share
+    camera.frustum_top *= share
+
+
+def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
+    """Put the lights that cast no shadows first; return how many they are, and the others."""
+    lights = [_values(light) for light in scene.lights[: scene.nlight]]
+    steady = [light for light in lights if not light["castshadow"]]
+    scene.nlight = 0
+    for light in steady:
+        _add_light(scene, light)
+    return len(steady), [light for light in lights if light["castshadow"]]
+
+
+_Light = dict[str, Any]
+"""The fields of an `MjvLight`."""
+
+
+def _values(light: mujoco.MjvLight) -> _Light:
+    return {name: copy(getattr(light, name)) for name in dir(light) if not name.startswith("_")}
+
+
+def _add_light(scene: mujoco.MjvScene, values: _Light, share: float = 1.0) -> None:
+    """Add a light to a scene, that shines with a share of its strength."""
+    light = scene.lights[scene.nlight]
+    for name, value in values.items():
+        setattr(light, name, share * value if name in STRENGTHS else value)
+    scene.nlight += 1
+
+
+def _move_light(light: mujoco.MjvLight, shot: Shot, point: FloatArray) -> None:
+    """Move a light to a point of its disc, shape (2,), in units of its distance from the middle of a shot."""
+    directional = light.type == DIRECTIONAL
+    ahead = light.dir if directional else shot.lookat_m - light.pos
+    distance_m = SUN_DISTANCE_M if directional else float(np.linalg.norm(ahead))
+    ahead = ahead / np.linalg.norm(ahead)
+    side = np.cross(ahead, ACROSS)
+    side /= np.linalg.norm(side)
+    shift = point @ np.array([side, np.cross(ahead, side)])
+    if directional:
+        light.dir[:] = (ahead + shift) / np.linalg.norm(ahead + shift)
+        light.pos[:] = shot.lookat_m - distance_m * light.dir
+    else:
+        light.pos[:] += distance_m * shift
+
+
+class Mean:
+    """The mean of the pictures of all passes, in whole numbers, the same on every machine."""
+
+    def __init__(self):
+        self._passes, self._sum = 0, np.zeros(1, np.uint16)
+        self._opaque: npt.NDArray[np.uint16] | None = None
+
+    def add(self, drawn: Picture, opaque: npt.NDArray[np.bool_] | None = None) -> None:
+        """Add a picture, shape (height, width, 3), of which only a part may count, shape (height, width)."""
+        weighed = drawn if opaque is None else drawn * opaque[..., None]
+        if not self._passes:
+            self._sum = weighed.astype(np.uint16)
+            self._opaque = opaque if opaque is None else opaque[..., None].astype(np.uint16)
+        else:
+            self._sum += weighed
+            if self._opaque is not None and opaque is not None:
+                self._opaque += opaque[..., None]
+        self._passes += 1
+
+    def picture(self) -> Picture:
+        """Return the mean, rounded, with the opacity as a fourth colour if only parts counted."""
+        if self._opaque is None:
+            return ((self._sum + self._passes // 2) // self._passes).astype(np.uint8)
+        colours = (self._sum + self._opaque // 2) // np.maximum(self._opaque, 1)
+        opacity = (255 * self._opaque + self._passes // 2) // self._passes
+        return np.concatenate([colours, opacity], axis=2).astype(np.uint8)

@@ -1,0 +1,86 @@
+"""The mesh of a head: even triangles, fine at lids, lips, nose and ears. Lengths are mm."""
+
+import cutting
+import meshing
+import mouth
+import numpy as np
+from faces import FaceShape
+from fields import Array, Field
+from head import Head, field, folded, mouth_corner, mouth_line, opening
+from uv_map import unwrapped, wrapped
+
+HEM_MM = 1.6
+"""Breadth of the strip along the rim of a lid, which leads to the eyeball."""
+
+
+def mesh(head: Head, shape: FaceShape, rng: np.random.Generator) -> tuple[Array, np.ndarray, np.ndarray]:
+    """Return the mesh of a head with open lids, the same on both sides, and for each vertex the one it moves with."""
+    whole = field(head, shape)
+    reach = head.half_axes + 18
+    dense = meshing.largest(*meshing.surface(whole, -reach, np.add(reach, (8, 0, 0)), 0.9))
+    verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
+    verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
+    verts, faces = cutting.mirrored(verts, faces)
+    verts = meshing.relax(whole, verts, faces, 2, 0.4)
+    verts, faces, _ = mouth.slit(whole, mouth_line(head, shape), mouth_corner(head, shape), verts, faces)
+    return cutting.hemmed(whole, opening(head), HEM_MM, verts, faces)
+
+
+def sizes(head: Head, shape: FaceShape, points: Array) -> Array:
+    """Return the lengths of edges that are wanted at some points."""
+    n, q = points / head.half_axes, folded(points)
+    eye = np.linalg.norm(q - head.eye, axis=1)
+    nose = np.linalg.norm(points - (shape.tip[0], 0, shape.tip[1]), axis=1)
+    lips = (points - (shape.mouth[0] - 4, 0, shape.mouth[1])) / (18.0, 19.5, 10.5)
+    wanted = np.where(n[:, 0] < -0.1, 13.0, 10.5)
+    wanted = np.where((n[:, 2] < -0.2) & (n[:, 0] > 0.0), 8.0, wanted)
+    wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] > 0.1) & (n[:, 2] < 0.75), 8.5, wanted)
+    wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] < 0.32) & (n[:, 2] > -0.95), 6.0, wanted)
+    wanted = np.where(nose < 13, 3.0, wanted)
+    ear = np.abs(points[:, 1]) > 0.95 * head.half_axes[1]
+    wanted = np.where(ear & (np.abs(n[:, 0]) < 0.38) & (np.abs(n[:, 2] + 0.17) < 0.38), 4.1, wanted)
+    wanted = np.where(eye < head.eye_radius * 1.8, 3.4, wanted)
+    far = np.linalg.norm(lips, axis=1)
+    wanted = np.where(far < 1.5, np.minimum(wanted, 3.8), wanted)
+    wanted = np.where(far < 1, 2.4, wanted)
+    wanted = np.where(np.linalg.norm(lips * (1, 1.1, 2.6), axis=1) < 1, 1.7, wanted)
+    return np.where(eye < head.eye_radius * 1.25, 2.2, wanted)
+
+
+def lip_sides(line: Field, verts: Array, faces: np.ndarray, twins: np.ndarray) -> np.ndarray:
+    """Return 1 for what moves with the upper lip and -1 for what does with the lower one, shape (n,).
+
+    Where the lips meet, there are two vertices in one place; the faces at each tell them apart.
+    """
+    on_edge = np.isin(np.arange(len(verts)), twins[twins != np.arange(len(verts))])
+    height, around = np.where(on_edge, 0.0, line(verts)), np.zeros(len(verts))
+    surface = faces[(twins[faces] == faces).all(axis=1)]
+    np.add.at(around, surface, np.repeat(height[surface].sum(axis=1)[:, None], 3, axis=1))
+    side = np.where(np.where(on_edge, around, height) >= 0, 1, -1)
+    return side[twins]
+
+
+def texcoords(head: Head, verts: Array) -> Array:
+    """Return places in the face's texture, (n, 2): see `uv_map`."""
+    return unwrapped(verts / head.half_axes)
+
+
+def split_at_end(head: Head, verts: Array, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, Array]:
+    """Return a mesh in which each triangle has a vertex of its own where the picture ends.
+
+    Vertices as indices of those before, faces, and texture coordinates.
+
+    The whole border of the picture is one point of the head.
+    """
+    end = -wrapped(np.array((0.5, 0.5)))
+    along = verts / head.half_axes
+    nearest = int((along @ end / np.linalg.norm(along, axis=1)).argmax())
+    origin = np.arange(len(verts))
+    places, faces = texcoords(head, verts), faces.copy()
+    for index, corner in np.argwhere(faces == nearest)[1:]:
+        faces[index, corner] = len(origin)
+        origin, places = np.append(origin, nearest), np.vstack((places, places[nearest]))
+    for index, corner in np.argwhere(origin[faces] == nearest):
+        middle = (places[np.delete(faces[index], corner)] - 0.5).sum(axis=0)
+        places[faces[index, corner]] = 0.5 + 0.5 * middle / np.linalg.norm(middle)
+    return origin, faces, places

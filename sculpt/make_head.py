@@ -1,0 +1,175 @@
+"""Make the head that ships with mimoc, at all ages: `python sculpt/make_skin.py --only head`. It needs scikit-image."""
+
+from dataclasses import dataclass
+
+import head as heads
+import head_mesh
+import meshing
+import mouth
+import numpy as np
+from expressing import EXPRESSED, moved
+from faces import MESHED, SHAPES, FaceShape
+from fields import Array
+from hair import scalp
+from scipy.interpolate import RBFInterpolator
+
+from mimoc.body.grow import grow_body
+from mimoc.looks.skin.template_mesh import FOLDER, MOVE_M
+from mimoc.schema.infant import InfantSpec
+
+AGE_MONTHS = 9.0
+"""Age of the child whose head's solid all ages are sculpted on."""
+SEED = 16
+
+
+def sculpt_head() -> dict[str, Array]:
+    """Return the arrays of the head."""
+    sculpted = reference_head()
+    mesh = meshed(sculpted)
+    at_ages = [mesh.whole(aged(sculpted, mesh, SHAPES[age])) for age in SHAPES]
+    print("head", len(at_ages[0]), "vertices", len(mesh.faces), "faces")
+    return {
+        "ages_months": np.array(list(SHAPES), float),
+        "at_ages_m": (np.array(at_ages) / 1000).astype(np.float32),
+        "lids": np.array([shape.lids for shape in SHAPES.values()]),
+        "faces": mesh.faces.astype(np.uint16),
+        "texcoords": mesh.places.astype(np.float32),
+        "half_axes_m": sculpted.half_axes / 1000,
+        "eye_m": sculpted.eye / 1000,
+        "eye_radius_m": np.array(sculpted.eye_radius / 1000),
+        **_hair_of(sculpted, mesh, at_ages[list(SHAPES).index(MESHED)]),
+        **{f"moves/{name}": _small(mesh.moved(moved(mesh, face))) for name, face in EXPRESSED.items()},
+        **{f"lids/{name}": np.array(face.lids) for name, face in EXPRESSED.items()},
+    }
+
+
+def _hair_of(sculpted: heads.Head, mesh: "HeadMesh", verts: Array) -> dict[str, Array]:
+    hair = scalp(sculpted.half_axes, verts, mesh.faces)
+    print("hair", len(hair.verts), "vertices")
+    return {
+        "hair/verts": hair.verts.astype(np.uint16),
+        "hair/faces": hair.faces.astype(np.uint16),
+        "hair/inside_deg": hair.inside.astype(np.float32),
+        "hair/around": hair.around.astype(np.float32),
+        "hair/worn": hair.worn.astype(np.float32),
+    }
+
+
+def _small(moves_mm: Array) -> np.ndarray:
+    """Return moves in the unit of the file."""
+    return np.rint(moves_mm / 1000 / MOVE_M).astype(np.int16)
+
+
+@dataclass(frozen=True)
+class HeadMesh:
+    """The mesh that all ages share, on the age that it was made at."""
+
+    verts: Array
+    """Of the surface with the strips along lids and lips, shape (n, 3)."""
+    twins: np.ndarray
+    """The vertex that each of them moves with: itself, or of a strip's that at the edge."""
+    side: np.ndarray
+    """Which lip each moves with: 1 above the line on which the lips meet, -1 below, shape (n,)."""
+    origin: np.ndarray
+    """For each vertex of the surface in the picture's order, the one of these that it is."""
+    loop: np.ndarray
+    """Those at which the pocket of the mouth begins, in order."""
+    faces: np.ndarray
+    """Of all vertices: the surface's in the picture's order, and the pocket's."""
+    places: Array
+    """Of all vertices in the picture of a face."""
+
+    def whole(self, verts: Array) -> Array:
+        """Return all vertices, with the pocket behind the lips, of a surface."""
+        return np.vstack((verts[self.origin], mouth.pocket(verts, self.loop)))
+
+    def moved(self, moves: Array) -> Array:
+        """Return how all vertices move when those of the surface do."""
+        return self.whole(self.verts + moves) - self.whole(self.verts)
+
+
+LIP_MM = 4.0
+"""How far lips lead inwards."""
+
+
+def meshed(head: heads.Head) -> HeadMesh:
+    """Return the mesh of the head."""
+    shape = SHAPES[MESHED]
+    verts, faces, twins = head_mesh.mesh(head, shape, np.random.default_rng(SEED))
+    line, corner = heads.mouth_line(head, shape), heads.mouth_corner(head, shape)
+    strip = np.flatnonzero(twins != np.arange(len(verts)))
+    inner = strip[len(strip) // 2 :]
+    inner = inner[np.linalg.norm((verts[twins[inner]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1]
+    verts[inner] = verts[twins[inner]] - (LIP_MM, 0, 0)
+    origin, split, places = head_mesh.split_at_end(head, verts, faces)
+    loop = mouth.loop_around(inner, faces)
+    behind = mouth.pocket_faces(len(loop), len(origin))
+    side = head_mesh.lip_sides(line, verts, faces, twins)
+    places = np.vstack((places, mouth.pocket_places(verts[loop], side[loop])))
+    return HeadMesh(verts, twins, side, origin, loop, np.vstack((split, behind)), places)
+
+
+def reference_head() -> heads.Head:
+    """Return the solids of the head of an average child."""
+    spec = InfantSpec.model_validate({"mimoc": 1, "name": "child", "age_months": AGE_MONTHS})
+    tree = grow_body(spec).tree
+    solid, eye = tree.geoms["head"], next(body for body in tree.bodies if body.name == "right_eye")
+    middle = np.subtract(eye.pos_m, solid.pos_m)
+    return heads.Head(np.array(solid.size_m) * 1000, middle * 1000, tree.geoms["right_eye1"].size_m[0] * 1000)
+
+
+def aged(head: heads.Head, mesh: HeadMesh, shape: FaceShape) -> Array:
+    """Return the vertices of the mesh on the head of another age: features go with features.
+
+    Args:
+        head: The solids.
+        mesh: Its surface.
+        shape: Of the other age.
+    """
+    verts, twins = mesh.verts, mesh.twins
+    before, after = landmarks(head, SHAPES[MESHED]), landmarks(head, shape)
+    moves = RBFInterpolator(before, after - before, kernel="thin_plate_spline")(verts)
+    on_field = meshing.onto(heads.field(head, shape), verts + moves, rounds=8, most=2.0)
+    from_eye = np.linalg.norm(heads.folded(verts) - head.eye, axis=1) / head.eye_radius
+    share = np.clip((from_eye - 1.14) / 0.3, 0, 1)[:, None]
+    share = share * share * (3 - 2 * share)
+    found = verts + share * (on_field - verts)
+    inward = np.flatnonzero(twins != np.arange(len(verts)))
+    found[inward] = found[twins[inward]] + (verts[inward] - verts[twins[inward]])
+    return found
+
+
+def landmarks(head: heads.Head, shape: FaceShape) -> Array:
+    """Return places on a face that correspond between ages, and others that stay."""
+    (tip_x, tip_z, _), (mouth_x, mouth_z) = shape.tip, shape.mouth
+    chin_x, chin_z, radius = shape.chin
+    jaw_x, jaw_z = shape.jaw
+    across = [
+        (tip_x + 5, 0, tip_z),
+        (tip_x - 2, 0, tip_z - 7),
+        (tip_x - 4, shape.wing[0] + 3, tip_z - 2),
+        (mouth_x - 1, 0, mouth_z + 3),
+        (mouth_x, 0, mouth_z),
+        (mouth_x - 1, 0, mouth_z - 4),
+        (mouth_x - 9, heads.MOUTH_HALF, mouth_z + 1),
+        (chin_x, 0, chin_z),
+        (chin_x - radius, 0, chin_z - radius),
+        (jaw_x, 0, jaw_z - shape.jaw_size[2]),
+        (jaw_x, shape.jaw_size[1], jaw_z),
+    ]
+    ax, ay, az = head.half_axes
+    stay = [(ax, 0, 0.3 * az), (0.7 * ax, 0, 0.7 * az), (0, 0, az), (-ax, 0, 0), (-0.5 * ax, 0, -0.8 * az), (0, ay, 0)]
+    stay += [(-0.1 * ax, ay, -0.35 * az), (0.5 * ax, 0.8 * ay, 0.2 * az), (0.45 * ax, 0.87 * ay, -0.15 * az)]
+    ring = [(0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    stay += [tuple(head.eye * (1, -1, 1) + np.array((6.0, 0, 0)) + 12.0 * np.array(way)) for way in ring]
+    points = [*across, *stay]
+    return np.array([*points, *((x, -y, z) for x, y, z in points if y)], float)
+
+
+def main() -> None:
+    """Write the head."""
+    np.savez_compressed(FOLDER / "head.npz", **sculpt_head())
+
+
+if __name__ == "__main__":
+    main()
