@@ -70,10 +70,10 @@ DOMES = (
 RINGS = (
     Ring("right_lower_arm", FOREARM, 0.96, 4.2, -3.2),
     Ring("right_lower_arm", FOREARM, 0.76, 9.0, 2.0),
-    Ring("right_upper_leg", THIGH, 0.36, 5.5, -3.8, (0.4, 0.8)),
-    Ring("right_upper_leg", THIGH, 0.52, 10.0, 2.4, (0.3, 0.8)),
-    Ring("right_upper_leg", THIGH, 0.70, 5.5, -3.4, (0.3, 0.7)),
-    Ring("right_upper_leg", THIGH, 0.84, 9.0, 1.8, (0.3, 0.7)),
+    Ring("right_upper_leg", THIGH, 0.37, 5.5, -3.6, (0.4, 0.8)),
+    Ring("right_upper_leg", THIGH, 0.50, 9.0, 2.2, (0.3, 0.8)),
+    Ring("right_upper_leg", THIGH, 0.64, 5.5, -2.8, (0.3, 0.9)),
+    Ring("right_upper_leg", THIGH, 0.80, 10.0, 1.2, (0.3, 0.7)),
     Ring("right_upper_leg", THIGH, 0.20, 7.0, -2.2, (-0.9, 0.0)),
     Ring("right_lower_leg", SHANK, 0.91, 5.5, -2.4, (0.3, 0.0)),
     Ring("right_lower_leg", SHANK, 0.76, 11.0, 1.6),
@@ -88,7 +88,9 @@ KNUCKLES: Mapping[str, Sequence[tuple[str, tuple[float, float, float]]]] = {
 """Backs of the hands' knuckles, which are dimples in a fat infant."""
 
 
-def arrays(verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str) -> dict[str, Array]:
+def arrays(
+    verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str
+) -> dict[str, Array]:
     """Return what ships of fullness."""
     heights = sum(_heights(verts, held, parts, frames, each) for each in (*DOMES, *RINGS, *_dimples(hands)))
     return {
