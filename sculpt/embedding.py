@@ -12,7 +12,7 @@ from meshing import edges_of, gradient, only
 
 SNAPPED = 0.34
 """A vertex that is within this share of its edges' length of a curve moves onto it."""
-SHORT, ROUNDS = 0.42, 5
+SHORT, ROUNDS = 0.55, 6
 """Edges shorter than this share of the wanted length are drawn together; how often the mesh is made even."""
 
 
@@ -163,7 +163,10 @@ def lengths_around(verts: Array, faces: np.ndarray) -> Array:
 
 
 def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
-    """Return a mesh whose vertices are nearer to the middle of their neighbours; those on a curve, of those on it."""
+    """Return a mesh whose vertices are nearer to the middle of their neighbours; those on a curve, of those on it.
+
+    The edge of an opening stays.
+    """
     edges = edges_of(drawn.faces)
     both = np.vstack((edges, edges[:, ::-1]))
     here, there = drawn.lies_on[both[:, 0]], drawn.lies_on[both[:, 1]]
@@ -172,6 +175,9 @@ def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
     sums = np.column_stack(
         [np.bincount(both[:, 0], drawn.verts[both[:, 1], axis], len(drawn.verts)) for axis in range(3)]
     )
+    used, times = np.unique(np.sort(drawn.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    open_ends = used[(times == 1) & ~drawn.lies_on[used, 0].all(axis=1)]
+    count[open_ends] = 0
     means = np.where(count[:, None] > 1, sums / np.maximum(count, 1)[:, None], drawn.verts)
     verts = drawn.verts + 0.5 * (means - drawn.verts)
     return Drawn(placed(surface, curves, verts, drawn.lies_on, 2), drawn.faces, drawn.lies_on)

@@ -34,7 +34,7 @@ ANGLES_DEG = {
     "shoulder_ad_ab": 50,
     "shoulder_horizontal": 25,
     "elbow": -65,
-    "hip1": -60,
+    "hip1": -42,
     "hip2": -20,
     "knee": -65,
     "fingers": -60,
@@ -58,7 +58,7 @@ TOES_DEG = {"big_toe": 28, "toes": -12}
 SEED = 16
 ROUNDS, PRESSED = 10, 3
 """How often the skin is pressed onto the floor and its weights are eased, at most, and after how often it is flat."""
-ENOUGH = 2.2
+ENOUGH = 2.25
 """Stretch that is small enough to stop."""
 
 
@@ -100,18 +100,18 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     sculpted = figure.build(placed, hands)
     parts = [part.name for part in tree.bodies if "eye" not in part.name]
     drawn, twins, curves = body.mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
-    held = weights.weights(drawn, twins, sculpted.solids, parts)
+    held = weights.weights(drawn, twins, sculpted, placed, parts)
     cut = tailoring.cut_out(drawn, curves, placed)
     arrays = _common(tree, parts, angles, placed) | _shape(tree, angles, drawn)
     arrays |= shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held))
-    arrays |= features.arrays(drawn.verts, sculpted, placed)
+    arrays |= features.arrays(drawn.verts, held, parts, placed, hands)
     with np.load(FOLDER / "head.npz") as archive:
         head = {name: archive[name] for name in archive.files}
     best, least = arrays, np.inf
     for number in range(ROUNDS):
         arrays |= _moving(held) | tailoring.arrays(cut)
         skin = assembled(arrays, head)
-        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands)
+        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
         cut = tailoring.thinned(cut, room_mm)
         edges, stretch = stretching.stretches(skin, hands)
         print("round", number, "room", f"{room_mm.min():.2f} mm", "stretched", f"{stretch.max():.2f}", flush=True)

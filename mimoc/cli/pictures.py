@@ -1,17 +1,21 @@
 """`mimoc render`, `mimoc see` and `mimoc rooms`: pictures of infants, of what they see and of their scenes."""
 
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cli import worlds
+from mimoc.cli import contact_sheets, worlds
 from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
+    from mimoc.render.portrait import Framing
+    from mimoc.render.renderer import Shown
     from mimoc.schema.infant import InfantSpec
 
 Azimuth = Annotated[
@@ -50,11 +54,40 @@ ScaleBar = Annotated[
 
 
 PoseOfAll = Annotated[
-    str | None, typer.Option(help="supine, prone, sitting or standing, of all; default: each one's spec's.")
+    str | None,
+    typer.Option(
+        help="supine, prone, sitting or standing, or, for pictures only, crawling, playing, looking or kicking; of all "
+        "infants; default: each one's spec's."
+    ),
+]
+
+
+class Crop(StrEnum):
+    """What fills a picture."""
+
+    HEAD = "head"
+
+
+CropTo = Annotated[Crop | None, typer.Option(help="Let the head alone fill the image of one infant.")]
+Ages = Annotated[
+    str | None,
+    typer.Option(metavar="MONTHS,...", help="Draw the infant at several ages: 0,3,6,12,24 makes a sheet of images."),
+]
+Poses = Annotated[
+    str | None,
+    typer.Option(metavar="POSE,...", help="Draw it in several poses, or `all`: a column of the sheet for each."),
 ]
 BodyOfAll = Annotated[
     Body | None, typer.Option(help="Draw the skin or the solids under it; default: skin, without --skin.")
 ]
+Width = Annotated[
+    int | None, typer.Option(min=16, max=4096, help="Width in pixels; default: 1000, of each image of a sheet 320.")
+]
+Height = Annotated[
+    int | None, typer.Option(min=16, max=4096, help="Height in pixels; default: the width, or half of it for a row.")
+]
+PICTURE_PX, SHEET_PX = 1000, 320
+"""Width of an image, and of each in a sheet, if nothing else is said."""
 
 
 def render(
@@ -67,8 +100,11 @@ def render(
     ],
     file: PicturePath,
     pose: PoseOfAll = None,
-    width: Annotated[int, typer.Option(min=16, max=4096, help="Width in pixels.")] = 960,
-    height: Annotated[int, typer.Option(min=16, max=4096, help="Height in pixels.")] = 720,
+    crop: CropTo = None,
+    ages: Ages = None,
+    poses: Poses = None,
+    width: Width = None,
+    height: Height = None,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
     body: BodyOfAll = None,
     azimuth: Azimuth = None,
@@ -77,24 +113,59 @@ def render(
     transparent: Transparent = False,
     scale_bar: ScaleBar = False,
 ) -> None:
-    """Render an image of the infant, or of several side by side."""
-    from mimoc.bundle.model import load_posed
-    from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.portrait import Framing, lineup, portrait
-    from mimoc.senses.touch.run import skin_markers
+    """Render an image of the infant, of several side by side, or of one at several ages and in several poses.
+
+    Each pose is seen from where it shows best. Some examples:
+
+    - `mimoc render kim.yaml -o kim.png` draws a portrait;
+
+    - `mimoc render kim.yaml -o face.png --crop head` the head alone;
+
+    - `mimoc render kim.yaml -o crawling.png --pose crawling --transparent` a figure for a slide;
+
+    - `mimoc render kim.yaml -o grid.png --ages 0,3,6,12,24 --poses all` a sheet of ages and poses;
+
+    - `mimoc render kim.yaml -o heads.png --ages 0,3,6,12,24 --crop head` a row of heads.
+    """
+    from mimoc.render.picture_files import check_picture_name
+    from mimoc.render.portrait import Framing
 
     check_picture_name(file, transparent=transparent)
-    framing = Framing(azimuth, elevation, distance, transparent, scale_bar)
-    if len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin)):
-        worlds.draw(world, file, (width, height), (body or Body.SKIN).value, framing)
-        return
-    bundles = [load_infant(infant) for infant in infants]
+    framing = Framing(azimuth, elevation, distance, transparent, scale_bar, crop.value if crop else None)
+    across = width or (SHEET_PX if ages or poses else PICTURE_PX)
+    size_px = across, height or (across // 2 if len(infants) > 1 else across)
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
-    markers = [skin_markers(bundle, *load_posed(bundle, pose)) for bundle in bundles] if skin else None
-    if len(bundles) > 1:
-        picture = lineup(bundles, pose, width, height, markers, shown, framing)
+    if ages is not None or poses is not None:
+        refused = {"--skin": skin, "--transparent": transparent, "--pose": bool(pose and poses)}
+        contact_sheets.draw(infants, file, ages, poses or pose, size_px, shown, framing, refused)
+    elif len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin, crop=crop)):
+        worlds.draw(world, file, size_px, (body or Body.SKIN).value, framing)
     else:
-        picture = portrait(bundles[0], pose, width, height, markers[0] if markers else None, shown, framing)
+        _draw([load_infant(infant) for infant in infants], file, pose, size_px, skin, shown, framing)
+
+
+def _draw(
+    bundles: "list[Bundle]",
+    file: Path,
+    pose: str | None,
+    size_px: tuple[int, int],
+    skin: bool,
+    shown: "Shown",
+    framing: "Framing",
+) -> None:
+    """Write a picture of one infant, or of several in a row."""
+    from mimoc.render.picture_files import write_picture
+    from mimoc.render.picture_poses import load_in_pose
+    from mimoc.render.portrait import lineup, portrait
+    from mimoc.senses.touch.run import skin_markers
+
+    if framing.crop and len(bundles) > 1:
+        raise MimocError("--crop head draws the head of one infant; name one, or leave it out")
+    markers = [skin_markers(bundle, *load_in_pose(bundle, pose)) for bundle in bundles] if skin else None
+    if len(bundles) > 1:
+        picture = lineup(bundles, pose, *size_px, markers, shown, framing)
+    else:
+        picture = portrait(bundles[0], pose, *size_px, markers[0] if markers else None, shown, framing)
     print(printable(write_picture(file, picture)))
 
 

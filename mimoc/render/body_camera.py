@@ -5,6 +5,7 @@ from functools import partial
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import CaregiverEntry, Manifest
@@ -23,9 +24,10 @@ from mimoc.render.camera import (
     unobstructed_view,
     view_of_bodies,
 )
+from mimoc.render.framing import drawn_spheres
 from mimoc.render.markers import Markers, add_markers
 from mimoc.render.renderer import Picture, Renderer, Setting, Shown, visual_settings
-from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_WITHIN, Exposure, Mean, passes
+from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_FROM, SHADOWS_WITHIN, Exposure, Mean, passes
 
 SUN_PX, LAMP_PX = 512, 2048
 """Side of the map of the sun's shadows and of a lamp's; passes blur its cells."""
@@ -101,6 +103,7 @@ class BodyCamera:
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
         self.aspect, self._height_px = width_px / height_px, height_px
         """Width of the pictures over their height."""
+        self._shown: Shown = shown
         self._exposure, self._cut_out, self._outdoors = exposure, cut_out, is_outdoors(model)
         if cut_out:  # What is beside them is not drawn then.
             model.geom_group[~self._seen] = HIDDEN_GROUP
@@ -127,10 +130,16 @@ class BodyCamera:
         walls = planes_of(self._model, data)
         self.view = unobstructed_view(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg)
 
-    def shot(self, data: mujoco.MjData) -> Shot:
-        """Return the shot that shows all of it."""
-        walls = planes_of(self._model, data)
-        return fit_shot(self.spheres(data), walls, self.view, self.aspect, self._fovy_deg, self._margin)
+    def shot(self, data: mujoco.MjData, spheres: Spheres | None = None) -> Shot:
+        """Return the shot that shows all of it, or some spheres."""
+        walls, shown = planes_of(self._model, data), spheres or self.spheres(data)
+        return fit_shot(shown, walls, self.view, self.aspect, self._fovy_deg, self._margin)
+
+    def drawn(self, data: mujoco.MjData, bodies: Sequence[str]) -> Spheres:
+        """Return what is drawn of some bodies and all that hangs on them, more closely than `spheres` has it."""
+        self._renderer.compose(data, mujoco.MjvCamera())
+        are_drawn = drawn_geoms(self._model, self._shown)
+        return drawn_spheres(self._model, data, self._renderer.scene, bodies, are_drawn, self._shown)
 
     def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
         """Return a picture of all of it or of a shot; markers are drawn without shadows.
@@ -175,7 +184,7 @@ class BodyCamera:
         if self._outdoors:
             radius_m = self.spheres(data).radius_m(shot.lookat_m)
             fade(shot, radius_m)
-            self._renderer.context.shadowClip = SHADOWS_WITHIN * radius_m
+            self._renderer.context.shadowClip = SHADOWS_WITHIN * min(radius_m, SHADOWS_FROM * shot.half_height_m)
 
 
 def _settings(shown: Shown, as_it_is: bool, model: mujoco.MjModel) -> list[Setting]:
@@ -190,10 +199,14 @@ def _settings(shown: Shown, as_it_is: bool, model: mujoco.MjModel) -> list[Setti
     ]
 
 
+def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
+    """Return which geoms are drawn, shape (ngeom,)."""
+    return (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
+
+
 def _without_unused(model: mujoco.MjModel, shown: Shown) -> list[Setting]:
     """Leave no more than a pixel of textures that are not on anything that is drawn: MuJoCo reduces each in steps."""
-    drawn = (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
-    materials = np.concatenate([model.geom_matid[drawn], model.skin_matid])
+    materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
     used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
     used |= model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX
     of_cubes = np.where(model.tex_type == mujoco.mjtTexture.mjTEXTURE_2D, 1, CUBE_SIDES)

@@ -81,9 +81,14 @@ class Shot:
         """The point in the middle of the picture, shape (3,), in the world."""
         return self.position_m + self.depth_m * camera_axes(self.view)[0]
 
+    @property
+    def half_height_m(self) -> float:
+        """Half of the height of what it shows, in the middle."""
+        return self.depth_m * float(np.tan(np.radians(self.fovy_deg) / 2))
+
     def px_per_m(self, height_px: int) -> float:
         """Return how many pixels of a picture a metre takes in the middle of what it shows."""
-        return height_px / (2 * self.depth_m * float(np.tan(np.radians(self.fovy_deg) / 2)))
+        return height_px / (2 * self.half_height_m)
 
     def from_distance(self, distance_m: float, fovy_deg: float) -> "Shot":
         """Return a shot of the same point in the same direction, whatever it then shows and stands behind."""

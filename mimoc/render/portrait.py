@@ -1,176 +1,26 @@
 """Pictures of infants: one in a pose, one among its toys, or several in a row."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import mujoco
-import numpy as np
 
+from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import load_model, load_posed
 from mimoc.bundle.world import WorldBundle, load_world_model
-from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
-from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
+from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, MARGIN, View, view_of_body
+from mimoc.render.framing import FILLED, FILLED_BY_HEAD, portrait_view, view_of_head
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
+from mimoc.render.picture_poses import state_in_pose
 from mimoc.render.renderer import Picture, Shown
+from mimoc.render.row import row_of
 from mimoc.render.soft_light import STILL
-
-GAP_M = 0.06
-"""Between one infant and the next."""
-UP = (0.0, 0.0, 1.0)
-NAME_BYTES = 40
-"""For the name of a body in MuJoCo's file of a skin."""
-BESIDE_M = 1.0
-"""How far beyond the ends of a row things cast shadows."""
-FLOOR = """
-<mujoco model="row">
-  <statistic center="0 0 0.3" extent="1"/>
-  <visual>
-    <headlight ambient="0.43 0.43 0.43" diffuse="0.24 0.24 0.24" specular="0 0 0"/>
-    <quality shadowsize="4096" numslices="48" numstacks="32"/>
-    <map znear="0.005" zfar="60" shadowclip="2"/>
-    <rgba haze="0.86 0.92 0.95 1"/>
-  </visual>
-  <asset>
-    <texture name="sky" type="skybox" builtin="gradient" width="32" height="192"
-      rgb1="0.86 0.92 0.95" rgb2="0.97 0.96 0.92"/>
-    <texture name="mat" type="2d" builtin="checker" width="64" height="64" rgb1="0.93 0.91 0.86" rgb2="0.87 0.86 0.82"/>
-    <material name="mat" texture="mat" texrepeat="4 4" texuniform="true" specular="0.1" shininess="0.1"/>
-  </asset>
-  <worldbody>
-    <light name="sun" directional="true" pos="1.8 -0.9 2.4" dir="-0.6 0.3 -0.8"
-      diffuse="0.46 0.46 0.46" specular="0.1 0.1 0.1"/>
-    <geom name="floor" type="plane" size="30 30 1" material="mat"/>
-  </worldbody>
-</mujoco>
-"""
-"""What is around a row: floor, light and sky of `scene: {kind: flat}`, as in `templates/scene.xml.j2`.
-
-Rooms and cribs are too small for a row, and their toys would be in its way.
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Move:
-    """A turn about the vertical, and then a shift."""
-
-    turn_rad: float
-    shift_m: FloatArray
-    """Shape (3,)."""
-
-    def points_m(self, scene_m: FloatArray) -> FloatArray:
-        """Return points, shape (..., 3), where they are afterwards."""
-        return scene_m @ matrix_from_axis(UP, self.turn_rad).T + self.shift_m
-
-    def quaternion(self, scene_quat: FloatArray) -> FloatArray:
-        """Return an orientation, shape (4,), as it is afterwards."""
-        turn, turned = np.empty(4), np.empty(4)
-        mujoco.mju_axisAngle2Quat(turn, UP, self.turn_rad)
-        mujoco.mju_mulQuat(turned, turn, scene_quat)
-        return turned
-
-
-def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
-    """Return infants side by side along y, all of which face +x, on a floor.
-
-    Returns:
-        A model of all and its state; the names of their root bodies, from the left; and what takes each infant, and
-        what belongs to it, from its own scene to its place.
-
-    Raises:
-        UnknownNameError: If a bundle has no such pose.
-    """
-    posed = [load_posed(bundle, pose) for bundle in bundles]
-    model, prefixes = _model_of(bundles)
-    data = mujoco.MjData(model)
-    moves, end_m = [], 0.0
-    for bundle, alone, prefix in zip(bundles, posed, prefixes, strict=True):
-        move, width_m = _to_place(*alone, bundle.manifest.root_body, end_m)
-        _take_pose(data, prefix, alone, move)
-        moves.append(move)
-        end_m += width_m + GAP_M
-    model.vis.map.shadowclip = max(model.vis.map.shadowclip, end_m / 2 + BESIDE_M)
-    mujoco.mj_forward(model, data)
-    roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
-    return model, data, roots, moves
-
-
-def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
-    """Return what takes an infant from where its scene has it to where its least y is *left_m*, and its width."""
-    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
-    turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
-    geoms = in_subtrees(model, [model.body(root).id])[model.geom_bodyid]
-    across = matrix_from_axis(UP, turn.turn_rad)[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
-    middles_m, halves_m = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
-    y_m = turn.points_m(data.geom_xpos[geoms])[:, 1] + (across * middles_m).sum(axis=1)
-    reach_m = (np.abs(across) * halves_m).sum(axis=1)
-    low_m, high_m = float((y_m - reach_m).min()), float((y_m + reach_m).max())
-    x_m, _, _ = turn.points_m(data.body(root).xpos)
-    return Move(turn.turn_rad, np.array([-x_m, left_m - low_m, 0.0])), high_m - low_m
-
-
-def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mujoco.MjData], move: Move) -> None:
-    """Give an infant in a row the pose that it has alone; the toys of its scene are not there."""
-    alone, state = posed
-    for number in range(alone.njnt):
-        joint = alone.joint(number)
-        if mujoco.mj_name2id(data.model, mujoco.mjtObj.mjOBJ_JOINT, prefix + joint.name) < 0:
-            continue
-        qpos = state.joint(number).qpos.copy()
-        if joint.type == mujoco.mjtJoint.mjJNT_FREE:
-            qpos = np.concatenate([move.points_m(qpos[:3]), move.quaternion(qpos[3:])])
-        data.joint(prefix + joint.name).qpos[:] = qpos
-
-
-def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
-    """Return a model of several infants on a floor, and what the names of their parts begin with."""
-    prefixes = [f"{number}: " for number in range(len(bundles))]
-    files: dict[str, bytes] = {}
-    for bundle, prefix in zip(bundles, prefixes, strict=True):
-        files |= {prefix + name: picture for name, picture in _files(bundle, ".png").items()}
-        files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
-    row = mujoco.MjSpec.from_string(FLOOR, assets=files)
-    for bundle, prefix in zip(bundles, prefixes, strict=True):
-        infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=_files(bundle, ".png"))
-        scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
-        for geom in infant.geoms:
-            geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
-        for texture in infant.textures:
-            texture.file = prefix + texture.file  # Infants of other looks have other pictures by the same names.
-        infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
-        row.attach(infant, frame=row.worldbody.add_frame(), prefix=prefix)
-        for skin in scene.skins:
-            name, file, material = (prefix + text for text in (skin.name, skin.file, skin.material))
-            row.add_skin(name=name, file=file, material=material, group=skin.group)
-    return row.compile(), prefixes
-
-
-def _files(bundle: Bundle, ending: str) -> dict[str, bytes]:
-    return {name: file for name, file in bundle.files.items() if name.endswith(ending)}
-
-
-def _renamed(skin: bytes, prefix: str) -> bytes:
-    """Return a file of a skin of bodies whose names begin with *prefix*; not every MuJoCo does this itself (3.5).
-
-    The file has four counts, of vertices, texture coordinates, triangles and bodies, these vertices, coordinates and
-    triangles, and then for each body its name, seven numbers of its pose, a count, and as many vertices and weights.
-    """
-    vertices, texcoords, triangles, bodies = np.frombuffer(skin, "<i4", 4).tolist()
-    start = 4 * (4 + 3 * vertices + 2 * texcoords + 3 * triangles)
-    parts = [skin[:start]]
-    for _ in range(bodies):
-        counted = start + NAME_BYTES + 4 * 7
-        (moved,) = np.frombuffer(skin, "<i4", 1, counted).tolist()
-        end = counted + 4 * (1 + 2 * moved)
-        name = prefix.encode() + skin[start : start + NAME_BYTES].rstrip(b"\0")
-        parts += [name.ljust(NAME_BYTES, b"\0"), skin[start + NAME_BYTES : end]]
-        start = end
-    return b"".join(parts)
-
 
 ROW_FOVY_DEG = 10.0
 """For infants in a row: from so far away that those at the ends do not turn their faces."""
@@ -191,6 +41,8 @@ class Framing:
     """Whether only the infants are drawn, without a background or shadows."""
     scale_bar: bool = False
     """Whether a bar says how long something is that is as far away as the middle of the infants."""
+    crop: Literal["head"] | None = None
+    """Whether the head alone fills the picture."""
 
     def view(self, usual: View, front_deg: float) -> View:
         """Return the direction to look in, given the one that suits the pose and that of looking at the front."""
@@ -224,12 +76,54 @@ def portrait(
         UnknownNameError: If the bundle has no such pose.
         RenderingError: If there is no OpenGL here.
     """
-    model, data = load_posed(bundle, pose)
-    root = bundle.manifest.root_body
+    (picture,) = portraits(bundle, [pose], width, height, markers, shown, framing)
+    return picture
+
+
+def portraits(
+    bundle: Bundle,
+    poses: Sequence[str | None],
+    width: int = 640,
+    height: int = 480,
+    markers: Markers | None = None,
+    shown: Shown = "skin",
+    framing: Framing = Framing(),
+) -> Iterator[Picture]:
+    """Yield pictures of an infant in several poses, in less time than one after another takes; see `portrait`."""
+    model, manifest = load_model(bundle), bundle.manifest
+    states = [state_in_pose(bundle, model, pose) for pose in poses]
+    beside = () if framing.crop else company(manifest, [manifest.root_body], states[0])
+    margin = MARGIN if beside else 1 / (FILLED_BY_HEAD if framing.crop else FILLED)
+    camera = BodyCamera(
+        *(model, [manifest.root_body], width, height),
+        exposure=STILL, margin=margin, shown=shown, cut_out=framing.transparent, beside=beside, as_it_is=True,
+    )  # fmt: skip
+    with closing(camera):
+        for data in states:
+            camera.view = _view_of_infant(manifest, data, framing)
+            yield _picture(camera, data, [_subject(manifest, framing)], FOVY_DEG, markers, framing, is_tight=not beside)
+
+
+def _view_of_infant(manifest: Manifest, data: mujoco.MjData, framing: Framing) -> View:
+    root, head = manifest.root_body, manifest.anatomy.head
+    subject = _subject(manifest, framing)
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
-    view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, [root], data), front_deg)
-    beside = company(bundle.manifest, [root], data)
-    return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing, beside)
+    if framing.crop:
+        usual = view_of_head(data, subject)
+    elif isinstance(manifest, Manifest) and manifest.caregiver:
+        usual = view_of_scene(FROM_THE_SIDE, manifest, [root], data)
+    else:
+        usual = portrait_view(data, root, head)
+    return framing.view(usual, front_deg)
+
+
+def _subject(manifest: Manifest, framing: Framing) -> str:
+    """Return the outermost body of what fills the picture of an infant."""
+    if not framing.crop:
+        return manifest.root_body
+    if manifest.anatomy.head is None:
+        raise RenderingError(f"'{manifest.name}' has no head to draw; leave out --crop head")
+    return manifest.anatomy.head
 
 
 def world_portrait(
@@ -252,7 +146,12 @@ def world_portrait(
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
     view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, roots, data), front_deg)
     beside = company(bundle.manifest, roots, data)
-    return _picture(model, data, roots, (width, height), (view, FOVY_DEG), None, shown, framing, beside)
+    camera = BodyCamera(
+        *(model, roots, width, height, view),
+        exposure=STILL, shown=shown, cut_out=framing.transparent, beside=beside, as_it_is=True,
+    )  # fmt: skip
+    with closing(camera):
+        return _picture(camera, data, roots, FOVY_DEG, None, framing)
 
 
 def lineup(
@@ -288,33 +187,32 @@ def lineup(
     azimuth, _ = FROM_THE_FRONT
     steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
     view = framing.view((azimuth, steepest), azimuth)
-    return _picture(model, data, roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
+    camera = BodyCamera(
+        *(model, roots, width, height, view),
+        fovy_deg=ROW_FOVY_DEG, exposure=STILL, shown=shown, cut_out=framing.transparent, as_it_is=True,
+    )  # fmt: skip
+    with closing(camera):
+        return _picture(camera, data, roots, ROW_FOVY_DEG, drawn, framing)
 
 
 def _picture(
-    model: mujoco.MjModel,
+    camera: BodyCamera,
     data: mujoco.MjData,
-    roots: Sequence[str],
-    size_px: tuple[int, int],
-    seen_from: tuple[View, float],
+    bodies: Sequence[str],
+    fovy_deg: float,
     markers: Markers | None,
-    shown: Shown,
     framing: Framing,
-    beside: Sequence[str] = (),
+    *,
+    is_tight: bool = False,
 ) -> Picture:
-    """Return a picture of bodies and what is beside them, seen in a direction with a vertical field of view."""
-    (width, height), (view, fovy_deg), distance_m = size_px, seen_from, framing.distance_m
-    options: Any = {"fovy_deg": fovy_deg, "exposure": STILL, "shown": shown, "as_it_is": True}
-    with closing(
-        BodyCamera(model, roots, width, height, view, cut_out=framing.transparent, beside=beside, **options)
-    ) as camera:
-        if len(roots) == 1 and framing.azimuth_deg is None:
-            camera.turn(data)
-        shot = camera.shot(data)
-        if distance_m is not None:
-            shot = shot.from_distance(distance_m, fovy_deg)
-        picture = camera.render(data, markers, shot)
-    return with_scale_bar(picture, shot.px_per_m(height)) if framing.scale_bar else picture
+    """Return a picture of bodies, with a vertical field of view; tight ones leave out what only might be drawn."""
+    if len(bodies) == 1 and framing.azimuth_deg is None:
+        camera.turn(data)
+    shot = camera.shot(data, camera.drawn(data, bodies) if is_tight else None)
+    if framing.distance_m is not None:
+        shot = shot.from_distance(framing.distance_m, fovy_deg)
+    picture = camera.render(data, markers, shot)
+    return with_scale_bar(picture, shot.px_per_m(len(picture))) if framing.scale_bar else picture
 
 
 def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:

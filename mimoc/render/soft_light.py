@@ -76,16 +76,16 @@ class Daylight:
 
 
 DAYLIGHT = Daylight(
-    sun=Beam(-40.0, -52.0, (0.44, 0.425, 0.40)),
+    sun=Beam(36.0, -50.0, (0.43, 0.415, 0.39)),
     sun_radius_deg=9.0,
     fills=(
-        Beam(60.0, -70.0, (0.125, 0.135, 0.15)),
-        Beam(55.0, -8.0, (0.09, 0.092, 0.097)),
+        Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
+        Beam(-25.0, -8.0, (0.15, 0.15, 0.15)),
         Beam(0.0, 65.0, (0.11, 0.098, 0.08)),
     ),
-    ambient=(0.43, 0.427, 0.43),
+    ambient=(0.42, 0.415, 0.415),
 )
-"""A sun at the upper left of the camera, sky from above and from the right, warm light back from the floor (D)."""
+"""A sun at the upper right of the camera, sky from above and from the left, warm light back from the floor (D)."""
 
 GLOSS: Colour = (0.08, 0.08, 0.08)
 """Of the sun on what is shiny (D)."""
@@ -98,6 +98,9 @@ NEAR, FAR_M = 0.25, 2000.0
 share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 2000 m not."""
 SHADOWS_WITHIN = 1.1
 """Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
+
+SHADOWS_FROM = 2.5
+"""Or, where a picture shows less, in halves of its height: those of what is farther away do not fall into it."""
 
 
 def disc_points(count: int) -> FloatArray:

@@ -10,7 +10,9 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.variants import Variant
+from mimoc.geometry.face_steps import STEP_M
 from mimoc.viewer.encoding import Places
 from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
@@ -58,6 +60,28 @@ def describe_skins(variants: Sequence[Variant], ages_months: Sequence[float]) ->
     return {
         "ages_months": list(ages_months),
         "layers": [_layer(models, index, bodies) for index in range(models[0].nskin)],
+    }
+
+
+def describe_face(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+    """Return how expressions move the skin of an infant's head at some ages; None if they do not."""
+    faces = [variant.bundle.manifest.face for variant in variants]
+    first = faces[0]
+    if first is None or first.skin is None or not first.shapes:
+        return None
+    arrays = [variant.bundle.arrays for variant in variants]
+    moving = np.unique(np.concatenate([of_age[MOVING] for of_age in arrays]))
+    moves = {name: np.zeros((len(arrays), len(moving), 3)) for name in first.shapes}
+    for age, of_age in enumerate(arrays):
+        rows = np.searchsorted(moving, of_age[MOVING])
+        for name in first.shapes:
+            moves[name][age, rows] = STEP_M * of_age[array_of(name)]
+    return {
+        "ages_months": list(ages_months),
+        "layer": first.skin,
+        "begins": first.begins,
+        "moving": moving.astype(np.uint32),
+        "moves": {name: Places(offsets_m) for name, offsets_m in moves.items()},
     }
 
 

@@ -52,7 +52,7 @@ def posed(bundle, pose, shadows_px=0):
 def test_a_portrait_shows_skin_and_clothes(config):
     picture, model = portrait(config, width=160, height=120), load_model(config)
     assert (picture.shape, picture.dtype) == ((120, 160, 3), np.uint8)
-    for material, least in (("skin", 0.01), ("pants_up", 0.003)):  # Trousers have folds.
+    for material, least in (("skin", 0.01), ("pants_up", 0.002)):  # Trousers have folds.
         assert share_of(picture, model.material(material).rgba[:3]) > least
 
 
@@ -277,8 +277,8 @@ def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_col
     bare, skin = (portrait(bundle, width=320, height=240, markers=each) for each in (None, markers))
     assert skin.shape == bare.shape
     assert share_of_skin_points(bare) == (0, 0)
-    assert share_of_skin_points(skin)[0] > 0.001
-    assert share_of_skin_points(skin)[1] > 0.0001
+    assert share_of_skin_points(skin)[0] > 0.0005
+    assert share_of_skin_points(skin)[1] > 0.00005
 
 
 def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_strongest_colour(feeling):

@@ -1,0 +1,99 @@
+"""Where the camera of a portrait stands: by how an infant is turned, and as near as what is drawn of it allows."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.model import in_subtrees
+from mimoc.geometry.rotations import FloatArray
+from mimoc.render.camera import FROM_THE_SIDE, Spheres, View, view_of_body
+from mimoc.render.extents import tight_spheres
+from mimoc.render.renderer import Shown
+
+FILLED = 0.78
+"""Share of a portrait's height or width that an infant takes."""
+FILLED_BY_HEAD = 0.84
+"""Of that of a head alone."""
+FACE_ASIDE, FACE_AHEAD, LOW_DEG = 128.0, 147.0, -18.0
+"""Azimuths and elevation of the view of an infant on its belly or on all fours, from beyond its head and to its right,
+if its face lies to a side, and if it looks ahead (D)."""
+FACE_TO_FACE: View = (-20.0, -6.0)
+"""View of a head: how far it is turned from the camera, and the camera's elevation if it is upright (D)."""
+SIDEWAYS = 0.35
+"""Of the direction of a face along an infant's left, from which on it looks to a side."""
+VERTICAL = 0.75
+"""Of the direction of a face along the vertical, from which on it is seen from above or below."""
+STEEP_DEG, LEVEL_DEG = 62.0, 4.0
+"""Elevation of a camera above a face that is seen from above, and the least above any face."""
+
+
+def portrait_view(data: mujoco.MjData, root: str, head: str | None) -> View:
+    """Return the direction that shows an infant best: from its front, or from above where it lies on its back.
+
+    One that lies on its face is seen from where it looks, and not from far above.
+    """
+    lying = float(_axis(data, root, 0)[2])  # 1 on its back, -1 on its face.
+    if lying > -0.5:
+        return view_of_body(FROM_THE_SIDE, data, root)
+    aside = 0.0 if head is None else float(_axis(data, head, 0) @ _axis(data, root, 1))
+    azimuth = FACE_ASIDE if abs(aside) > SIDEWAYS else FACE_AHEAD
+    usual, _ = view_of_body((360.0 - azimuth if aside > SIDEWAYS else azimuth, 0.0), data, root)
+    return usual, LOW_DEG
+
+
+def view_of_head(data: mujoco.MjData, head: str) -> View:
+    """Return the direction that shows a head from before it, a little to its right and above."""
+    ahead, crown = _axis(data, head, 0), _axis(data, head, 2)
+    turned_deg, elevation = FACE_TO_FACE
+    if abs(ahead[2]) > VERTICAL:
+        return _azimuth_deg(np.sign(ahead[2]) * crown) + turned_deg, -STEEP_DEG
+    level_deg = float(np.degrees(np.arcsin(np.clip(ahead[2], -1, 1))))
+    return _azimuth_deg(-ahead) + turned_deg, min(elevation - level_deg, -LEVEL_DEG)
+
+
+def _axis(data: mujoco.MjData, body: str, axis: int) -> FloatArray:
+    """Return an axis of a body in the world, shape (3,)."""
+    return data.body(body).xmat.reshape(3, 3)[:, axis]
+
+
+def _azimuth_deg(vector: FloatArray) -> float:
+    return float(np.degrees(np.arctan2(vector[1], vector[0])))
+
+
+def drawn_spheres(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    scene: mujoco.MjvScene,
+    bodies: Sequence[str],
+    drawn: npt.NDArray[np.bool_],
+    shown: Shown,
+) -> Spheres:
+    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size.
+
+    Args:
+        model: The model.
+        data: Its state.
+        scene: What is drawn, filled, which has the vertices of skins.
+        bodies: Names of the bodies.
+        drawn: Which geoms are drawn, shape (ngeom,).
+        shown: What is drawn of infants.
+    """
+    held = in_subtrees(model, [model.body(body).id for body in bodies])
+    vertices_m = np.reshape(scene.skinvert, (-1, 3))
+    skins = [
+        vertices_m[scene.skinvertadr[number] : scene.skinvertadr[number] + scene.skinvertnum[number]]
+        for number in range(scene.nskin)
+        if shown == "skin" and held[_bones(model, number)].all()
+    ]
+    geoms = held[model.geom_bodyid]
+    solids = tight_spheres(model, data, geoms & drawn if skins else geoms)
+    points_m = np.concatenate([solids.centres_m, *skins])
+    return Spheres(points_m, np.concatenate([solids.radii_m, np.zeros(len(points_m) - len(solids.radii_m))]))
+
+
+def _bones(model: mujoco.MjModel, skin: int) -> npt.NDArray[np.int32]:
+    """Return the bodies that move a skin."""
+    start, count = model.skin_boneadr[skin], model.skin_bonenum[skin]
+    return model.skin_bonebodyid[start : start + count]
