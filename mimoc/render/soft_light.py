@@ -85,10 +85,10 @@ DAYLIGHT = Daylight(
     sun_radius_deg=9.0,
     fills=(
         Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
-        Beam(5.0, -5.0, (0.17, 0.168, 0.166)),
+        Beam(5.0, -5.0, (0.155, 0.153, 0.151)),
         Beam(0.0, 60.0, (0.13, 0.118, 0.10)),
     ),
-    ambient=(0.455, 0.45, 0.45),
+    ambient=(0.43, 0.425, 0.425),
     turned_deg=66.0,
 )
 """A sun at the upper right of the camera, the sky above, light from beside the camera, and warm light that the floor
@@ -100,9 +100,9 @@ LAMP_RADIUS = 0.08
 """Radius of a lamp in a room, as a share of its distance from the infant (D)."""
 SUN_DISTANCE_M = 4.0
 """From the middle of what is shown to where the map of shadows begins."""
-NEAR, FAR_M = 0.25, 4000.0
+NEAR, FAR_M = 0.25, 10000.0
 """Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
-share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 4000 m not."""
+share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 10 km not."""
 SHADOWS_WITHIN = 1.1
 """Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
 
