@@ -40,10 +40,12 @@ class Exposure:
 
     passes: int
     suns: int = 1
-    """Points of the sun's disc that shine in each of them."""
+    """Points of the sun's disc that shine in each of them; a lamp in a room has one."""
+    shadows_px: int = 768
+    """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(5, 3), Exposure(3, 2), Exposure(1)
+STILL, MOVING, ONCE = Exposure(4, 3), Exposure(3, 2, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
 
 
@@ -147,7 +149,8 @@ def passes(
             _set_range(camera, NEAR * shot.depth_m, FAR_M)
     steady, casting = _sorted_lights(scene)
     cameras = [(camera, camera.frustum_center, camera.frustum_bottom, camera.frustum_top) for camera in scene.camera]
-    lamp_points = disc_points(exposure.passes * exposure.suns).reshape(exposure.suns, exposure.passes, 2)
+    suns = exposure.suns if daylight is not None else 1
+    lamp_points = disc_points(exposure.passes * suns).reshape(suns, exposure.passes, 2)
     radius = np.tan(np.radians(daylight.sun_radius_deg)) if daylight is not None else LAMP_RADIUS
     for number, point in enumerate(pixel_points(exposure.passes)):
         for camera, centre, bottom, top in cameras:
@@ -156,7 +159,7 @@ def passes(
         scene.nlight = steady
         for light in casting:
             for lamp_point in lamp_points[:, number]:
-                _add_light(scene, light, 1 / exposure.suns)
+                _add_light(scene, light, 1 / suns)
                 _move_light(scene.lights[scene.nlight - 1], shot, radius * lamp_point)
         yield
 
