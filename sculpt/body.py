@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import embedding
+import features
 import figure
 import meshing
 import numpy as np
@@ -12,35 +13,37 @@ from fields import Array
 
 from mimoc.body.kinematics import Frame
 
-LOW, HIGH = np.array((-80.0, -280.0, -260.0)), np.array((270.0, 280.0, 320.0))
-TOP = 298.0
+LOW, HIGH = np.array((-80.0, -280.0, -300.0)), np.array((270.0, 280.0, 320.0))
+TOP = 308.0
 """Above this height the neck is in the head."""
 SIZES = {
-    "hand": 4.5,
-    "lfmetacarpal": 4.1,
-    "thbase": 3.7,
-    "foot": 6.0,
-    "toes": 3.6,
-    "big_toe": 3.9,
-    "fingers": 3.5,
-    "upper_arm": 9.0,
-    "lower_arm": 8.5,
+    "hand": 4.9,
+    "lfmetacarpal": 4.6,
+    "thbase": 4.6,
+    "foot": 6.4,
+    "toes": 3.9,
+    "big_toe": 4.2,
+    "fingers": 3.6,
+    "upper_arm": 9.5,
+    "lower_arm": 9.0,
     "upper_leg": 10.0,
-    "lower_leg": 9.5,
-    **dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), 11.5),
+    "lower_leg": 10.0,
+    **dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), 12.5),
 }
-FINGER_SIZE, HEM_SIZE = 3.1, 8.5
-"""Lengths of edges, by body; beside hems, at most that long."""
+FINGER_SIZE = 3.3
+"""Lengths of edges, by body."""
 
 
 def mesh(
     sculpted: figure.Figure, frames: Mapping[str, Frame], cell_mm: float, rng: np.random.Generator
-) -> tuple[embedding.Drawn, np.ndarray, Mapping[str, embedding.Curve]]:
-    """Return the mesh, the mirror image of each of its vertices, and the hems."""
+) -> tuple[embedding.Drawn, Mapping[str, embedding.Curve]]:
+    """Return the mesh and the hems."""
     field, curves = sculpted.field(), tailoring.hems(frames)
 
+    fined = features.finer(frames)
+
     def size(points: Array) -> Array:
-        return sizes(sculpted, points)
+        return fined(points, sizes(sculpted, points))
 
     dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
     dense = meshing.only(*dense, dense[0][:, 2] < TOP)
@@ -48,9 +51,9 @@ def mesh(
     verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
     half = embedding.right_half(field, verts, faces)
     drawn = embedding.embedded(field, half, tuple(curves.values()), size)
-    whole, twins = embedding.mirrored(drawn)
+    whole = embedding.mirrored(drawn)
     print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
-    return whole, twins, curves
+    return whole, curves
 
 
 def sizes(sculpted: figure.Figure, points: Array) -> Array:

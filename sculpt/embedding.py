@@ -4,7 +4,7 @@ A mesh is the right half of a symmetric one. Lengths are mm.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from fields import Array, Field
@@ -12,7 +12,7 @@ from meshing import edges_of, gradient, only
 
 SNAPPED = 0.34
 """A vertex that is within this share of its edges' length of a curve moves onto it."""
-SHORT, ROUNDS = 0.42, 5
+SHORT, ROUNDS = 0.55, 6
 """Edges shorter than this share of the wanted length are drawn together; how often the mesh is made even."""
 
 
@@ -38,6 +38,8 @@ class Drawn:
     faces: np.ndarray
     lies_on: np.ndarray
     """Whether each vertex is on each curve, shape (n, curves)."""
+    twins: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    """The mirror image of each vertex, of a whole mesh."""
 
 
 def right_half(surface: Field, verts: Array, faces: np.ndarray) -> Drawn:
@@ -69,8 +71,8 @@ def embedded(surface: Field, half: Drawn, curves: Sequence[Curve], size: Callabl
     return drawn
 
 
-def mirrored(drawn: Drawn) -> tuple[Drawn, np.ndarray]:
-    """Return both halves as one mesh, and the mirror image of each of its vertices."""
+def mirrored(drawn: Drawn) -> Drawn:
+    """Return both halves as one mesh."""
     verts, count = drawn.verts, len(drawn.verts)
     (free,) = np.nonzero(~drawn.lies_on[:, 0])
     other = np.arange(count)
@@ -78,7 +80,7 @@ def mirrored(drawn: Drawn) -> tuple[Drawn, np.ndarray]:
     both = np.vstack((verts, verts[free] * (1, -1, 1)))
     faces = np.vstack((drawn.faces, other[drawn.faces][:, ::-1]))
     twins = np.concatenate((other, free))
-    return Drawn(both, faces, np.vstack((drawn.lies_on, drawn.lies_on[free]))), twins
+    return Drawn(both, faces, np.vstack((drawn.lies_on, drawn.lies_on[free])), twins)
 
 
 def placed(surface: Field, curves: Sequence[Curve], verts: Array, lies_on: np.ndarray, rounds: int = 3) -> Array:
@@ -163,7 +165,10 @@ def lengths_around(verts: Array, faces: np.ndarray) -> Array:
 
 
 def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
-    """Return a mesh whose vertices are nearer to the middle of their neighbours; those on a curve, of those on it."""
+    """Return a mesh whose vertices are nearer to the middle of their neighbours; those on a curve, of those on it.
+
+    The edge of an opening stays.
+    """
     edges = edges_of(drawn.faces)
     both = np.vstack((edges, edges[:, ::-1]))
     here, there = drawn.lies_on[both[:, 0]], drawn.lies_on[both[:, 1]]
@@ -172,6 +177,11 @@ def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
     sums = np.column_stack(
         [np.bincount(both[:, 0], drawn.verts[both[:, 1], axis], len(drawn.verts)) for axis in range(3)]
     )
+    used, times = np.unique(
+        np.sort(drawn.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    open_ends = used[(times == 1) & ~drawn.lies_on[used, 0].all(axis=1)]
+    count[open_ends] = 0
     means = np.where(count[:, None] > 1, sums / np.maximum(count, 1)[:, None], drawn.verts)
     verts = drawn.verts + 0.5 * (means - drawn.verts)
     return Drawn(placed(surface, curves, verts, drawn.lies_on, 2), drawn.faces, drawn.lies_on)

@@ -39,7 +39,7 @@ EXPRESSED = {
         corner=(-2.0, 5.5, 6.5), upper=1.0, lower=6.0, square=1.6, cheek=3.6, brow=(0.8, 1.2), lids=(0.82, 0.55)
     ),
     "sad": Moved(
-        corner=(-0.5, 0.5, -5.0), upper=0.5, lower=-1.0, pout=1.6, brow=(4.5, -2.5), together=2.0, lids=(0.72, 0.95)
+        corner=(-0.5, 0.5, -5.0), upper=0.3, lower=0.2, pout=1.4, brow=(4.5, -2.5), together=2.0, lids=(0.72, 0.95)
     ),
     "surprised": Moved(corner=(1.5, -3.5, -0.5), upper=2.5, lower=10.0, pout=1.0, brow=(5.5, 5.5), lids=(1.22, 1.12)),
     "angry": Moved(
@@ -74,6 +74,10 @@ EXPRESSED = {
 """Expression by name."""
 
 
+LEAST_MM = 0.12
+"""Smaller moves are left out."""
+
+
 def moved(mesh, face: Moved) -> Array:
     """Return how the vertices of the surface of a mesh, a `make_head.HeadMesh`, move; those of strips as their edges.
 
@@ -81,6 +85,8 @@ def moved(mesh, face: Moved) -> Array:
     """
     verts = mesh.verts
     moves = (_mouth(verts, mesh.side, face) + _brows(verts, face) + _cheeks(verts, face))[mesh.twins]
+    size = np.linalg.norm(moves, axis=1, keepdims=True)
+    moves = moves * _step((size - LEAST_MM) / LEAST_MM)
     return moves + _turned_lips(mesh, moves)
 
 
@@ -129,7 +135,8 @@ def _brows(verts: Array, face: Moved) -> Array:
     near_inner = _near(verts, (76, 12, 11), (18, 9, 9))
     near_outer = _near(verts, (66, 32, 11), (18, 11, 9))
     together = -face.together * np.sign(verts[:, 1])[:, None] * (0, 1, 0)
-    return near_inner * ((0.12 * abs(inner), 0, inner) + together) + near_outer * (0, 0, outer)
+    raised = np.array((0.12 * abs(inner), 0, inner))
+    return near_inner * (raised + together) + near_outer * (0, 0, outer)
 
 
 def _cheeks(verts: Array, face: Moved) -> Array:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class FaceShape:
-    """Shapes of one age, in a frame at the middle of the head's solid: x forward, z up; y is the distance from the middle.
+    """Shapes of one age, in a frame at the middle of the head's solid: x forward, z up; both sides are the same.
 
     All are by eye (D), from portraits of children and from the ratios of Farkas (1994) where it has some.
     """
@@ -57,7 +57,7 @@ SHAPES = {
         jaw=(22.0, -42.0),
         jaw_size=(37.0, 35.0, 26.0),
         chin=(59.0, -59.0, 7.5),
-        lids=(0.72, 0.8),
+        lids=(0.68, 0.8),
         puffy=1.6,
     ),
     3: FaceShape(
@@ -74,7 +74,7 @@ SHAPES = {
         jaw=(23.0, -44.0),
         jaw_size=(38.0, 37.0, 28.0),
         chin=(60.5, -62.0, 8.0),
-        lids=(1.04, 1.02),
+        lids=(0.93, 1.0),
         puffy=0.7,
     ),
     6: FaceShape(
@@ -91,7 +91,7 @@ SHAPES = {
         jaw=(24.0, -46.0),
         jaw_size=(39.0, 37.0, 29.0),
         chin=(61.5, -64.5, 8.5),
-        lids=(1.08, 1.06),
+        lids=(0.95, 1.02),
         puffy=0.5,
     ),
     12: FaceShape(
@@ -108,7 +108,7 @@ SHAPES = {
         jaw=(26.0, -50.0),
         jaw_size=(40.0, 36.0, 30.0),
         chin=(63.0, -68.0, 9.0),
-        lids=(1.02, 1.02),
+        lids=(0.9, 0.98),
         puffy=0.3,
     ),
     24: FaceShape(
@@ -125,7 +125,7 @@ SHAPES = {
         jaw=(28.0, -55.0),
         jaw_size=(41.0, 36.5, 31.0),
         chin=(65.0, -74.5, 9.5),
-        lids=(0.95, 0.97),
+        lids=(0.85, 0.93),
         puffy=0.1,
     ),
 }

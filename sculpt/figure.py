@@ -69,7 +69,7 @@ def blend(solids: tuple[Solid, ...], p: Array) -> Array:
     toes = _joined(by_group["toe"], 1.0, p)
     foot = smooth_max(smooth_min(foot, toes, 4.0), by_group["sole"][0](p), 4.0)
     leg = smooth_min(leg, foot, 13.0)
-    return np.minimum(smooth_min(trunk, arm, 24.0), smooth_min(trunk, leg, 22.0))
+    return np.minimum(smooth_min(trunk, arm, 24.0), smooth_min(trunk, leg, 34.0))
 
 
 def _joined(fields: list[Field], k: float, p: Array) -> Array:
@@ -148,7 +148,11 @@ def _mitten() -> Shapes:
     yield "{side}_hand", "palm", tube((13, -2, 4), (20, -4, 18), (8, 6.6))
     yield "{side}_hand", "finger", tube((18, -3.5, 14), (25, -4.5, 33), (6.8, 6.2, 5.4))
     for x, length, radius in ((15.2, 38.5, 5.6), (5.1, 41.5, 5.8), (-5.0, 39.5, 5.6), (-14.6, 32.5, 5.0)):
-        yield "{side}_fingers", "finger", tube((x, 0, -6), (x * 1.06, 0, length), (radius * 1.1, radius, radius * 0.86))
+        yield (
+            "{side}_fingers",
+            "finger",
+            tube((x, 0, -6), (x * 1.06, 0, length), (radius * 1.16, radius * 1.04, radius * 0.74)),
+        )
 
 
 def _five_finger() -> Shapes:
@@ -156,10 +160,10 @@ def _five_finger() -> Shapes:
     yield "{side}_hand", "palm", tube((-6, 3, -20), (-4, 1, -6), (13, 11))
     yield "{side}_lfmetacarpal", "palm", rounded_box((-8, 0, 2), (6.4, 7.4, 14), 6)
     for name, lengths, radii in (
-        ("ff", (18.9, 9.5, 5.8), (4.9, 4.4, 4.2)),
-        ("mf", (21, 10.5, 6.6), (5.1, 4.6, 4.4)),
-        ("rf", (18.9, 9.5, 5.8), (4.9, 4.4, 4.2)),
-        ("lf", (18.5, 9.2, 5.8), (4.6, 4.2, 4.0)),
+        ("ff", (18.9, 9.5, 5.8), (5.2, 4.4, 3.7)),
+        ("mf", (21, 10.5, 6.6), (5.4, 4.6, 3.9)),
+        ("rf", (18.9, 9.5, 5.8), (5.2, 4.4, 3.7)),
+        ("lf", (18.5, 9.2, 5.8), (4.8, 4.1, 3.5)),
     ):
         first, middle, last = lengths
         yield (
@@ -167,8 +171,12 @@ def _five_finger() -> Shapes:
             "finger",
             tube((0, 0, -3), (0, 0, first), (radii[0] * 1.08, radii[0], radii[1])),
         )
-        yield f"{{side}}_{name}middle", "finger", tube((0, 0, 0), (0, 0, middle), (radii[1], radii[1] * 0.98))
-        yield f"{{side}}_{name}distal", "finger", tube((0, 0, 0), (0, 0, last), (radii[2], radii[2] * 0.92))
+        yield f"{{side}}_{name}middle", "finger", tube((0, 0, 0), (0, 0, middle), (radii[1], (radii[1] + radii[2]) / 2))
+        yield (
+            f"{{side}}_{name}distal",
+            "finger",
+            tube((0, 0, 0), (0, 0, last), ((radii[1] + radii[2]) / 2, radii[2] * 0.9)),
+        )
     yield "{side}_thbase", "palm", tube((0, 0, 2), (0, 0, 15), (7.6, 6.0))
     yield "{side}_thhub", "finger", tube((0, 0, 0), (0, 0, 11.8), (5.6, 5.0))
     yield "{side}_thdistal", "finger", tube((0, 0, 0), (0, 0, 9.4), (5.0, 5.1, 4.6))

@@ -9,10 +9,12 @@ from scipy.interpolate import PchipInterpolator
 WHORL = np.array((-0.52, 0.0, 0.85))
 """Direction of the whorl, from the middle of the head."""
 AROUND_DEG = (0, 25, 42, 56, 68, 76, 86, 100, 114, 128, 150, 180)
-LINE_DEG = (43, 41, 33, 17, 4, -3, 3, 5, -3, -19, -35, -41)
+LINE_DEG = (44, 43, 39, 29, 11, -2, 3, 5, -3, -19, -35, -41)
 """Elevation of the hairline by how far to the side, from the front to the nape: above the ears and behind them (D)."""
 FRINGE_DEG = (-14, -13, -7, -2, -1, -1, 0, 0, 0, 0, 0, 0)
 """How much lower it is where a fringe falls onto the forehead."""
+WAVES = 0.016
+"""How much hair turns aside here and there, as a share of half a turn."""
 RIM_DEG = 9.0
 """How far beyond the lowest hairline the layer goes on."""
 WORN = np.array((-0.98, 0.0, 0.05))
@@ -76,4 +78,7 @@ def _around(ways: Array) -> Array:
     front = np.array((1.0, 0, 0)) - whorl[0] * whorl
     front /= np.linalg.norm(front)
     aside = np.cross(whorl, front)
-    return np.abs(np.arctan2(ways @ aside, ways @ front)) / np.pi
+    around = np.abs(np.arctan2(ways @ aside, ways @ front)) / np.pi
+    far = np.arccos(np.clip(ways @ whorl, -1, 1))
+    waves = np.sin(4.2 * far + 11 * around) + 0.6 * np.sin(7.5 * far - 17 * around + 1)
+    return around + WAVES * np.sin(np.pi * around) * waves

@@ -1,6 +1,7 @@
 """A child's head: cranium, cheeks, jaw, lips, nose, ears, and lids over the eyes. Lengths are mm."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from faces import FaceShape
@@ -22,7 +23,7 @@ class Head:
 
 LID = 1.10
 """Radius of the lids over that of the eyeball."""
-MOUTH_HALF = 14.5
+MOUTH_HALF = 15.5
 """Distance of a corner of the mouth from the midline."""
 CORNER_IN = 1.0
 """How far inside of it the lips part."""
@@ -66,7 +67,7 @@ def _without_lips(head: Head, shape: FaceShape) -> Field:
 
 def _swellings(head: Head, shape: FaceShape) -> list[tuple[Array, Array, float]]:
     """Return middles, half breadths and heights of what stands out softly."""
-    ax, ay, az = head.half_axes
+    ax, _, az = head.half_axes
     x, y, z = head.eye
     cheek, jowl = shape.cheek, shape.jowl
     below = 0.5 * (z + shape.mouth[1])
@@ -92,7 +93,7 @@ def _jaw(shape: FaceShape) -> list[tuple[Field, float]]:
     return [
         (ellipsoid((shape.jaw[0], 0, shape.jaw[1]), shape.jaw_size), 16.0),
         (ellipsoid((chin_x - radius, 0, chin_z), (radius, 1.2 * radius, radius)), 11.0),
-        (ellipsoid((mouth_x - 14.0, 0, mouth_z + 2.0), (12.0, 17.0, 13.0)), 9.0),
+        (ellipsoid((mouth_x - 14.2, 0, mouth_z + 2.0), (12.0, 18.0, 13.0)), 9.0),
     ]
 
 
@@ -122,7 +123,7 @@ def lip_tubes(head: Head, shape: FaceShape) -> tuple[Field, Field]:
     bare, z, half = _without_lips(head, shape), shape.mouth[1], MOUTH_HALF
     along_upper = [(0, z + 2.5), (-2.4, z + 3.3), (-7.0, z + 2.7), (-half + 1.2, z + 2.5)]
     along_lower = [(0, z - 3.6), (-4.0, z - 3.4), (-9.0, z - 1.5), (-half + 1.6, z + 1.1)]
-    return _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.7), _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.9)
+    return _along(bare, along_upper, (2.9, 3.1, 2.6, 1.4), 1.35), _along(bare, along_lower, (3.7, 3.5, 2.6, 1.3), 1.5)
 
 
 def mouth_line(head: Head, shape: FaceShape) -> Field:
@@ -145,8 +146,8 @@ def _along(bare: Field, places: list[tuple[float, float]], radii: tuple[float, .
     """Return a bent tube under places of a surface, of which as much stands out as *out*, less at its thin end."""
     points, most = _front(bare, places), max(radii)
     middles = [point - (radius - out * radius / most, 0, 0) for point, radius in zip(points, radii, strict=True)]
-    pairs = zip(zip(middles, middles[1:], strict=False), zip(radii, radii[1:], strict=False), strict=True)
-    tubes = [tube(a, b, both) for (a, b), both in pairs]
+    pieces = zip(pairwise(middles), pairwise(radii), strict=True)
+    tubes = [tube(a, b, both) for (a, b), both in pieces]
 
     def bent(q: Array) -> Array:
         d = tubes[0](q)

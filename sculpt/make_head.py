@@ -13,7 +13,7 @@ from fields import Array
 from hair import scalp
 from scipy.interpolate import RBFInterpolator
 
-from mimoc.compiler.building import builder
+from mimoc.body.grow import grow_body
 from mimoc.looks.skin.template_mesh import FOLDER, MOVE_M
 from mimoc.schema.infant import InfantSpec
 
@@ -112,7 +112,7 @@ def meshed(head: heads.Head) -> HeadMesh:
 def reference_head() -> heads.Head:
     """Return the solids of the head of an average child."""
     spec = InfantSpec.model_validate({"mimoc": 1, "name": "child", "age_months": AGE_MONTHS})
-    tree = builder(spec).tree
+    tree = grow_body(spec).tree
     solid, eye = tree.geoms["head"], next(body for body in tree.bodies if body.name == "right_eye")
     middle = np.subtract(eye.pos_m, solid.pos_m)
     return heads.Head(np.array(solid.size_m) * 1000, middle * 1000, tree.geoms["right_eye1"].size_m[0] * 1000)

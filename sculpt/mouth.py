@@ -1,6 +1,7 @@
-"""A mouth that can open: the mesh of the head is slit between the lips, and a pocket lies behind them. Lengths are mm."""
+"""A mouth that can open: the head's mesh is slit between the lips, and a pocket lies behind them. Lengths are mm."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from cutting import typical_edge
@@ -11,7 +12,7 @@ Line = Callable[[Array], Array]
 POCKET = ((1.0, 0.0), (0.85, 5.0), (0.5, 9.0))
 """Rings of the pocket: their size by that of the slit's inner edge, and how far behind it they are."""
 PATCH = (0.068, 0.062)
-"""The pocket's place in the picture of the face, whose corners are empty: its middle, from the lower left, and radius."""
+"""The pocket's place in the picture of the face, whose corners are empty: middle, from the lower left, and radius."""
 
 
 def slit(
@@ -117,7 +118,7 @@ def pocket_faces(count: int, first: int) -> np.ndarray:
     rings = [first + count * ring + np.arange(count) for ring in range(len(POCKET))]
     bottom = first + count * len(POCKET)
     faces = []
-    for outer, inner in zip(rings, rings[1:], strict=False):
+    for outer, inner in pairwise(rings):
         for a in range(count):
             b = (a + 1) % count
             faces += [(outer[a], outer[b], inner[a]), (outer[b], inner[b], inner[a])]

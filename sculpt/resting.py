@@ -29,8 +29,13 @@ def child(hands: str, age_months: float) -> BodyTree:
     return replace(builder(InfantSpec.model_validate(spec), skin=False).tree, clothes=BARE)
 
 
-def pressed(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
+def pressed(sculpted: Sculpture, hands: str, soft_mm: Array) -> tuple[np.ndarray, Array]:
     """Return fullness that lets no age sink into the floor in any resting pose, and how much room there is below.
+
+    Args:
+        sculpted: The skin as it is.
+        hands: Its kind of hands.
+        soft_mm: How much farther than the rest each vertex may sink.
 
     Returns:
         Fullness at each age that is sculpted, as it ships, and the least height of each vertex, [mm].
@@ -44,7 +49,7 @@ def pressed(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
         for pose in POSES:
             placed = frames_in_world(tree, resting_state(tree, poses_of(tree)[pose]))
             height_mm = np.minimum(height_mm, 1000 * posed(bare, placed)[:, 2])
-        fullness_mm[index] -= np.clip(-ALLOWED_MM - height_mm, 0, 20) / size
+        fullness_mm[index] -= np.clip(-ALLOWED_MM - soft_mm - height_mm, 0, 20) / size
         room_mm = np.minimum(room_mm, height_mm)
     return np.rint(10 * fullness_mm).clip(-127, 127).astype(np.int8), room_mm
 

@@ -1,11 +1,14 @@
 """How much skin is stretched in random poses, and weights that let it stretch less."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from fields import Array
+from embedding import Curve, Drawn, placed
+from fields import Array, Field
 from meshing import edges_of
 from resting import child, posed
+from scipy.sparse import coo_matrix
 from weights import symmetric
 
 from mimoc.body.kinematics import frames
@@ -13,9 +16,14 @@ from mimoc.looks.skin.deformation import layers_of
 from mimoc.looks.skin.template_mesh import Sculpture
 
 AGES_MONTHS = (0.0, 9.0, 24.0)
-POSES = 80
-MOST = 2.1
+POSES = 300
+MOST = 1.9
 """Stretch of an edge, relative to the pose that it is bound in, beyond which its ends are moved more alike."""
+
+RINGS, SMOOTHINGS = 3, 2
+"""How many edges around them weights are smoothed, and how often."""
+SPACED, SPACING = 2.25, 0.07
+"""Stretch beyond which the ends of edges are moved apart, and by what share each end is."""
 
 
 def stretches(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
@@ -34,17 +42,33 @@ def stretches(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
 
 
 def eased(held: Array, edges: np.ndarray, stretch: Array, twins: np.ndarray, names: Sequence[str]) -> Array:
-    """Return weights of which those at the ends of stretched edges are more alike."""
-    eased_ones, far = held.copy(), edges[stretch > MOST]
-    for a, b in far:
-        eased_ones[a] = eased_ones[b] = (eased_ones[a] + eased_ones[b]) / 2
-    ends = np.unique(far)
+    """Return weights that are smoother around stretched edges: more so where these are stretched more."""
     both = np.vstack((edges, edges[:, ::-1]))
-    total = np.zeros_like(held)
-    np.add.at(total, both[:, 0], held[both[:, 1]])
-    around = total / np.maximum(total.sum(axis=1, keepdims=True), 1e-9)
-    eased_ones[ends] = (eased_ones[ends] + around[ends]) / 2
-    return symmetric(eased_ones, twins, names)
+    excess = np.clip(stretch / MOST - 1, 0, 0.5)
+    share = np.zeros(len(held))
+    np.maximum.at(share, both[:, 0], np.where(excess > 0, 0.3 + excess, 0).repeat(2).reshape(-1, 2).T.ravel())
+    for _ in range(RINGS):
+        wider = share.copy()
+        np.maximum.at(wider, both[:, 0], 0.75 * share[both[:, 1]])
+        share = wider
+    average = coo_matrix((np.ones(len(both)), both.T), shape=(len(held),) * 2).tocsr()
+    count = np.asarray(average.sum(axis=1))
+    for _ in range(SMOOTHINGS):
+        held = held + share[:, None] * (average @ held / count - held)
+    return symmetric(held, twins, names)
+
+
+def spaced(surface: Field, drawn: Drawn, curves: Sequence[Curve], edges: np.ndarray, stretch: Array) -> Drawn:
+    """Return a symmetric mesh in which the ends of stretched edges are farther apart, on the surface and on curves."""
+    verts = drawn.verts.copy()
+    for a, b in edges[stretch > SPACED]:
+        apart = SPACING * (verts[b] - verts[a])
+        verts[a], verts[b] = verts[a] - apart, verts[b] + apart
+    right = drawn.twins >= np.arange(len(verts))
+    verts[right] = placed(surface, curves, verts[right], drawn.lies_on[right])
+    left = ~right
+    verts[left] = verts[drawn.twins[left]] * (1, -1, 1)
+    return replace(drawn, verts=verts)
 
 
 def _lengths(verts: Array, edges: np.ndarray) -> Array:

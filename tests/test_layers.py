@@ -72,7 +72,8 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.body schema.entries schema.expressions schema.looks schema.names schema.quantities schema.source schema.yaml_document",
+        "schema.body schema.entries schema.expressions schema.looks schema.names schema.quantities schema.source"
+        " schema.yaml_document",
         "errors units grammar part parts",
         "pydantic yaml",
     ),

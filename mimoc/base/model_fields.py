@@ -1,8 +1,9 @@
 """What an episode changes in a model, declared, so that a state of an environment includes it."""
 
 import copy
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -20,6 +21,8 @@ class ModelField:
     """The array, such as `geom_size`."""
     rows: npt.NDArray[np.intp]
     """Indices of the rows, shape (n,)."""
+    write: Callable[[mujoco.MjModel, npt.NDArray[Any]], None] | None = None
+    """What writes other values into a model, if more has to follow them there."""
 
 
 def rows_by_name(fields: Iterable[ModelField]) -> dict[str, npt.NDArray[np.intp]]:
@@ -46,8 +49,11 @@ class ModelFields:
 
     @state.setter
     def state(self, state: list[npt.NDArray[np.generic]]) -> None:
-        for (array, rows), values in zip(self._arrays, state, strict=True):
-            array[rows] = values
+        for field, (array, rows), values in zip(self._fields, self._arrays, state, strict=True):
+            if field.write is None:
+                array[rows] = values
+            elif not np.array_equal(array[rows], values):
+                field.write(self._model, values)
 
     def model_as_built(self) -> mujoco.MjModel:
         """Return a copy of the model in which no episode has changed anything."""
@@ -68,7 +74,7 @@ class ModelFields:
 
         What it has left as it was built stays as it is built at this age.
         """
-        for (array, rows), built, now in zip(self._arrays, former._as_built, former.state, strict=True):
-            array[rows] = np.where(now == built, array[rows], now)
+        built_now = zip(self.state, former._as_built, former.state, strict=True)
+        self.state = [np.where(now == built, ours, now) for ours, built, now in built_now]
         if "body_mass" in {field.name for field in self._fields}:
             self._model.body_subtreemass[WORLD] = self._model.body_mass.sum()

@@ -3,7 +3,8 @@
 import io
 import math
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,27 @@ NUMBERS = "biuf"
 """Kinds of `numpy.dtype` that arrays may have: no objects, no text."""
 
 Array = npt.NDArray[Any]
+
+
+class LazyArrays(Mapping[str, Array]):
+    """Arrays by name, of which some are made when one of them is first asked for; all are read-only."""
+
+    def __init__(self, ready: Mapping[str, Array], names: Sequence[str], make: Callable[[], Mapping[str, Array]]):
+        """Promise arrays of some names besides those that there are."""
+        self._ready, self._names, self._make = ready, tuple(names), make
+
+    @cached_property
+    def _made(self) -> Mapping[str, Array]:
+        return self._make()
+
+    def __getitem__(self, name: str) -> Array:
+        return self._made[name] if name in self._names else self._ready[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((*self._ready, *self._names))
+
+    def __len__(self) -> int:
+        return len(self._ready) + len(self._names)
 
 
 def pack_arrays(arrays: Mapping[str, Array]) -> bytes:

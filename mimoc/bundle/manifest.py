@@ -84,6 +84,12 @@ class FaceEntry(Model):
     """Material by expression."""
     skin: Skin | None = None
     """The skin of the head, if it has one, whose material is the expression then."""
+    begins: Label = "neutral"
+    """The expression that the skin of the head is built with."""
+    shapes: tuple[Label, ...] = ()
+    """Expressions that move vertices of that skin; the arrays `face/moving` and `face/<expression>` say how."""
+
+    _serialized = omitting("begins", "shapes")
 
 
 class ToyEntry(Model):

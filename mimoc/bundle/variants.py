@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import mujoco
 
+from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
@@ -36,6 +37,8 @@ class Variant:
         if self._dress is not None:
             self._dress(self.bare)
             self._dress = None
+            if face := self.bundle.manifest.face:
+                Face(face, lambda: self.bundle.arrays).take_on(self.bare)
         return self.bare
 
     def again(self, model: mujoco.MjModel | None = None) -> "Variant":

@@ -14,6 +14,7 @@ from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.looks.skin.deformation import skin_of
+from mimoc.looks.skin.template_mesh import HEAD
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
@@ -65,7 +66,7 @@ def assemble_infant(
 ) -> SceneTree:
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
     parts = _parts(tree, actuation, senses, has_skin)
-    skin = skin_of(tree) if has_skin else None
+    skin = skin_of(tree).showing(spec.body.expression, HEAD) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"
     expression = spec.body.expression
     return SceneTree(

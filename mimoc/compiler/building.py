@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,14 @@ from mimoc.body.grow import GrownBody
 from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
-from mimoc.bundle.arrays import ARRAYS, pack_arrays
+from mimoc.bundle.arrays import ARRAYS, LazyArrays, pack_arrays
+from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
+from mimoc.compiler.faces import face_arrays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
@@ -96,13 +97,15 @@ class Builder:
 
     @cached_property
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
-        """The large arrays of all senses by name, as they are in the file, read-only."""
+        """The large arrays of all senses and of the face by name, as they are in the file, read-only."""
         arrays = {}
         for sense, placed in self.senses.items():
             for name, array in placed.arrays.items():
                 arrays[f"{sense}/{name}"] = rounded_array(array).view()
                 arrays[f"{sense}/{name}"].flags.writeable = False
-        return MappingProxyType(arrays)
+        shapes = self.manifest.face.shapes if self.manifest.face else ()
+        names = [MOVING, *map(array_of, shapes)] if shapes else []
+        return LazyArrays(arrays, names, lambda: face_arrays(self.infant.skin))
 
     @cached_property
     def origins(self) -> Mapping[str, Any]:

@@ -119,6 +119,8 @@ def make_manifest(
             geom="head",
             materials={name: face_material(name) for name in EXPRESSIONS},
             skin="head" if scene.skin else None,
+            begins=spec.body.expression if scene.skin else "neutral",
+            shapes=EXPRESSIONS[1:] if scene.skin else (),
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
         plugins=_used_plugins(spec),

@@ -26,12 +26,15 @@ from mimoc.schema.infant import InfantSpec, as_written, read_spec
 def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
     """Return the spec of a spec's child at another age, which is as in manifests (`schema/infant.py`: what changes).
 
+    It keeps its clothes, so that its skin has the same vertices at all ages.
+
     Raises:
         SpecError: If no spec can say so; the error lists all problems.
     """
     if age_months == rounded(spec.age_months):
         return spec
-    return spec.with_(age_months=age_months, body={"looks": {"clothes": spec.clothes}})
+    other = spec.with_(age_months=age_months)
+    return other if other.clothes == spec.clothes else other.with_(body={"looks": {"clothes": spec.clothes}})
 
 
 def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
@@ -40,9 +43,11 @@ def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
         return at_age(spec, age_months)
     if age_months == rounded(spec.age_months):
         return spec
+    other = spec.model_copy(update={"age_months": age_months})
+    if other.clothes == spec.clothes:
+        return other
     looks = spec.body.looks.model_copy(update={"clothes": spec.clothes})
-    body = spec.body.model_copy(update={"looks": looks})
-    return spec.model_copy(update={"age_months": age_months, "body": body})
+    return other.model_copy(update={"body": spec.body.model_copy(update={"looks": looks})})
 
 
 @contextmanager

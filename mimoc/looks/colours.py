@@ -38,12 +38,12 @@ class ClothColours(NamedTuple):
 
 
 SKINS: Mapping[str, SkinColours] = {
-    "light": SkinColours((250, 221, 203), (243, 166, 152), (228, 142, 138), (208, 144, 126), (250, 249, 247)),
+    "light": SkinColours((250, 218, 198), (243, 166, 152), (228, 142, 138), (208, 144, 126), (250, 249, 247)),
     "fair": SkinColours((244, 205, 178), (240, 150, 130), (224, 130, 120), (196, 122, 100), (250, 248, 244)),
-    "medium": SkinColours((229, 182, 147), (216, 130, 106), (202, 112, 100), (170, 106, 78), (248, 245, 240)),
-    "tan": SkinColours((202, 149, 112), (188, 104, 82), (176, 92, 84), (140, 86, 60), (246, 243, 237)),
-    "brown": SkinColours((154, 107, 79), (152, 82, 66), (156, 84, 78), (100, 62, 44), (244, 240, 233)),
-    "dark": SkinColours((114, 79, 62), (126, 67, 56), (140, 78, 76), (68, 43, 33), (242, 238, 230)),
+    "medium": SkinColours((229, 182, 147), (216, 130, 106), (198, 106, 96), (170, 106, 78), (248, 245, 240)),
+    "tan": SkinColours((202, 149, 112), (188, 104, 82), (176, 86, 80), (140, 86, 60), (246, 243, 237)),
+    "brown": SkinColours((154, 107, 79), (152, 82, 66), (160, 80, 76), (100, 62, 44), (244, 240, 233)),
+    "dark": SkinColours((114, 79, 62), (126, 67, 56), (138, 74, 72), (68, 43, 33), (242, 238, 230)),
 }
 HAIR: Mapping[str, Colour] = {
     "black": (33, 28, 28),
@@ -51,7 +51,7 @@ HAIR: Mapping[str, Colour] = {
     "brown": (112, 77, 54),
     "light_brown": (152, 112, 76),
     "blond": (204, 165, 108),
-    "red": (160, 80, 44),
+    "red": (146, 82, 50),
 }
 EYES: Mapping[str, Colour] = {
     "dark": (54, 36, 28),
@@ -61,13 +61,13 @@ EYES: Mapping[str, Colour] = {
     "blue": (94, 122, 152),
     "grey": (122, 130, 138),
 }
-CREAM: Colour = (248, 238, 218)
+MINT: Colour = (206, 227, 217)
 YELLOW: Colour = (247, 204, 112)
 ORANGE: Colour = (232, 142, 92)
 TEAL: Colour = (112, 160, 172)
 WHITE: Colour = (246, 244, 239)
 CLOTHES: Mapping[Clothes, ClothColours] = {
-    "bodysuit": ClothColours(CREAM, (150, 196, 196), (142, 186, 170), CREAM, (142, 186, 170)),
+    "bodysuit": ClothColours(MINT, (150, 196, 190), (104, 164, 152), MINT, (104, 164, 152)),
     "shirt_and_trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
     "trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
     "nappy": ClothColours(WHITE, WHITE, WHITE, WHITE, (196, 218, 226)),

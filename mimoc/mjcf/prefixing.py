@@ -90,4 +90,4 @@ def _prefixed_skin(skin: Skin, prefix: str) -> Skin:
             for layer in skin.layers
         )
 
-    return Skin(tuple(prefix + name for name in skin.names), layers)
+    return Skin(tuple(prefix + name for name in skin.names), layers, lambda: skin.moves)

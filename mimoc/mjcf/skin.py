@@ -1,13 +1,14 @@
 """The skin of an infant in MJCF: meshes that several bodies move, seen but not felt."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.rounding import rounded_array
+from mimoc.geometry.face_steps import Steps, stepped
 from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
 
 NAME_BYTES = 40
@@ -49,14 +50,36 @@ class SkinLayer:
 class Skin:
     """The layers of a skin, made when they are first asked for: not everyone who builds an infant looks at it."""
 
-    def __init__(self, names: tuple[str, ...], make: Callable[[], tuple[SkinLayer, ...]]):
-        """Promise layers of these names, in the order that they are drawn in."""
-        self.names, self._make = names, make
+    def __init__(
+        self,
+        names: tuple[str, ...],
+        make: Callable[[], tuple[SkinLayer, ...]],
+        move: Callable[[], Mapping[str, Steps]] = dict,
+    ):
+        """Promise layers of these names, in the order that they are drawn in, and how expressions move the head's."""
+        self.names, self._make, self._move = names, make, move
 
     @cached_property
     def layers(self) -> tuple[SkinLayer, ...]:
         """All layers."""
         return self._make()
+
+    @cached_property
+    def moves(self) -> Mapping[str, Steps]:
+        """How far each expression moves the vertices of the head's layer from the neutral face, shape (n, 3)."""
+        return self._move()
+
+    def showing(self, expression: str, head: str) -> "Skin":
+        """Return the same with another expression; *head* is the name of the layer that it moves."""
+
+        def layers() -> tuple[SkinLayer, ...]:
+            steps = self.moves.get(expression)
+            return tuple(
+                replace(layer, verts_m=stepped(layer.verts_m, None, steps)) if layer.name == head else layer
+                for layer in self.layers
+            )
+
+        return Skin(self.names, layers, lambda: self.moves)
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:

@@ -246,7 +246,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
         companions = bind_companions(model, self.bundle, self._noise, self._custom_companions, self._senses, voice)
         self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions, voice)
-        self._living = SimulationState.bound(self.manifest, model, self.data, self._task, self._schedule, self._noise)
+        self._living = SimulationState.bound(self.bundle, model, self.data, self._task, self._schedule, self._noise)
 
     def _open_renderer(self) -> EnvRenderer:
         manifest, model = self.manifest, self._infant.bare

@@ -185,7 +185,7 @@ class InfantView:
         Raises:
             UnknownNameError: If there is no such expression.
         """
-        set_expression(expression, self.manifest, self._infant.bare)
+        set_expression(expression, self._living.face, self._infant.bare)
         self.observer.expressed(expression)
 
     def set_arousal(self, level: float) -> None:

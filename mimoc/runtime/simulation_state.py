@@ -11,13 +11,15 @@ import numpy as np
 from mimoc.actuation.arousal import Arousal
 from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_finite, check_form, demand
+from mimoc.bundle.face import Face
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin
 from mimoc.bundle.physics_state import STATE, physics_of, set_physics, time_of
 from mimoc.delays.schedule import Schedule
 from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.expression import expression_fields
+from mimoc.runtime.expression import expression_fields, face_of
 from mimoc.runtime.objects import NOWHERE, Objects, Pose
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.task import Task
@@ -37,11 +39,12 @@ class SimulationState:
     schedule: Schedule
     noise: NoiseStreams
     arousal: Arousal
+    face: Face | None
 
     @classmethod
     def bound(
         cls,
-        manifest: Manifest,
+        bundle: Bundle,
         model: mujoco.MjModel,
         data: mujoco.MjData,
         task: Task,
@@ -49,11 +52,12 @@ class SimulationState:
         noise: NoiseStreams,
     ) -> "SimulationState":
         """Find in a model, in which no episode has changed anything yet, what episodes change."""
+        manifest, face = bundle.manifest, face_of(bundle)
         constraints, arousal = Constraints(manifest.constraints, model), Arousal(manifest.actuation, model)
-        objects, of_face = Objects(manifest, model), expression_fields(manifest, model)
+        objects, of_face = Objects(manifest, model), expression_fields(face, model)
         changed = *constraints.model_fields, *task.model_fields, *of_face, *objects.model_fields
         fields = ModelFields(model, (*changed, *schedule.companions.model_fields))
-        return cls(manifest, model, data, constraints, objects, fields, task, schedule, noise, arousal)
+        return cls(manifest, model, data, constraints, objects, fields, task, schedule, noise, arousal, face)
 
     def start(self, pose: str, chance: np.random.Generator, elsewhere: Mapping[str, Pose] = NOWHERE) -> None:
         """Put the infant into a pose, at rest, and start its task; some objects may be elsewhere (`Objects.start`).

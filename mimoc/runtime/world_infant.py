@@ -65,7 +65,7 @@ class WorldInfant(InfantView):
         beside = bind_companions(model, bundle, self.noise, dict(companions or {}), self._senses, voice)
         timing = timing_of(self.manifest, self._senses)
         self._schedule = Schedule(self._senses, self._act, model, timing, self.noise, beside, voice)
-        self._living = SimulationState.bound(self.manifest, model, data, self._task, self._schedule, self.noise)
+        self._living = SimulationState.bound(self.bundle, model, data, self._task, self._schedule, self.noise)
         self.action_space = action_space(self._act, voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
         root = in_subtrees(model, [model.body(self.manifest.root_body).id])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.looks import LooksSpec
 from mimoc.schema.outline import Language, language_of
 from mimoc.schema.yaml_document import dump
 
@@ -72,6 +73,9 @@ def _lines(choices: Choices, language: Language) -> Iterator[str]:
     yield from ("", "body:", said("hands", choices.hands, ("body", "hands")))
     individual = "individual: {sex: female, length_percentile: 50, weight_percentile: 50}"
     yield _beside(f"  # {individual}", "a child of WHO's percentiles")
+    looks = LooksSpec()
+    colours = f"looks: {{skin: {looks.skin}, hair: {looks.hair}, eyes: {looks.eyes}}}"
+    yield _beside(f"  # {colours}", "and clothes: " + _or(language.outline(("body", "looks", "clothes")).choices))
     preset = {"preset": choices.impairment, "side": choices.side}
     given = ", ".join(f"{key}: {value}" for key, value in preset.items() if value is not None)
     impairments = f"impairments: {{{given}}}" if given else "# impairments: {preset: hemiparesis, side: right}"

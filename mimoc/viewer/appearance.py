@@ -10,7 +10,9 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.variants import Variant
+from mimoc.geometry.face_steps import STEP_M
 from mimoc.viewer.encoding import Places
 from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
@@ -61,18 +63,38 @@ def describe_skins(variants: Sequence[Variant], ages_months: Sequence[float]) ->
     }
 
 
+def describe_face(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+    """Return how expressions move the skin of an infant's head at some ages; None if they do not."""
+    faces = [variant.bundle.manifest.face for variant in variants]
+    first = faces[0]
+    if first is None or first.skin is None or not first.shapes:
+        return None
+    arrays = [variant.bundle.arrays for variant in variants]
+    moving = np.unique(np.concatenate([of_age[MOVING] for of_age in arrays]))
+    moves = {name: np.zeros((len(arrays), len(moving), 3)) for name in first.shapes}
+    for age, of_age in enumerate(arrays):
+        rows = np.searchsorted(moving, of_age[MOVING])
+        for name in first.shapes:
+            moves[name][age, rows] = STEP_M * of_age[array_of(name)]
+    return {
+        "ages_months": list(ages_months),
+        "layer": first.skin,
+        "begins": first.begins,
+        "moving": moving.astype(np.uint32),
+        "moves": {name: Places(offsets_m) for name, offsets_m in moves.items()},
+    }
+
+
 def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
-    first = model.skin_texcoordadr[index]
-    texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
     moved_by, weights = _strongest(skin_of(model, index).weights)
     return {
         "name": model.skin(index).name,
         "material": int(model.skin_matid[index]),
         "faces": model.skin_face[faces].astype(np.uint32),
-        "texcoords": texcoords,
+        "texcoords": _texcoords(models, index),
         "bones": np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]]),
         "moved_by": moved_by.astype(np.uint8),
         "weights": weights,
@@ -80,6 +102,15 @@ def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> d
         "bind_pos": np.stack([variant.skin_bonebindpos[bones] for variant in models]),
         "bind_quat": np.stack([variant.skin_bonebindquat[bones] for variant in models]),
     }
+
+
+def _texcoords(models: Sequence[mujoco.MjModel], index: int) -> npt.NDArray[Any] | None:
+    """Return where a skin is painted, shape (n, 2), or by age (ages, n, 2), as hair that grows is; None if nowhere."""
+    first = models[0].skin_texcoordadr[index]
+    if first < 0:
+        return None
+    by_age = np.stack([model.skin_texcoord[first : first + model.skin_vertnum[index]] for model in models])
+    return by_age if np.ptp(by_age, axis=0).any() else by_age[0]
 
 
 def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:

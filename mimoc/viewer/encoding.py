@@ -24,9 +24,10 @@ ALIGNMENT = 4
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Thousands of places, which are kept as multiples of `FINE_M`."""
+    """Thousands of places at some ages, which are kept as multiples of `FINE_M`: see `steps_of`."""
 
     places_m: Array
+    """Shape (ages, n, 3)."""
 
 
 @dataclass(slots=True)
@@ -49,7 +50,7 @@ class EncodedArrays:
         if isinstance(value, (list, tuple)):
             return [self.put(item) for item in value]
         if isinstance(value, Places):
-            return {**self.put(np.rint(value.places_m / FINE_M).astype(np.int64)), "unit": FINE_M}
+            return {**self.put(steps_of(value.places_m)), "unit": FINE_M}
         if isinstance(value, bytes):
             value = np.frombuffer(value, np.uint8)
         if not isinstance(value, np.ndarray):
@@ -69,9 +70,36 @@ class EncodedArrays:
             block += bytes(-len(block) % ALIGNMENT)
             places.append({"at": len(block), "kind": array.dtype.str[1:], "shape": list(array.shape)})
             block += array.tobytes()
-        packed = gzip.compress(bytes(block), mtime=0)
         text = json.dumps(rounded({**data, "arrays": places}), separators=(",", ":"))
-        return {"data": text.replace("<", "\\u003c"), "block": base64.b64encode(packed).decode()}
+        return {"data": text.replace("<", "\\u003c"), "block": compressed(bytes(block))}
+
+
+def compressed(content: bytes) -> str:
+    """Return what pages contain of some bytes: compressed, in base64."""
+    return base64.b64encode(gzip.compress(content, mtime=0)).decode()
+
+
+def steps_of(places_m: Array) -> Array:
+    """Return places, shape (ages, n, 3), as steps of `FINE_M` from each age to the next, the first from 0, as bytes.
+
+    Their shape is (2, ages, 3, n): all low bytes and then all high bytes, by age and axis, since similar bytes that
+    stand together compress to half.
+
+    Raises:
+        OverflowError: If a place is farther than 32767 steps, .65 m, from the origin.
+    """
+    whole = np.rint(places_m / FINE_M).astype(np.int64)
+    if np.abs(whole).max(initial=0) > np.iinfo(np.int16).max:
+        raise OverflowError(f"places up to {np.abs(places_m).max():.2f} m away do not fit into 16 bits")
+    steps = np.moveaxis(np.diff(whole, axis=0, prepend=0), -1, 1).astype("<i2")  # What is too large wraps around twice.
+    return np.moveaxis(np.ascontiguousarray(steps).view(np.uint8).reshape(*steps.shape, 2), -1, 0).copy()
+
+
+def places_of(steps: Array) -> Array:
+    """Return the places, in [m], shape (ages, n, 3), of what `steps_of` returned, as pages do."""
+    low, high = steps.astype(np.int64)
+    whole = np.cumsum(low + 256 * high, axis=0).astype(np.uint16).astype(np.int16)
+    return np.moveaxis(whole, 1, -1) * FINE_M
 
 
 FOLDER = resources.files("mimoc.viewer")

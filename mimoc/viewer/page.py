@@ -16,8 +16,8 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
-from mimoc.viewer.appearance import describe_materials, describe_skins, describe_surroundings
-from mimoc.viewer.encoding import EncodedArrays, built, source
+from mimoc.viewer.appearance import describe_face, describe_materials, describe_skins, describe_surroundings
+from mimoc.viewer.encoding import EncodedArrays, built, compressed, source
 from mimoc.viewer.growth import (
     AGES_MONTHS,
     SKIN_AGES_MONTHS,
@@ -115,6 +115,7 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
             "geom": face.geom,
             "materials": {name: model.material(material).id for name, material in face.materials.items()},
             "shown": spec.body.expression,
+            "shapes": describe_face(sparse, SKIN_AGES_MONTHS),
         },
         **describe_growth(grown, AGES_MONTHS),
         "standards": describe_standards([variant.bundle.manifest.child for variant in grown]),
@@ -159,7 +160,7 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
         "title": _escaped(str(data["name"])),
         "style": source("style.css"),
         "licences": _escaped(licences),
-        "program": built(PROGRAM).decode(),
+        "program": compressed(built(PROGRAM)),
     }
     parts = {name: part.replace("</script", "<\\/script") for name, part in parts.items()}
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))

@@ -182,7 +182,7 @@ def _places() -> tuple[Array, Head]:
 
 
 def _fill(shown: Array, corners: Array, verts: Array) -> None:
-    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther in front stays."""
+    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther out stays."""
     low = np.maximum(np.ceil(corners.min(axis=0) - 0.01).astype(int), 0)
     high = np.minimum(np.floor(corners.max(axis=0) + 0.01).astype(int), FACE_PX - 1)
     columns, rows = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))

@@ -65,9 +65,9 @@ def test_a_spec_like_an_example_differs_from_it_in_its_name_only(invoke, here):
     {
         "--hands paws": "x.yaml:7:10: body.hands: 'paws' is not a choice; choose from five_finger, mitten",
         "--age 25": "x.yaml:4:13: age_months: 25",
-        "--senses sight": "x.yaml:16:3: senses.sight: unknown key",
-        "--impairment hemiparesis": "x.yaml:10:1: impairments.side: is missing",
-        "--side left": "x.yaml:10:21: impairments.side: only the presets",
+        "--senses sight": "x.yaml:17:3: senses.sight: unknown key",
+        "--impairment hemiparesis": "x.yaml:11:1: impairments.side: is missing",
+        "--side left": "x.yaml:11:21: impairments.side: only the presets",
         "--like nobody": "'nobody' is not a name of an example; choose from all_senses",
         "--like catch --age 3": "'--like' takes an example as it is; give either that or choices",
     }.items(),

@@ -1,6 +1,7 @@
 """Heads and hair by age: what makes a face look its age, measured."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -47,7 +48,7 @@ def nose_tip(age_months: float) -> np.ndarray:
 
 
 def rising(values) -> bool:
-    return all(a < b for a, b in zip(values, values[1:], strict=False))
+    return all(a < b for a, b in pairwise(values))
 
 
 def test_chins_become_lower_and_noses_longer():
@@ -122,7 +123,7 @@ def test_hair_that_is_seen_is_never_in_the_head(age_months):
 
 
 def test_hair_becomes_denser_and_thicker():
-    for earlier, later in zip(GROWTH, GROWTH[1:], strict=False):
+    for earlier, later in pairwise(GROWTH):
         assert (earlier.cover, earlier.thick_mm, earlier.fringe) <= (later.cover, later.thick_mm, later.fringe)
     assert growth_at(36) == growth_at(24)
     assert 5 <= growth_at(24).thick_mm <= 8

@@ -1,8 +1,10 @@
 """What a spec says of skin, hair, eyes and clothes, and what becomes of it."""
 
 import io
+import re
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, get_args
 
 import mujoco
@@ -16,10 +18,11 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import load_world_model
 from mimoc.compiler.explain import explain
 from mimoc.compiler.variants import SpecVariants, at_age, at_age_unchecked
-from mimoc.looks.appearance import SKIN_MATERIALS, add_materials
+from mimoc.looks.appearance import SKIN_MATERIALS, add_materials, dress_skin
 from mimoc.looks.colours import EYES, HAIR, INKS, SKINS, inks_of
 from mimoc.looks.palettes import coloured_picture, mixed, mixtures, with_palette
 from mimoc.looks.pictures import read_picture
+from mimoc.mjcf.furniture import Appearance
 from mimoc.render.portrait import row_of
 from mimoc.schema import InfantSpec, LooksSpec
 from mimoc.schema.looks import Clothes, EyeColour, HairColour, SkinTone
@@ -55,6 +58,15 @@ def pixels(png: bytes) -> np.ndarray:
 
 def brightness(colour: Any) -> float:
     return float(np.dot(LUMINANCE, colour))
+
+
+def test_the_page_names_every_choice_and_default():
+    page = (Path(__file__).parents[2] / "docs" / "looks.md").read_text(encoding="utf-8")
+    rows = {row.split("`")[1]: row for row in page.splitlines() if row.startswith("| `")}
+    for key, names in {"skin": TONES, "hair": HAIR, "eyes": EYES, "clothes": OUTFITS}.items():
+        choices, default = rows[key].split("|")[2:4]
+        assert re.findall("`([a-z_]+)`", choices) == list(names)
+        assert (getattr(LooksSpec(), key) or "bodysuit") in default
 
 
 def test_every_name_of_the_language_has_its_colours():
@@ -222,6 +234,13 @@ def test_looks_can_be_explained():
     assert asked.sources[0].key == "spec.body.looks.clothes"
 
 
-def test_layers_of_a_skin_have_materials():
-    assert set(SKIN_MATERIALS) >= {"body", "shirt", "trousers"}
-    assert {f"skin_{layer}" for layer in ("body", "shirt", "trousers")} <= set(SKIN_MATERIALS.values())
+def test_infants_in_all_clothes_have_the_same_materials():
+    """Otherwise they could not live in worlds of one model on a device."""
+    names = {clothes: [item.name for item in dressed(clothes).materials] for clothes in OUTFITS}
+    assert all(materials == names["nappy"] for materials in names.values())
+    assert set(SKIN_MATERIALS.values()) < set(names["nappy"])
+
+
+def dressed(clothes: Clothes) -> Appearance:
+    layers = {"nappy": ("body", "trousers", "head"), "trousers": ("body", "trousers", "head")}
+    return dress_skin("neutral", layers.get(clothes, ("body", "shirt", "head")), LooksSpec(), clothes)

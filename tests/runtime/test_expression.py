@@ -1,4 +1,4 @@
-"""Seven faces: the spec's is the first, and it can be changed while the infant lives."""
+"""Nine faces: the spec's is the first, and it can be changed while the infant lives."""
 
 from itertools import combinations
 from typing import get_args
@@ -42,8 +42,8 @@ def changed_pixels(one: np.ndarray, other: np.ndarray) -> int:
     return int((np.abs(one - other).max(axis=2) > 20).sum())
 
 
-def test_there_are_seven(env):
-    assert len(EXPRESSIONS) == 7
+def test_there_are_nine(env):
+    assert len(EXPRESSIONS) == 9
     assert set(env.manifest.face.materials) == set(EXPRESSIONS)
 
 

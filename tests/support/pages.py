@@ -9,6 +9,8 @@ from unittest.mock import patch
 
 import numpy as np
 
+from mimoc.viewer.encoding import places_of
+
 FEW_AGES_MONTHS = (0.0, 9.0, 24.0)
 
 
@@ -49,5 +51,5 @@ def _with_arrays(value: Any, arrays: list[np.ndarray]) -> Any:
         return value
     if "array" in value:
         found = arrays[value["array"]]
-        return found * value["unit"] if "unit" in value else found
+        return places_of(found) if "unit" in value else found
     return {key: _with_arrays(each, arrays) for key, each in value.items()}

@@ -9,7 +9,7 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.appearance import describe_skins
-from mimoc.viewer.encoding import FINE_M, EncodedArrays
+from mimoc.viewer.encoding import EncodedArrays, places_of
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.meshes import coloured_faces, rows_of, skin_of
 
@@ -54,7 +54,7 @@ def test_vertices_go_where_mujoco_moves_them(bundle_at):
                     bodies[bone],
                     array("bind_pos")[0, bone],
                     array("bind_quat")[0, bone],
-                    array("verts")[0, vertex] * FINE_M,
+                    places_of(array("verts"))[0, vertex],
                 )
     assert np.abs(found - np.asarray(scene.skinvert).reshape(-1, 3)[-5:]).max() < 5e-4  # Weights are bytes.
     assert np.ptp(found, axis=0).max() > 0.05

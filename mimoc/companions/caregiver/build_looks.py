@@ -34,10 +34,7 @@ def materials() -> tuple[WorldMaterial, ...]:
     """Return all materials."""
     return (
         *(WorldMaterial(material(what), rgba, emission=GLOW * (what == "skin")) for what, rgba in COLOURS.items()),
-        *(
-            WorldMaterial(face_material(name), UNTINTED, face_material(name), emission=GLOW)
-            for name in ADULT_EXPRESSIONS
-        ),
+        *(WorldMaterial(name, UNTINTED, name, emission=GLOW) for name in map(face_material, ADULT_EXPRESSIONS)),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
+from mimoc.geometry.face_steps import Steps, on_grid, steps_between
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
 from mimoc.looks.skin.garments import OUTFITS, Piece, dressed, normals_of
@@ -38,13 +39,25 @@ def skin_of(tree: BodyTree) -> Skin:
 def skins(pickled: bytes) -> Skin:
     """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
-    return Skin((BODY, *OUTFITS[tree.clothes], HEAD, HAIR), lambda: layers_of(tree, template_mesh(tree.hands)))
+    names = (BODY, *OUTFITS[tree.clothes], HEAD, HAIR)
+    return Skin(names, lambda: layers_of(tree, template_mesh(tree.hands)), lambda: moves_of(tree))
 
 
 def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
     """Return the layers of a body's skin, carried from a sculpture."""
     carried = _Carrying(sculpted, tree)
     return (*carried.dressed(), *carried.head())
+
+
+def moves_of(tree: BodyTree) -> dict[str, Steps]:
+    """Return how far each expression moves the vertices of the head's layer, shape (n, 3)."""
+    sculpted = template_mesh(tree.hands)
+    _, turn = frames(tree, sculpted.angles_rad)[HEAD]
+    neutral_m = deform_head(sculpted.head, tree) @ turn.T
+    return {
+        name: steps_between(neutral_m, deform_head(sculpted.head, tree, name) @ turn.T)
+        for name in sculpted.head.moves_m
+    }
 
 
 class _Carrying:
@@ -126,7 +139,7 @@ class _Carrying:
         """Return a layer that the head moves, of vertices in its frame."""
         origin, turn = self.placed[HEAD]
         bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
-        return SkinLayer(name, origin + verts_m @ turn.T, faces, places, *bind)
+        return SkinLayer(name, on_grid(origin + verts_m @ turn.T), faces, places, *bind)
 
     def _moved(self, mesh: SculptedMesh) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""

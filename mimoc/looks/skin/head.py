@@ -85,7 +85,7 @@ def rims_deg(azimuth_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def seen_from_eye(from_eye: FloatArray, outward: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return azimuth and elevation of places from the middle of an eye, [deg], of which one, (n, 3), points *outward*."""
+    """Return azimuth and elevation of places as seen from an eye that looks *outward*, [deg], shape (n,)."""
     ahead, aside = from_eye @ outward, from_eye @ np.array((-outward[1], outward[0], 0.0))
     return np.degrees(np.arctan2(aside, ahead)), np.degrees(np.arctan2(from_eye[:, 2], np.hypot(ahead, aside)))
 

@@ -27,7 +27,7 @@ export class App {
     this.eyes = new Eyes(data.eyes, this.infant, [...document.getElementById("seen").children]);
     this.touch = data.touch && new TouchPoints(data.touch, this.body);
     this.surroundings = new Surroundings(data, this.materials);
-    if (!this.surroundings.isEmpty) this.stage.reach = 2.5;
+    if (!this.surroundings.isEmpty) this.stage.light.reach = 2.5;
     this.charts = new Charts(data);
     this.stage.scene.add(this.infant.scene, this.surroundings.scene, ...(this.touch ? [this.touch.scene] : []));
     this.stage.after.push(() => this.eyes.draw(this.stage));
@@ -71,9 +71,17 @@ export class App {
     this.#takePose();
   }
 
+  // Let the face go to an expression.
   setExpression(name) {
     this.infant.setExpression(name);
-    this.stage.draw();
+    let last = performance.now();
+    const go = (now) => {
+      const isThere = this.infant.express(Math.max(now - last, 1) / 1000);
+      last = now;
+      this.stage.drawMoved();
+      this.expressing = isThere ? null : requestAnimationFrame(go);
+    };
+    this.expressing ??= requestAnimationFrame(go);
   }
 
   // The pose at this age, with joints that were moved; as high above the floor as the pose is.
@@ -96,10 +104,15 @@ export class App {
       const { middle } = this.body.extent();
       this.stage.follow(middle.clone().sub(this.middle).add(this.stage.controls.target));
       this.middle = middle;
-      this.stage.lightUp(middle, this.radius);
+      this.stage.light.aim(middle, this.radius);
     }
     for (const each of this.changed) each();
+    this.#darkenFloor();
     this.stage.drawMoved();
+  }
+
+  #darkenFloor() {
+    this.stage.light.floor.darken(this.infant.balls.values);
   }
 
   // Part of the body is held and pulled.
@@ -137,6 +150,7 @@ export class App {
     this.middle = now.middle;
     this.radius = radius;
     this.stage.frame({ middle: now.middle, radius: 1.12 * radius }, view);
+    this.#darkenFloor();
   }
 
   showEyes(wanted) {

@@ -26,6 +26,17 @@ function arrayOf(buffer, { at, kind, shape }) {
 function withArrays(value, arrays) {
   if (Array.isArray(value)) return value.map((each) => withArrays(each, arrays));
   if (value === null || typeof value !== "object") return value;
-  if ("array" in value) return { ...arrays[value.array], unit: value.unit ?? 1 };
+  if ("array" in value) return value.unit ? { ...placesOf(arrays[value.array]), unit: value.unit } : { ...arrays[value.array], unit: 1 };
   return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, withArrays(each, arrays)]));
+}
+
+// Places by age, from the steps between ages: their low and then their high bytes, by age, axis and place.
+function placesOf({ values, shape: [, ages, axes, count] }) {
+  const places = new Int16Array(ages * count * axes);
+  for (let from = 0; from < places.length; from += 1) {
+    const to = (Math.floor(from / (axes * count)) * count + (from % count)) * axes + (Math.floor(from / count) % axes);
+    const step = values[from] | (values[places.length + from] << 8);
+    places[to] = step + (to < axes * count ? 0 : places[to - axes * count]); // Of more than 16 bits, the others are lost.
+  }
+  return { values: places, shape: [ages, count, axes] };
 }

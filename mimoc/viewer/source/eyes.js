@@ -41,7 +41,7 @@ export class Eyes {
   }
 
   // Draw what each eye sees where the page has its place, whatever the layout.
-  draw({ renderer, scene, canvas, floor }) {
+  draw({ renderer, scene, canvas, light: { floor } }) {
     if (!this.shown || this.recorded.length) return;
     const box = canvas.getBoundingClientRect();
     const hidden = [...this.frusta, ...[...this.unseen, ...this.unseenSkins].filter((each) => each.visible)];

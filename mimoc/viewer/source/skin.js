@@ -3,18 +3,26 @@
 
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, Matrix4, Mesh, Quaternion, Vector3 } from "three";
 import { Ages } from "./ages.js";
+import { darken } from "./occlusion.js";
+import { findSeams, joinNormals } from "./seams.js";
 
 const ONE = new Vector3(1, 1, 1);
 const MOVERS = 4; // Bodies that move a vertex, at most; the strongest comes first.
 
 export class Skin {
-  constructor({ ages_months, layers }, bodies, materials) {
+  constructor({ ages_months, layers }, bodies, materials, face) {
     this.ages = new Ages(ages_months);
+    this.face = face;
     this.scene = new Group();
-    this.layers = layers.map((layer) => this.#layer(layer, bodies, materials));
+    this.materials = new Map(); // Those of the layers, with the light that reaches each vertex, by number.
+    this.dress = (number) => {
+      if (!this.materials.has(number)) this.materials.set(number, Object.assign(materials[number].clone(), { vertexColors: true }));
+      return this.materials.get(number);
+    };
+    this.layers = layers.map((layer) => this.#layer(layer, bodies));
   }
 
-  #layer(layer, bodies, materials) {
+  #layer(layer, bodies) {
     const bound = new BufferGeometry(); // As it is before the bodies move it.
     const moved = new BufferGeometry();
     for (const geometry of [bound, moved]) {
@@ -24,8 +32,12 @@ export class Skin {
         geometry.setAttribute(name, attribute.setUsage(DynamicDrawUsage));
       }
     }
-    if (layer.texcoords) moved.setAttribute("uv", new BufferAttribute(layer.texcoords.values, 2));
-    const mesh = new Mesh(moved, materials[layer.material]);
+    moved.setAttribute("color", new BufferAttribute(new Float32Array(3 * layer.moved_by.shape[0]), 3).setUsage(DynamicDrawUsage));
+    if (layer.texcoords) {
+      const places = changes(layer.texcoords) ? this.ages.blend(layer.texcoords, 0) : layer.texcoords.values;
+      moved.setAttribute("uv", new BufferAttribute(places, 2));
+    }
+    const mesh = new Mesh(moved, this.dress(layer.material));
     mesh.castShadow = mesh.receiveShadow = true;
     mesh.frustumCulled = false;
     mesh.name = layer.name;
@@ -35,6 +47,7 @@ export class Skin {
   }
 
   setAge(age) {
+    this.age = age;
     for (const { layer, bones, bound } of this.layers) {
       const places = this.ages.blend(layer.bind_pos, age);
       const turns = this.ages.blend(layer.bind_quat, age);
@@ -42,28 +55,48 @@ export class Skin {
         const [w, x, y, z] = turns.subarray(4 * bone, 4 * bone + 4);
         unbind.compose(new Vector3(...places.subarray(3 * bone, 3 * bone + 3)), new Quaternion(x, y, z, w).normalize(), ONE).invert();
       });
-      this.ages.blend(layer.verts, age, bound.getAttribute("position").array);
+    }
+    this.express();
+  }
+
+  // Give the skin its shape before the bodies move it: that of its age, with the expression.
+  express() {
+    for (const { layer, mesh, bound } of this.layers) {
+      const { uv } = mesh.geometry.attributes;
+      if (uv && changes(layer.texcoords)) {
+        this.ages.blend(layer.texcoords, this.age, uv.array);
+        uv.needsUpdate = true;
+      }
+      const positions = this.ages.blend(layer.verts, this.age, bound.getAttribute("position").array);
+      this.face?.deform(layer.name, this.age, positions);
       bound.computeVertexNormals();
     }
+    const arrays = (name) => this.layers.map(({ bound }) => bound.getAttribute(name).array);
+    this.seams ??= findSeams(arrays("position"));
+    joinNormals(this.seams, arrays("normal"));
   }
 
-  // Show an expression: on the layer whose material is one of the faces.
-  setFace(material, faces) {
-    for (const { mesh } of this.layers) {
-      if (faces.includes(mesh.material)) mesh.material = material;
+  // Show a picture of a face on the layer that has one, of all that there are, by number.
+  setFace(number, faces) {
+    for (const { layer, mesh } of this.layers) {
+      if (faces.includes(layer.material)) mesh.material = this.dress(number);
     }
   }
 
-  // Take over where the bodies are.
-  follow() {
+  // Take over where the bodies are, and what balls hide from each vertex.
+  follow(balls) {
     if (!this.scene.visible) return;
     for (const { layer, mesh, bones, bound, turns } of this.layers) {
       bones.forEach(({ body, unbind }, bone) => rowsOf(MOVE.multiplyMatrices(body.matrix, unbind), turns, 12 * bone));
+      const { position, normal, color } = mesh.geometry.attributes;
       moveVertices(layer, turns, bound.attributes, mesh.geometry.attributes);
+      darken(position.array, normal.array, balls, color.array);
+      color.needsUpdate = true;
     }
   }
 }
 
+const changes = ({ shape }) => shape.length > 2; // By age, as where hair is painted does.
 const MOVE = new Matrix4();
 const BLEND = new Float64Array(12);
 

@@ -1,14 +1,13 @@
-// The scene with its light, floor and camera; it is drawn only when something has changed.
+// The scene and its camera; it is drawn only when something has changed.
 
-import { AmbientLight, BufferGeometry, CircleGeometry, DirectionalLight, Float32BufferAttribute, HemisphereLight, LineBasicMaterial, LineSegments, MathUtils, Mesh, MeshBasicMaterial, NoToneMapping, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer } from "three";
+import { NoToneMapping, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Light } from "./light.js";
 import { drawsQuickly, Sharpness } from "./sharpness.js";
 
 const FIELD_OF_VIEW = 24; // Narrow, from far away, which leaves heads round.
 const LEFT = 0.05; // Radians that an arrow key turns the camera by.
 const REST = 200; // Milliseconds without motion, after which a sharp picture is drawn.
-const SUN = new Vector3(1.2, 0.9, 2.4); // Where it is, from the infant.
-const CELL = 0.1; // Metres between the lines on the floor.
 
 export class Stage {
   constructor(canvas) {
@@ -28,24 +27,10 @@ export class Stage {
     this.controls.addEventListener("change", () => this.draw());
     this.before = []; // Called before each picture, and
     this.after = []; // after it.
-    this.#light();
-    this.floor = makeFloor();
-    this.scene.add(...Object.values(this.floor));
+    this.light = new Light(this.scene);
     canvas.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.frames = 0;
-    this.reach = 1.25; // How far shadows are drawn, by the radius of the infant.
-  }
-
-  #light() {
-    this.sun = new DirectionalLight(0xfff4e6, 1.9);
-    this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(1024, 1024);
-    this.sun.shadow.radius = 5;
-    this.sun.shadow.normalBias = 0.006;
-    const fill = new DirectionalLight(0xfff2e4, 0.75);
-    fill.position.set(2, 0.4, 0.5);
-    this.scene.add(this.sun, this.sun.target, fill, new HemisphereLight(0xffffff, 0xeadbc6, 1.35), new AmbientLight(0xffffff, 0.35));
   }
 
   // Look at a ball from the front left, a little from above.
@@ -54,7 +39,7 @@ export class Stage {
     this.controls.target.copy(middle);
     this.camera.position.copy(direction).normalize().multiplyScalar(radius / Math.sin(half)).add(middle);
     this.controls.update();
-    this.lightUp(middle, radius);
+    this.light.aim(middle, radius);
     this.draw();
   }
 
@@ -63,18 +48,6 @@ export class Stage {
     const way = middle.clone().sub(this.controls.target);
     this.controls.target.add(way);
     this.camera.position.add(way);
-  }
-
-  lightUp(middle, radius) {
-    const { camera } = this.sun.shadow;
-    this.sun.target.position.copy(middle);
-    this.sun.position.copy(middle).add(SUN);
-    Object.assign(camera, { left: -1.6 * radius, right: 1.6 * radius, top: 1.6 * radius, bottom: -1.6 * radius, near: 0.3, far: 6 });
-    camera.updateProjectionMatrix();
-    const { lines, shadow } = this.floor;
-    shadow.position.copy(middle).addScaledVector(SUN, -middle.z / SUN.z);
-    shadow.scale.setScalar(this.reach * radius);
-    lines.position.set(CELL * Math.round(middle.x / CELL), CELL * Math.round(middle.y / CELL), lines.position.z);
   }
 
   resize() {
@@ -153,36 +126,4 @@ export class Stage {
     else return;
     event.preventDefault();
   }
-}
-
-// A floor around the infant that shows only shadows, and lines every 10 cm that fade away.
-function makeFloor() {
-  const shadow = new Mesh(new CircleGeometry(1, 64), new ShadowMaterial({ opacity: 0.2, color: 0x3a2a1a }));
-  shadow.receiveShadow = true;
-  const lines = makeLines();
-  lines.position.z = 0.0005;
-  const ground = new Mesh(new CircleGeometry(30, 64), new MeshBasicMaterial({ color: 0xdfd2be }));
-  ground.position.z = -0.0005;
-  ground.visible = false; // But in what the eyes see.
-  return { shadow, lines, ground };
-}
-
-// Lines, as they cover far fewer pixels than a floor with a pattern.
-function makeLines() {
-  const [points, colours] = [[], []];
-  const put = (x, y) => {
-    points.push(x, y, 0);
-    colours.push(0.35, 0.29, 0.22, 0.16 * MathUtils.smoothstep(0.85 - Math.hypot(x, y), 0, 0.7));
-  };
-  for (let line = -8; line <= 8; line += 1) {
-    for (let part = -16; part < 16; part += 1) {
-      const [across, from, to] = [line * CELL, (part * CELL) / 2, ((part + 1) * CELL) / 2];
-      for (const along of [from, to]) put(across, along);
-      for (const along of [from, to]) put(along, across);
-    }
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
-  geometry.setAttribute("color", new Float32BufferAttribute(colours, 4));
-  return new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
 }

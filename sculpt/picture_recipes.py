@@ -1,0 +1,247 @@
+"""What each picture of README and docs that shows infants is drawn with: commands, and how their pictures are joined.
+
+A recipe is a function of the commands, which write into a folder, and returns a picture.
+"""
+
+import io
+import json
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from mimoc import load_spec, make
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
+"""WebGL without a graphics card."""
+POLLED_MS, SETTLED_MS = 100, 3000
+OFFERED_STEPS = 320
+"""Control steps until the ball is offered."""
+
+AGES_MONTHS = (0, 3, 6, 12, 24)
+EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "scared", "disgusted", "sleepy", "crying")
+LOOKS = (
+    {"skin": "light", "hair": "blond", "eyes": "blue"},
+    {"skin": "fair", "hair": "red", "eyes": "green"},
+    {"skin": "medium", "hair": "dark", "eyes": "hazel"},
+    {"skin": "tan", "hair": "light_brown", "eyes": "brown"},
+    {"skin": "brown", "hair": "black", "eyes": "dark"},
+    {"skin": "dark", "hair": "black", "eyes": "dark"},
+)
+"""Of each tone of the skin, one infant."""
+TITLE = (
+    ("sitting", 9, "playing", {"skin": "medium", "hair": "dark", "eyes": "brown"}),
+    ("lying", 3, "kicking", {"skin": "fair", "hair": "light_brown", "eyes": "blue", "clothes": "bodysuit"}),
+    ("looking", 6, "looking", {"skin": "brown", "hair": "black", "eyes": "dark"}),
+    ("crawling", 10, "crawling", {"skin": "light", "hair": "red", "eyes": "green"}),
+    ("standing", 18, "standing", {"skin": "tan", "hair": "black", "eyes": "dark"}),
+)
+"""Name, age in months, pose and looks of the infants at the top of the README."""
+POSES = ("kicking", "looking", "sitting", "playing", "crawling", "standing")
+COLUMN_PX, CELL_PX = (320, 400), (240, 240)
+WHITE, INK = "white", (60, 56, 50)
+
+
+class Commands(Protocol):
+    """The commands of mimoc, which write into a folder."""
+
+    @property
+    def folder(self) -> Path:
+        """Where they write."""
+        ...
+
+    def __call__(self, *arguments: str | Path) -> None:
+        """Run a command; a path that begins with `@` is one of the checkout."""
+        ...
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a picture is drawn."""
+
+    draw: Callable[[Commands], Image.Image]
+    most_kb: int
+    """How large its file may be."""
+
+
+def spec(mimoc: Commands, name: str, age_months: float, **sections: Any) -> Path:
+    """Write the spec of an infant, and return where."""
+    path = mimoc.folder / f"{name}.yaml"
+    path.write_text(json.dumps({"mimoc": 1, "name": name, "age_months": age_months, **sections}), encoding="utf-8")
+    return path
+
+
+Size = tuple[int, int]
+"""Width and height in pixels."""
+
+
+def drawn(mimoc: Commands, *arguments: str | Path, size: Size | None = (640, 480), by: str = "render") -> Image.Image:
+    """Return the picture of a command, of some size if it takes one."""
+    shape = () if size is None else ("--width", str(size[0]), "--height", str(size[1]))
+    mimoc(by, *arguments, "-o", "drawn.png", *shape)
+    return Image.open(mimoc.folder / "drawn.png").convert("RGB").copy()
+
+
+def in_rows(pictures: Sequence[Image.Image], across: int, captions: Sequence[str] = (), gap: int = 4) -> Image.Image:
+    """Return pictures of one size in rows, each below its caption if there are some."""
+    width, height = pictures[0].size
+    above = 26 if captions else 0
+    rows = -(-len(pictures) // across)
+    sheet = Image.new("RGB", (across * (width + gap) - gap, rows * (height + above + gap) - gap), WHITE)
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(15)
+    for number, picture in enumerate(pictures):
+        left, top = number % across * (width + gap), number // across * (height + above + gap)
+        sheet.paste(picture, (left, top + above))
+        if captions:
+            pen.text((left + width / 2, top + above / 2), captions[number], INK, font, anchor="mm")
+    return sheet
+
+
+def beside(*pictures: Image.Image, gap: int = 4) -> Image.Image:
+    """Return pictures side by side, all as high as the first."""
+    height = pictures[0].height
+    scaled = [picture.resize((round(picture.width * height / picture.height), height)) for picture in pictures]
+    sheet = Image.new("RGB", (sum(picture.width + gap for picture in scaled) - gap, height), WHITE)
+    left = 0
+    for picture in scaled:
+        sheet.paste(picture, (left, 0))
+        left += picture.width + gap
+    return sheet
+
+
+def title(mimoc: Commands) -> Image.Image:
+    """Return infants of five ages in five poses, each of other looks."""
+    portraits = []
+    for name, age_months, pose, looks in TITLE:
+        infant = spec(mimoc, name, age_months, body={"looks": looks})
+        portraits.append(drawn(mimoc, infant, "--pose", pose, size=COLUMN_PX))
+    return in_rows(portraits, len(portraits))
+
+
+def ages(mimoc: Commands) -> Image.Image:
+    """Return an infant at five ages in six poses."""
+    at = ",".join(map(str, AGES_MONTHS))
+    return drawn(mimoc, spec(mimoc, "child", 9), "--ages", at, "--poses", ",".join(POSES), size=CELL_PX)
+
+
+def heads(mimoc: Commands) -> Image.Image:
+    """Return heads of one size in the order of age."""
+    portraits = [drawn(mimoc, spec(mimoc, "child", age), "--crop", "head", size=(240, 280)) for age in AGES_MONTHS]
+    captions = ["newborn", *(f"{age} months" for age in AGES_MONTHS[1:])]
+    return in_rows(portraits, len(portraits), captions)
+
+
+def expressions(mimoc: Commands) -> Image.Image:
+    """Return a face with each expression."""
+    faces = [
+        drawn(mimoc, spec(mimoc, "child", 9, body={"expression": name}), "--crop", "head", size=(220, 240))
+        for name in EXPRESSIONS
+    ]
+    return in_rows(faces, 5, EXPRESSIONS)
+
+
+def tones(mimoc: Commands) -> Image.Image:
+    """Return an infant of each tone of the skin."""
+    infants = [spec(mimoc, f"child{number}", 12, body={"looks": looks}) for number, looks in enumerate(LOOKS)]
+    faces = [drawn(mimoc, infant, "--crop", "head", size=(200, 230)) for infant in infants]
+    return in_rows(faces, len(faces), [f"{looks['skin']}, {looks['hair'].replace('_', ' ')}" for looks in LOOKS])
+
+
+def looks(mimoc: Commands) -> Image.Image:
+    """Return an infant with its skin, and the solids under it."""
+    infant, size = "@configs/nine_months.yaml", (478, 400)
+    return in_rows([drawn(mimoc, infant, "--body", shown, size=size) for shown in ("skin", "solids")], 2)
+
+
+def view(mimoc: Commands) -> Image.Image:
+    """Return a page in a browser."""
+    from playwright.sync_api import sync_playwright  # Of the extra `pages`, which other pictures do not need.
+
+    mimoc("view", "@configs/nine_months.yaml", "-o", "page.html", "--no-open")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE)
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto((mimoc.folder / "page.html").as_uri())
+        while not page.evaluate("Boolean(window.mimoc)"):
+            page.wait_for_timeout(POLLED_MS)
+        page.wait_for_timeout(SETTLED_MS)
+        taken = page.screenshot()
+        browser.close()
+    return Image.open(io.BytesIO(taken)).convert("RGB")
+
+
+def caregiver(mimoc: Commands) -> Image.Image:
+    """Return an adult who offers a ball to an infant, and four of its faces as the infant sees them."""
+    looking = load_spec(CHECKOUT / "configs" / "caregiver.yaml").with_(
+        senses={"vision": {"width_px": 240, "height_px": 240, "acuity": "off", "supersample": 2}}
+    )
+    with make(looking, render_mode="rgb_array", width=640, height=480) as env:
+        env.reset(seed=0)
+        for _ in range(OFFERED_STEPS):
+            env.step(np.zeros_like(env.action_space.sample()))
+        pictures = [np.asarray(env.render())]
+        env.reset(seed=0)
+        for face in ("happy", "neutral", "sad", "surprised"):
+            env.unwrapped.caregiver.do("show_face", face)
+            observation = env.step(np.zeros_like(env.action_space.sample()))[0]
+            pictures.append(observation["eye_left"])
+    whole, *faces = map(Image.fromarray, pictures)
+    return beside(whole, in_rows(faces, 2, gap=0), gap=0)
+
+
+def lab_room(mimoc: Commands) -> Image.Image:
+    """Return a room from two sides."""
+    sides = (("--azimuth=-105", "24", "2.2"), ("--azimuth=-20", "20", "2.4"))
+    views = [
+        drawn(mimoc, "@configs/lab_room.yaml", azimuth, "--elevation", up, "--distance", far, size=(560, 400))
+        for azimuth, up, far in sides
+    ]
+    return in_rows(views, 2)
+
+
+def tasks(mimoc: Commands) -> Image.Image:
+    """Return how five tasks begin."""
+    names = ("reach", "standup", "selfbody", "catch", "rollover")
+    starts = [drawn(mimoc, f"@configs/{name}.yaml", size=(256, 276)) for name in names]
+    return in_rows(starts, len(names), names)
+
+
+def seen(config: str, *options: str) -> Callable[[Commands], Image.Image]:
+    """Return a recipe of what an infant sees."""
+
+    def draw(mimoc: Commands) -> Image.Image:
+        mimoc("build", f"@configs/{config}.yaml", "-o", config, "--seed", "1", "--force")
+        return drawn(mimoc, config, *options, size=None, by="see")
+
+    return draw
+
+
+def one(source: str, *options: str, size: Size = (640, 480)) -> Callable[[Commands], Image.Image]:
+    """Return a recipe of a single call of `mimoc render`."""
+    return lambda mimoc: drawn(mimoc, source, *options, size=size)
+
+
+PICTURES: Mapping[str, Recipe] = {
+    "title.png": Recipe(title, 500),
+    "ages.png": Recipe(ages, 600),
+    "heads.png": Recipe(heads, 250),
+    "expressions.png": Recipe(expressions, 300),
+    "tones.png": Recipe(tones, 250),
+    "caregiver.png": Recipe(caregiver, 200),
+    "looks.png": Recipe(looks, 150),
+    "view.png": Recipe(view, 460),
+    "nine_months.png": Recipe(one("@configs/nine_months.yaml"), 130),
+    "skin.png": Recipe(one("@configs/all_senses.yaml", "--skin"), 130),
+    "two_infants.png": Recipe(one("@configs/worlds/two_infants.yaml", size=(900, 560)), 200),
+    "mobile.png": Recipe(one("@configs/mobile.yaml", size=(960, 640)), 350),
+    "lab_room.png": Recipe(lab_room, 480),
+    "tasks.png": Recipe(tasks, 220),
+    "see.png": Recipe(seen("playroom", "--ages", "2,4,6,12", "--size", "200", "--fovy", "14"), 450),
+    "newborn.png": Recipe(seen("growing_eyes", "--ages", "0,1,3,6,12,24", "--size", "128", "--fovy", "14"), 350),
+}
+"""All of them, by the names of their files in `docs/`."""
