@@ -52,7 +52,7 @@ def mesh(
     dense = meshing.only(*dense, dense[0][:, 2] < TOP)
     verts, faces, _ = meshing.remesh(*dense, size, rng)
     verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
-    half = embedding.right_half(field, verts, faces)
+    half = embedding.right_half(field, verts, meshing.without_fins(faces))
     drawn = embedding.embedded(field, half, tuple(curves.values()), size)
     whole = embedding.mirrored(drawn)
     print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
