@@ -107,9 +107,10 @@ def touching(built) -> mimoc.Bundle:
     return built(senses={"touch": {"density": 0.1}})
 
 
-def test_a_bundle_without_arrays_has_no_such_file(bundle_at):
-    assert ARRAYS not in bundle_at(9).files
-    assert bundle_at(9).arrays == {}
+def test_a_bundle_without_arrays_has_no_such_file(built):
+    bundle = built(body={"skin": False})
+    assert ARRAYS not in bundle.files
+    assert bundle.arrays == {}
 
 
 def test_a_bundle_that_was_written_has_the_same_arrays(touching, tmp_path):
