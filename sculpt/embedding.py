@@ -175,7 +175,9 @@ def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
     sums = np.column_stack(
         [np.bincount(both[:, 0], drawn.verts[both[:, 1], axis], len(drawn.verts)) for axis in range(3)]
     )
-    used, times = np.unique(np.sort(drawn.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    used, times = np.unique(
+        np.sort(drawn.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
     open_ends = used[(times == 1) & ~drawn.lies_on[used, 0].all(axis=1)]
     count[open_ends] = 0
     means = np.where(count[:, None] > 1, sums / np.maximum(count, 1)[:, None], drawn.verts)

@@ -57,8 +57,8 @@ SHAPES = {
         jaw=(22.0, -42.0),
         jaw_size=(37.0, 35.0, 26.0),
         chin=(59.0, -59.0, 7.5),
-        lids=(0.68, 0.8),
-        puffy=1.6,
+        lids=(0.78, 0.86),
+        puffy=1.4,
     ),
     3: FaceShape(
         forehead=2.8,

@@ -88,7 +88,9 @@ KNUCKLES: Mapping[str, Sequence[tuple[str, tuple[float, float, float]]]] = {
 """Backs of the hands' knuckles, which are dimples in a fat infant."""
 
 
-def arrays(verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str) -> dict[str, Array]:
+def arrays(
+    verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str
+) -> dict[str, Array]:
     """Return what ships of fullness."""
     heights = sum(_heights(verts, held, parts, frames, each) for each in (*DOMES, *RINGS, *_dimples(hands)))
     return {

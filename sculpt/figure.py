@@ -148,7 +148,11 @@ def _mitten() -> Shapes:
     yield "{side}_hand", "palm", tube((13, -2, 4), (20, -4, 18), (8, 6.6))
     yield "{side}_hand", "finger", tube((18, -3.5, 14), (25, -4.5, 33), (6.8, 6.2, 5.4))
     for x, length, radius in ((15.2, 38.5, 5.6), (5.1, 41.5, 5.8), (-5.0, 39.5, 5.6), (-14.6, 32.5, 5.0)):
-        yield "{side}_fingers", "finger", tube((x, 0, -6), (x * 1.06, 0, length), (radius * 1.16, radius * 1.04, radius * 0.74))
+        yield (
+            "{side}_fingers",
+            "finger",
+            tube((x, 0, -6), (x * 1.06, 0, length), (radius * 1.16, radius * 1.04, radius * 0.74)),
+        )
 
 
 def _five_finger() -> Shapes:
@@ -168,7 +172,11 @@ def _five_finger() -> Shapes:
             tube((0, 0, -3), (0, 0, first), (radii[0] * 1.08, radii[0], radii[1])),
         )
         yield f"{{side}}_{name}middle", "finger", tube((0, 0, 0), (0, 0, middle), (radii[1], (radii[1] + radii[2]) / 2))
-        yield f"{{side}}_{name}distal", "finger", tube((0, 0, 0), (0, 0, last), ((radii[1] + radii[2]) / 2, radii[2] * 0.9))
+        yield (
+            f"{{side}}_{name}distal",
+            "finger",
+            tube((0, 0, 0), (0, 0, last), ((radii[1] + radii[2]) / 2, radii[2] * 0.9)),
+        )
     yield "{side}_thbase", "palm", tube((0, 0, 2), (0, 0, 15), (7.6, 6.0))
     yield "{side}_thhub", "finger", tube((0, 0, 0), (0, 0, 11.8), (5.6, 5.0))
     yield "{side}_thdistal", "finger", tube((0, 0, 0), (0, 0, 9.4), (5.0, 5.1, 4.6))

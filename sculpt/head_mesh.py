@@ -9,6 +9,8 @@ from fields import Array, Field
 from head import Head, field, folded, mouth_corner, mouth_line, opening
 from uv_map import unwrapped, wrapped
 
+EAR_MM = (-6.4, -66.0, -14.0)
+"""Middle of the right ear."""
 HEM_MM = 1.6
 """Breadth of the strip along the rim of a lid, which leads to the eyeball."""
 
@@ -32,13 +34,15 @@ def sizes(head: Head, shape: FaceShape, points: Array) -> Array:
     eye = np.linalg.norm(q - head.eye, axis=1)
     nose = np.linalg.norm(points - (shape.tip[0], 0, shape.tip[1]), axis=1)
     lips = (points - (shape.mouth[0] - 4, 0, shape.mouth[1])) / (18.0, 19.5, 10.5)
-    wanted = np.where(n[:, 0] < -0.1, 13.0, 10.5)
+    wanted = np.where(n[:, 0] < -0.1, 11.5, 9.8)
     wanted = np.where((n[:, 2] < -0.2) & (n[:, 0] > 0.0), 8.0, wanted)
     wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] > 0.1) & (n[:, 2] < 0.75), 8.5, wanted)
     wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] < 0.32) & (n[:, 2] > -0.95), 6.0, wanted)
+    end = np.linalg.norm(points / head.half_axes + wrapped(np.array((0.5, 0.5))), axis=1)
+    wanted = np.where(end < 0.3, 7.0, wanted)
     wanted = np.where(nose < 13, 3.0, wanted)
-    ear = np.abs(points[:, 1]) > 0.95 * head.half_axes[1]
-    wanted = np.where(ear & (np.abs(n[:, 0]) < 0.38) & (np.abs(n[:, 2] + 0.17) < 0.38), 4.1, wanted)
+    ear = np.linalg.norm((q - EAR_MM) / (1.0, 0.8, 1.4), axis=1)
+    wanted = np.where((ear < 17) & (q[:, 1] < -0.97 * head.half_axes[1]), 3.5, wanted)
     wanted = np.where(eye < head.eye_radius * 1.8, 3.4, wanted)
     far = np.linalg.norm(lips, axis=1)
     wanted = np.where(far < 1.5, np.minimum(wanted, 3.8), wanted)

@@ -118,7 +118,10 @@ def test_every_child_has_a_skin_that_is_near_its_solids(tree):
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_who_misses_a_limb_has_a_closed_stump(hands):
-    whole, stump = layers(9, hands), skin_of(dressed(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"]))).layers
+    whole, stump = (
+        layers(9, hands),
+        skin_of(dressed(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"]))).layers,
+    )
     for one, other in zip(whole, stump, strict=True):
         assert not [bone for bone in other.bones if bone.startswith(("left_upper_arm", "left_lower_arm", "left_hand"))]
         assert len(other.faces) <= len(one.faces)
