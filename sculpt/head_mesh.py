@@ -11,6 +11,8 @@ from uv_map import unwrapped, wrapped
 
 EAR_MM = (-6.4, -66.0, -14.0)
 """Middle of the right ear."""
+EASED = (0.55, -0.42, 0.55, -0.42, 0.55)
+"""How far vertices of an ear go towards the middle of their neighbours, and back, so that it does not shrink."""
 HEM_MM = 1.6
 """Breadth of the strip along the rim of a lid, which leads to the eyeball."""
 
@@ -23,9 +25,29 @@ def mesh(head: Head, shape: FaceShape, rng: np.random.Generator) -> tuple[Array,
     verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
     verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
     verts, faces = cutting.mirrored(verts, faces)
-    verts = meshing.relax(whole, verts, faces, 2, 0.4)
+    verts = _with_smooth_ears(meshing.relax(whole, verts, faces, 2, 0.4), faces)
     verts, faces, _ = mouth.slit(whole, mouth_line(head, shape), mouth_corner(head, shape), verts, faces)
     return cutting.hemmed(whole, opening(head), HEM_MM, verts, faces)
+
+
+def ear_share(points: Array) -> Array:
+    """Return how much points belong to an ear, 0 to 1, shape (n,)."""
+    far = np.linalg.norm((folded(points) - EAR_MM) / (1.0, 0.8, 1.4), axis=1)
+    t = np.clip((20 - far) / 6, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def _with_smooth_ears(verts: Array, faces: np.ndarray) -> Array:
+    """Return vertices whose ears are without spikes, which a thin rim has where the surface behind it is near."""
+    edges = meshing.edges_of(faces)
+    both = np.vstack((edges, edges[:, ::-1]))
+    count = np.bincount(both[:, 0], minlength=len(verts))[:, None]
+    share = ear_share(verts)[:, None]
+    for step in EASED:
+        sums = np.zeros_like(verts)
+        np.add.at(sums, both[:, 0], verts[both[:, 1]])
+        verts = verts + step * share * (sums / count - verts)
+    return verts
 
 
 def sizes(head: Head, shape: FaceShape, points: Array) -> Array:

@@ -38,8 +38,8 @@ BARE, CLEAR = 0.05, 0.11
 picture is skin."""
 SUNK_MM, LEAST_MM = 0.9, 0.4
 """How deep and how high it is there."""
-MARGIN = 0.012
-"""Of the picture, which is repeated beyond its borders."""
+MARGIN = 0.06
+"""Of the picture, which is repeated beyond its borders, so that what is far away looks a little like both."""
 
 
 def hair_over(
@@ -61,7 +61,7 @@ def hair_over(
     height_m = size * (above * height_mm - (1 - above) * SUNK_MM) / 1000
     scalp_m = verts_m[sculpted.verts]
     outward = _normals(scalp_m, sculpted.faces)
-    places = np.column_stack((MARGIN + (1 - 2 * MARGIN) * sculpted.around, MARGIN + (1 - 2 * MARGIN) * share))
+    places = MARGIN + (1 - 2 * MARGIN) * np.column_stack((sculpted.around, share))
     return scalp_m + height_m[:, None] * outward, places
 
 
