@@ -18,8 +18,8 @@ TOP = 308.0
 """Above this height the neck is in the head."""
 SIZES = {
     "hand": 4.9,
-    "lfmetacarpal": 4.4,
-    "thbase": 3.9,
+    "lfmetacarpal": 4.6,
+    "thbase": 4.6,
     "foot": 6.4,
     "toes": 3.9,
     "big_toe": 4.2,
@@ -36,8 +36,8 @@ FINGER_SIZE = 3.3
 
 def mesh(
     sculpted: figure.Figure, frames: Mapping[str, Frame], cell_mm: float, rng: np.random.Generator
-) -> tuple[embedding.Drawn, np.ndarray, Mapping[str, embedding.Curve]]:
-    """Return the mesh, the mirror image of each of its vertices, and the hems."""
+) -> tuple[embedding.Drawn, Mapping[str, embedding.Curve]]:
+    """Return the mesh and the hems."""
     field, curves = sculpted.field(), tailoring.hems(frames)
 
     fined = features.finer(frames)
@@ -51,9 +51,9 @@ def mesh(
     verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
     half = embedding.right_half(field, verts, faces)
     drawn = embedding.embedded(field, half, tuple(curves.values()), size)
-    whole, twins = embedding.mirrored(drawn)
+    whole = embedding.mirrored(drawn)
     print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
-    return whole, twins, curves
+    return whole, curves
 
 
 def sizes(sculpted: figure.Figure, points: Array) -> Array:

@@ -4,7 +4,7 @@ A mesh is the right half of a symmetric one. Lengths are mm.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from fields import Array, Field
@@ -38,6 +38,8 @@ class Drawn:
     faces: np.ndarray
     lies_on: np.ndarray
     """Whether each vertex is on each curve, shape (n, curves)."""
+    twins: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    """The mirror image of each vertex, of a whole mesh."""
 
 
 def right_half(surface: Field, verts: Array, faces: np.ndarray) -> Drawn:
@@ -69,8 +71,8 @@ def embedded(surface: Field, half: Drawn, curves: Sequence[Curve], size: Callabl
     return drawn
 
 
-def mirrored(drawn: Drawn) -> tuple[Drawn, np.ndarray]:
-    """Return both halves as one mesh, and the mirror image of each of its vertices."""
+def mirrored(drawn: Drawn) -> Drawn:
+    """Return both halves as one mesh."""
     verts, count = drawn.verts, len(drawn.verts)
     (free,) = np.nonzero(~drawn.lies_on[:, 0])
     other = np.arange(count)
@@ -78,7 +80,7 @@ def mirrored(drawn: Drawn) -> tuple[Drawn, np.ndarray]:
     both = np.vstack((verts, verts[free] * (1, -1, 1)))
     faces = np.vstack((drawn.faces, other[drawn.faces][:, ::-1]))
     twins = np.concatenate((other, free))
-    return Drawn(both, faces, np.vstack((drawn.lies_on, drawn.lies_on[free]))), twins
+    return Drawn(both, faces, np.vstack((drawn.lies_on, drawn.lies_on[free])), twins)
 
 
 def placed(surface: Field, curves: Sequence[Curve], verts: Array, lies_on: np.ndarray, rounds: int = 3) -> Array:

@@ -13,7 +13,7 @@ import shading
 import stretching
 import tailoring
 import weights
-from embedding import Drawn
+from embedding import PLANE
 from fields import Array
 from make_head import sculpt_head
 
@@ -56,7 +56,7 @@ ANGLES_DEG = {
 TOES_DEG = {"big_toe": 28, "toes": -12}
 """Where a big toe moves on its own, it is apart from the others."""
 SEED = 16
-ROUNDS, PRESSED = 10, 3
+ROUNDS, PRESSED = 16, 3
 """How often the skin is pressed onto the floor and its weights are eased, at most, and after how often it is flat."""
 ENOUGH = 2.25
 """Stretch that is small enough to stop."""
@@ -99,17 +99,18 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     placed = frames(tree, angles)
     sculpted = figure.build(placed, hands)
     parts = [part.name for part in tree.bodies if "eye" not in part.name]
-    drawn, twins, curves = body.mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
-    held = weights.weights(drawn, twins, sculpted, placed, parts)
+    drawn, curves = body.mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
+    above = {part.name: part.parent or "" for part in tree.bodies}
+    held = weights.weights(drawn, sculpted, placed, {part: above[part] for part in parts})
     cut = tailoring.cut_out(drawn, curves, placed)
-    arrays = _common(tree, parts, angles, placed) | _shape(tree, angles, drawn)
+    arrays = _common(tree, parts, angles, placed) | {"faces": drawn.faces.astype(np.uint16)}
     arrays |= shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held))
     arrays |= features.arrays(drawn.verts, held, parts, placed, hands)
     with np.load(FOLDER / "head.npz") as archive:
         head = {name: archive[name] for name in archive.files}
     best, least = arrays, np.inf
     for number in range(ROUNDS):
-        arrays |= _moving(held) | tailoring.arrays(cut)
+        arrays |= _shape(tree, angles, drawn.verts) | _moving(held) | tailoring.arrays(cut)
         skin = assembled(arrays, head)
         arrays["fullness_100um"], room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
         cut = tailoring.thinned(cut, room_mm)
@@ -119,7 +120,8 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
             best, least = dict(arrays), stretch.max()
         if least < ENOUGH:
             break
-        held = stretching.eased(held, edges, stretch, twins, parts)
+        held = stretching.eased(held, edges, stretch, drawn.twins, parts)
+        drawn = stretching.spaced(sculpted.field(), drawn, (PLANE, *curves.values()), edges, stretch)
     return best
 
 
@@ -163,9 +165,9 @@ FINE = ("hand", "finger", "_ff", "_mf", "_rf", "_lf", "_th", "toe", "foot")
 """What geoms are called above which the skin is hardly blended."""
 
 
-def _shape(tree: BodyTree, angles: Mapping[str, float], drawn: Drawn) -> dict[str, Array]:
-    """Return the arrays of the mesh and of its heights above the solids."""
-    verts_m = drawn.verts / 1000
+def _shape(tree: BodyTree, angles: Mapping[str, float], verts: Array) -> dict[str, Array]:
+    """Return the arrays of vertices and of their heights above the solids."""
+    verts_m = verts / 1000
     posed = pose(tree, angles)
     usable = [index for index, geom in enumerate(posed.geoms) if "eye" not in geom.name and geom.name != "head"]
     far = np.full((len(verts_m), len(posed.geoms)), np.inf)
@@ -180,7 +182,6 @@ def _shape(tree: BodyTree, angles: Mapping[str, float], drawn: Drawn) -> dict[st
     offsets_m, _ = surface_distance(posed, list(tree.geoms), near, blend_m, verts_m)
     return {
         "verts_m": verts_m.astype(np.float32),
-        "faces": drawn.faces.astype(np.uint16),
         "solids": near.astype(np.uint8),
         "offsets_um": np.rint(offsets_m * 1e6).astype(np.int32),
         "blend_m": blend_m.astype(np.float32),

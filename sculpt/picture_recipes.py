@@ -50,7 +50,10 @@ WHITE, INK = "white", (60, 56, 50)
 class Commands(Protocol):
     """The commands of mimoc, which write into a folder."""
 
-    folder: Path
+    @property
+    def folder(self) -> Path:
+        """Where they write."""
+        ...
 
     def __call__(self, *arguments: str | Path) -> None:
         """Run a command; a path that begins with `@` is one of the checkout."""

@@ -1,9 +1,11 @@
 """How much skin is stretched in random poses, and weights that let it stretch less."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from fields import Array
+from embedding import Curve, Drawn, placed
+from fields import Array, Field
 from meshing import edges_of
 from resting import child, posed
 from scipy.sparse import coo_matrix
@@ -14,12 +16,14 @@ from mimoc.looks.skin.deformation import layers_of
 from mimoc.looks.skin.template_mesh import Sculpture
 
 AGES_MONTHS = (0.0, 9.0, 24.0)
-POSES = 200
-MOST = 2.0
+POSES = 300
+MOST = 1.9
 """Stretch of an edge, relative to the pose that it is bound in, beyond which its ends are moved more alike."""
 
 RINGS, SMOOTHINGS = 3, 2
 """How many edges around them weights are smoothed, and how often."""
+SPACED, SPACING = 2.25, 0.07
+"""Stretch beyond which the ends of edges are moved apart, and by what share each end is."""
 
 
 def stretches(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
@@ -52,6 +56,19 @@ def eased(held: Array, edges: np.ndarray, stretch: Array, twins: np.ndarray, nam
     for _ in range(SMOOTHINGS):
         held = held + share[:, None] * (average @ held / count - held)
     return symmetric(held, twins, names)
+
+
+def spaced(surface: Field, drawn: Drawn, curves: Sequence[Curve], edges: np.ndarray, stretch: Array) -> Drawn:
+    """Return a symmetric mesh in which the ends of stretched edges are farther apart, on the surface and on curves."""
+    verts = drawn.verts.copy()
+    for a, b in edges[stretch > SPACED]:
+        apart = SPACING * (verts[b] - verts[a])
+        verts[a], verts[b] = verts[a] - apart, verts[b] + apart
+    right = drawn.twins >= np.arange(len(verts))
+    verts[right] = placed(surface, curves, verts[right], drawn.lies_on[right])
+    left = ~right
+    verts[left] = verts[drawn.twins[left]] * (1, -1, 1)
+    return replace(drawn, verts=verts)
 
 
 def _lengths(verts: Array, edges: np.ndarray) -> Array:

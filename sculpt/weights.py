@@ -14,13 +14,13 @@ from mimoc.body.kinematics import Frame
 
 BONES = 4
 """Bodies that move a vertex, at most."""
-LEAST = 0.03
+LEAST = 0.016
 """Smaller weights are left out."""
 SPREAD = {
     "upper_arm": 26.0,
     "lower_arm": 13.0,
     "upper_leg": 16.0,
-    "lower_leg": 18.0,
+    "lower_leg": 21.0,
     "foot": 12.0,
     "toes": 6.0,
     "big_toe": 6.0,
@@ -32,29 +32,67 @@ SPREAD = {
 """How far the hold of a body fades out along the skin, [mm]; of fingers and of the trunk below."""
 TRUNK, FINGER = 30.0, 2.9
 WIDER = (
-    ("hip", (0.0, 0.0, -52.0), 40.0, 16.0),
+    ("hip", (0.0, 0.0, -55.0), 52.0, 20.0),
     ("right_upper_leg", (0.0, 0.0, 0.0), 60.0, 16.0),
     ("right_upper_leg", (30.0, 20.0, -30.0), 36.0, 12.0),
+    ("right_upper_arm", (0.0, 0.0, 0.0), 45.0, 10.0),
+    ("head", (0.0, 0.0, -12.0), 50.0, 10.0),
+    ("right_thbase", (0.0, 0.0, 8.0), 15.0, 5.0),
 )
-"""Around crotch and groin it fades out farther: place in the frame of a body, over what distance, and how much."""
+"""Around crotch, groin, shoulders, neck and thumb it fades out farther: place in the frame of a body, over what distance, and how much."""
+REACHES = {"hand": (18.0, 32.0), "lower_arm": (34.0, 80.0), "lower_leg": (44.0, 86.0)}
+"""Distances from an elbow, a wrist or a knee at which a body's hold on the skin beyond it begins to end, and ends."""
 LUMBAR = (("hip", -99.0, 23.0), ("lower_body", 23.0, 104.0), ("upper_body", 104.0, 226.0), ("chest", 226.0, 999.0))
 """Bodies of the trunk, from height to height, [mm]."""
 
 
-def weights(
-    drawn: Drawn, twins: np.ndarray, figure: Figure, frames: Mapping[str, Frame], names: Sequence[str]
-) -> Array:
-    """Return the weight of each body for each vertex, shape (vertices, names); at most four, which sum to 1."""
+def weights(drawn: Drawn, figure: Figure, frames: Mapping[str, Frame], parents: Mapping[str, str]) -> Array:
+    """Return the weight of each body for each vertex, shape (vertices, bodies).
+
+    At most four are above 0; they sum to 1.
+
+    Args:
+        drawn: The mesh.
+        figure: Its shapes.
+        frames: Those of the bodies.
+        parents: The parent of each body; "" for the first.
+    """
+    names = [*parents]
     verts, owner = drawn.verts, owners(drawn.verts, figure.solids)
     index = {name: number for number, name in enumerate(names)}
     start = np.zeros((len(verts), len(names)))
     start[np.arange(len(verts)), [index[name] for name in owner]] = 1
     spread = np.array([_spread(name) for name in owner])
     for body, place, radius, most in WIDER:
+        if body not in frames:
+            continue
         origin, turn = frames[body]
         far = np.linalg.norm(folded(verts) - origin * 1000 - turn @ np.array(place), axis=1)
         spread += most * np.exp(-((far / radius) ** 2))
-    return symmetric(_diffused(verts, drawn.faces, start, spread), twins, names)
+    held = _most(verts, owner, frames, parents) * _diffused(verts, drawn.faces, start, spread)
+    return symmetric(held, drawn.twins, names)
+
+
+def _most(verts: Array, owner: np.ndarray, frames: Mapping[str, Frame], parents: Mapping[str, str]) -> Array:
+    """Return how much of its weight each body may have at each vertex: less, the farther the joint is."""
+    most = np.ones((len(verts), len(parents)))
+    for name in np.unique(owner):
+        (rows,) = np.nonzero(owner == name)
+        above = _line(name, parents)
+        for column, other in enumerate(parents):
+            joint = above[above.index(other) - 1] if other in above[1:] else other
+            low, high = REACHES.get(joint.removeprefix("left_").removeprefix("right_"), (np.inf, np.inf))
+            if other == name or np.isinf(low):
+                continue
+            far = np.linalg.norm(verts[rows] - frames[joint][0] * 1000, axis=1)
+            t = np.clip((far - low) / (high - low), 0, 1)
+            most[rows, column] = 1 - t * t * (3 - 2 * t)
+    return most
+
+
+def _line(name: str, parents: Mapping[str, str]) -> list[str]:
+    """Return a body, its parent, the parent of that, and so on."""
+    return [name, *_line(parents[name], parents)] if name else []
 
 
 def owners(verts: Array, solids: Sequence[Solid]) -> np.ndarray:

@@ -61,13 +61,13 @@ EYES: Mapping[str, Colour] = {
     "blue": (94, 122, 152),
     "grey": (122, 130, 138),
 }
-CREAM: Colour = (248, 238, 218)
+MINT: Colour = (206, 227, 217)
 YELLOW: Colour = (247, 204, 112)
 ORANGE: Colour = (232, 142, 92)
 TEAL: Colour = (112, 160, 172)
 WHITE: Colour = (246, 244, 239)
 CLOTHES: Mapping[Clothes, ClothColours] = {
-    "bodysuit": ClothColours(CREAM, (150, 196, 196), (142, 186, 170), CREAM, (142, 186, 170)),
+    "bodysuit": ClothColours(MINT, (150, 196, 190), (104, 164, 152), MINT, (104, 164, 152)),
     "shirt_and_trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
     "trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
     "nappy": ClothColours(WHITE, WHITE, WHITE, WHITE, (196, 218, 226)),

@@ -26,8 +26,8 @@ def encode_palette_png(image: npt.NDArray[Any], colours: int = 64) -> bytes:
     return png_of(Image.fromarray(np.rint(image).astype(np.uint8)).quantize(colours, Image.Quantize.MEDIANCUT))
 
 
-def png_of(image: Image.Image) -> bytes:
+def png_of(image: Image.Image, compress_level: int = 6) -> bytes:
     """Return the PNG of an image, the same on every system."""
     buffer = io.BytesIO()
-    image.save(buffer, "PNG", compress_level=6)
+    image.save(buffer, "PNG", compress_level=compress_level)
     return buffer.getvalue()

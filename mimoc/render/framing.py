@@ -24,9 +24,9 @@ FACE_TO_FACE: View = (-20.0, -6.0)
 SIDEWAYS = 0.35
 """Of the direction of a face along an infant's left, from which on it looks to a side."""
 VERTICAL = 0.75
-"""Of the direction of a face along the vertical, from which on it is seen from above or below."""
-STEEP_DEG, LEVEL_DEG = 62.0, 4.0
-"""Elevation of a camera above a face that is seen from above, and the least above any face."""
+"""Of the direction of a face along the vertical, from which on it looks up or down."""
+STEEP_DEG, LEVEL_DEG = 75.0, 4.0
+"""Elevation of a camera above a face that looks up, and the least above any face."""
 
 
 def portrait_view(data: mujoco.MjData, root: str, head: str | None) -> View:
@@ -47,8 +47,10 @@ def view_of_head(data: mujoco.MjData, head: str) -> View:
     """Return the direction that shows a head from before it, a little to its right and above."""
     ahead, crown = _axis(data, head, 0), _axis(data, head, 2)
     turned_deg, elevation = FACE_TO_FACE
-    if abs(ahead[2]) > VERTICAL:
-        return _azimuth_deg(np.sign(ahead[2]) * crown) + turned_deg, -STEEP_DEG
+    if ahead[2] > VERTICAL:
+        return _azimuth_deg(crown) + turned_deg, -STEEP_DEG
+    if ahead[2] < -VERTICAL:  # From before its crown, as low as can be.
+        return _azimuth_deg(-crown) + turned_deg, -LEVEL_DEG
     level_deg = float(np.degrees(np.arcsin(np.clip(ahead[2], -1, 1))))
     return _azimuth_deg(-ahead) + turned_deg, min(elevation - level_deg, -LEVEL_DEG)
 

@@ -1,6 +1,6 @@
 """Off-screen drawing of a model: an OpenGL context, maybe shared, a scene, and the buffer pictures are read from."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from copy import copy
@@ -251,10 +251,18 @@ def sharing(renderers: SharedRenderers) -> Iterator[None]:
         SHARED.reset(before)
 
 
-def assets_of(model: mujoco.MjModel) -> bytes:
-    """Return a digest of what of a model is uploaded to OpenGL."""
+def assets_of(model: mujoco.MjModel, unseen_skins: Sequence[int] = ()) -> bytes:
+    """Return a digest of what of a model is uploaded to OpenGL, but for where skins that are never drawn are painted.
+
+    Hair is painted by age, and its owner never sees it, so that eyes of all ages can share a renderer.
+    """
     digest = sha256()
+    unseen = np.zeros(len(model.skin_texcoord), bool)
+    for skin in unseen_skins:
+        if (first := int(model.skin_texcoordadr[skin])) >= 0:
+            unseen[first : first + model.skin_vertnum[skin]] = True
     for name in dir(model):
         if name.startswith(ASSETS) and isinstance(array := getattr(model, name), np.ndarray):
-            digest.update(f"{name} {array.shape} ".encode() + array.tobytes())
+            kept = array[~unseen] if name == "skin_texcoord" else array
+            digest.update(f"{name} {array.shape} ".encode() + kept.tobytes())
     return digest.digest()

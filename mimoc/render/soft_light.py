@@ -25,6 +25,8 @@ Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 1."""
 GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))
 """Angle between one point of a Fibonacci disc and the next."""
+FROM_ABOVE_DEG = -42.0
+"""Elevation of a view below which it is one from above."""
 DIRECTIONAL = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
 STRENGTHS = ("diffuse", "ambient", "specular")
 ACROSS = (0.6, 0.8, 0.0)
@@ -56,9 +58,10 @@ class Beam:
     colour: Colour
     """On what faces it."""
 
-    def towards(self, camera_azimuth_deg: float) -> FloatArray:
-        """Return the unit vector that it shines along, shape (3,), in the world."""
-        return direction(np.radians(camera_azimuth_deg + self.azimuth_deg), np.radians(self.elevation_deg))
+    def towards(self, azimuth_deg: float) -> FloatArray:
+        """Return the unit vector that it shines along, shape (3,), in the world, of a camera at an azimuth."""
+        azimuth = float(np.radians(azimuth_deg + self.azimuth_deg))
+        return direction(azimuth, float(np.radians(self.elevation_deg)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,19 +76,23 @@ class Daylight:
     """Sky and floor, without shadows."""
     ambient: Colour
     """On everything."""
+    turned_deg: float
+    """How far the sun is farther to the right in views from above, in which it would shine from under a chin."""
 
 
 DAYLIGHT = Daylight(
-    sun=Beam(36.0, -50.0, (0.43, 0.415, 0.39)),
+    sun=Beam(36.0, -48.0, (0.41, 0.395, 0.37)),
     sun_radius_deg=9.0,
     fills=(
         Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
-        Beam(-25.0, -8.0, (0.15, 0.15, 0.15)),
-        Beam(0.0, 65.0, (0.11, 0.098, 0.08)),
+        Beam(5.0, -5.0, (0.17, 0.168, 0.166)),
+        Beam(0.0, 60.0, (0.13, 0.118, 0.10)),
     ),
-    ambient=(0.42, 0.415, 0.415),
+    ambient=(0.455, 0.45, 0.45),
+    turned_deg=66.0,
 )
-"""A sun at the upper right of the camera, sky from above and from the left, warm light back from the floor (D)."""
+"""A sun at the upper right of the camera, the sky above, light from beside the camera, and warm light that the floor
+reflects (D)."""
 
 GLOSS: Colour = (0.08, 0.08, 0.08)
 """Of the sun on what is shiny (D)."""
@@ -93,9 +100,9 @@ LAMP_RADIUS = 0.08
 """Radius of a lamp in a room, as a share of its distance from the infant (D)."""
 SUN_DISTANCE_M = 4.0
 """From the middle of what is shown to where the map of shadows begins."""
-NEAR, FAR_M = 0.25, 2000.0
+NEAR, FAR_M = 0.25, 4000.0
 """Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
-share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 2000 m not."""
+share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 4000 m not."""
 SHADOWS_WITHIN = 1.1
 """Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
 
@@ -156,11 +163,13 @@ def passes(
 
 def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> None:
     """Replace all lights of a scene."""
-    azimuth, _ = shot.view
+    azimuth, elevation = shot.view
     scene.nlight = 1 + len(daylight.fills)
     for light, beam in zip(scene.lights, (daylight.sun, *daylight.fills), strict=False):
         light.type, light.headlight, light.castshadow, light.texid = DIRECTIONAL, 0, beam is daylight.sun, -1
-        light.dir[:], light.pos[:] = beam.towards(azimuth), shot.lookat_m - SUN_DISTANCE_M * beam.towards(azimuth)
+        turned_deg = daylight.turned_deg if beam is daylight.sun and elevation < FROM_ABOVE_DEG else 0.0
+        light.dir[:] = beam.towards(azimuth + turned_deg)
+        light.pos[:] = shot.lookat_m - SUN_DISTANCE_M * light.dir
         light.diffuse[:], light.ambient[:] = beam.colour, daylight.ambient if beam is daylight.fills[0] else BLACK
         light.specular[:] = GLOSS if beam is daylight.sun else BLACK
 

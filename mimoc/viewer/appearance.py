@@ -89,14 +89,12 @@ def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> d
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
-    first = model.skin_texcoordadr[index]
-    texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
     moved_by, weights = _strongest(skin_of(model, index).weights)
     return {
         "name": model.skin(index).name,
         "material": int(model.skin_matid[index]),
         "faces": model.skin_face[faces].astype(np.uint32),
-        "texcoords": texcoords,
+        "texcoords": _texcoords(models, index),
         "bones": np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]]),
         "moved_by": moved_by.astype(np.uint8),
         "weights": weights,
@@ -104,6 +102,15 @@ def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> d
         "bind_pos": np.stack([variant.skin_bonebindpos[bones] for variant in models]),
         "bind_quat": np.stack([variant.skin_bonebindquat[bones] for variant in models]),
     }
+
+
+def _texcoords(models: Sequence[mujoco.MjModel], index: int) -> npt.NDArray[Any] | None:
+    """Return where a skin is painted, shape (n, 2), or by age (ages, n, 2), as hair that grows is; None if nowhere."""
+    first = models[0].skin_texcoordadr[index]
+    if first < 0:
+        return None
+    by_age = np.stack([model.skin_texcoord[first : first + model.skin_vertnum[index]] for model in models])
+    return by_age if np.ptp(by_age, axis=0).any() else by_age[0]
 
 
 def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:

@@ -84,7 +84,7 @@ def with_palette(canvas: FloatArray, colours: int) -> Painted:
     mixtures = np.rint(mixtures).astype(np.uint8)
     picture = Image.fromarray(group[which.reshape(canvas.shape[:2])].astype(np.uint8), "P")
     picture.putpalette(palettes.mixed(mixtures, DEFAULT).tobytes())
-    return Painted(png_of(picture), mixtures)
+    return Painted(png_of(picture, compress_level=9), mixtures)
 
 
 def _amounts(canvas: FloatArray) -> npt.NDArray[np.uint8]:

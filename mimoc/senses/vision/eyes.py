@@ -74,10 +74,10 @@ class Eyes:
         """Whether it draws with what other eyes draw with, a renderer in each thread."""
         self._settings = partial(_lean, height_px=height_px)
         self._shown: Shown = shown
-        self._assets = b"" if self._shared is None else assets_of(model)
         self._model = model
-        self._renderer = self._open()
         self._find_names(model)
+        self._assets = b"" if self._shared is None else assets_of(model, self._unseen_skins)
+        self._renderer = self._open()
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
         """Return what the cameras draw."""
@@ -115,11 +115,11 @@ class Eyes:
             RenderingError: If OpenGL has no room for it.
         """
         self._model = model
+        self._find_names(model)
         if self._shared is None:
             self._renderer.change_model(model)
         else:
-            self._assets = assets_of(model)
-        self._find_names(model)
+            self._assets = assets_of(model, self._unseen_skins)
 
     def close(self) -> None:
         """Free the OpenGL context, unless it is shared; closing twice is fine."""

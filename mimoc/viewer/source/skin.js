@@ -33,7 +33,10 @@ export class Skin {
       }
     }
     moved.setAttribute("color", new BufferAttribute(new Float32Array(3 * layer.moved_by.shape[0]), 3).setUsage(DynamicDrawUsage));
-    if (layer.texcoords) moved.setAttribute("uv", new BufferAttribute(layer.texcoords.values, 2));
+    if (layer.texcoords) {
+      const places = changes(layer.texcoords) ? this.ages.blend(layer.texcoords, 0) : layer.texcoords.values;
+      moved.setAttribute("uv", new BufferAttribute(places, 2));
+    }
     const mesh = new Mesh(moved, this.dress(layer.material));
     mesh.castShadow = mesh.receiveShadow = true;
     mesh.frustumCulled = false;
@@ -58,7 +61,12 @@ export class Skin {
 
   // Give the skin its shape before the bodies move it: that of its age, with the expression.
   express() {
-    for (const { layer, bound } of this.layers) {
+    for (const { layer, mesh, bound } of this.layers) {
+      const { uv } = mesh.geometry.attributes;
+      if (uv && changes(layer.texcoords)) {
+        this.ages.blend(layer.texcoords, this.age, uv.array);
+        uv.needsUpdate = true;
+      }
       const positions = this.ages.blend(layer.verts, this.age, bound.getAttribute("position").array);
       this.face?.deform(layer.name, this.age, positions);
       bound.computeVertexNormals();
@@ -88,6 +96,7 @@ export class Skin {
   }
 }
 
+const changes = ({ shape }) => shape.length > 2; // By age, as where hair is painted does.
 const MOVE = new Matrix4();
 const BLEND = new Float64Array(12);
 

@@ -238,10 +238,12 @@ def test_each_infant_gets_a_copy_of_a_script_s_task(bundle):
     env.close()
 
 
-def test_eyes_of_all_ages_share_one_opengl_context():
-    senses = {"vision": {"width_px": 8, "height_px": 8}}
-    env = mimoc.make_vec([spec(age_months=age, senses=senses) for age in (3, 9, 20)])
+@pytest.mark.parametrize(("clothes", "contexts"), [("trousers", 1), (None, 2)])
+def test_eyes_of_all_ages_in_the_same_clothes_share_one_opengl_context(clothes, contexts):
+    """By default, infants below six months wear other clothes than older ones."""
+    senses, body = {"vision": {"width_px": 8, "height_px": 8}}, {"looks": {"clothes": clothes}}
+    env = mimoc.make_vec([spec(age_months=age, senses=senses, body=body) for age in (3, 9, 20)])
     env.reset(seed=0)
-    assert len(env._renderers) == 1
+    assert len(env._renderers) == contexts
     env.close()
     assert len(env._renderers) == 0
