@@ -28,6 +28,8 @@ GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))
 FROM_ABOVE_DEG = -42.0
 """Elevation of a view below which it is one from above."""
 DIRECTIONAL = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+FULL_DISC = 12
+"""How many points fill the sun's disc; fewer are on a part of it, as near to each other, which shows no steps."""
 STRENGTHS = ("diffuse", "ambient", "specular")
 ACROSS = (0.6, 0.8, 0.0)
 """A direction that no light shines along."""
@@ -45,8 +47,10 @@ class Exposure:
     """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(4, 3), Exposure(3, 2, 256), Exposure(1)
+STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
+ROW = Exposure(4, 2)
+"""For several infants, which have more triangles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +159,7 @@ def passes(
     suns = exposure.suns if daylight is not None else 1
     lamp_points = disc_points(exposure.passes * suns).reshape(suns, exposure.passes, 2)
     radius = np.tan(np.radians(daylight.sun_radius_deg)) if daylight is not None else LAMP_RADIUS
+    radius *= min(1.0, np.sqrt(exposure.passes * suns / FULL_DISC))
     for number, point in enumerate(pixel_points(exposure.passes)):
         for camera, centre, bottom, top in cameras:
             across, up = point * (top - bottom) / height_px
