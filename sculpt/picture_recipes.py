@@ -248,3 +248,19 @@ PICTURES: Mapping[str, Recipe] = {
     "newborn.png": Recipe(seen("growing_eyes", "--ages", "0,1,3,6,12,24", "--size", "128", "--fovy", "14"), 350),
 }
 """All of them, by the names of their files in `docs/`."""
+
+FILMS: Mapping[str, tuple[str, ...]] = {
+    "infant.gif": (
+        "@docs/infant.yaml",
+        "--policy=reach",
+        "--steps=600",
+        "--seed=2",
+        "--eyes",
+        "--size=240",
+        "--fps=12",
+    ),
+    "kicking.gif": (
+        *("@docs/kicking.yaml", "--policy=general_movements", "--steps=700", "--seed=1", "--size=288", "--fps=12"),
+    ),
+}
+"""What `mimoc run` records for each film at the top of a page; `benchmarks/behaviours.py` makes those of behaviours."""
