@@ -233,7 +233,7 @@ PICTURES: Mapping[str, Recipe] = {
     "title.png": Recipe(title, 500),
     "ages.png": Recipe(ages, 600),
     "heads.png": Recipe(heads, 250),
-    "expressions.png": Recipe(expressions, 300),
+    "expressions.png": Recipe(expressions, 400),
     "tones.png": Recipe(tones, 250),
     "caregiver.png": Recipe(caregiver, 200),
     "looks.png": Recipe(looks, 150),
