@@ -39,7 +39,7 @@ EXPRESSED = {
         corner=(-2.0, 5.5, 6.5), upper=1.0, lower=6.0, square=1.6, cheek=3.6, brow=(0.8, 1.2), lids=(0.82, 0.55)
     ),
     "sad": Moved(
-        corner=(-0.5, 0.5, -5.0), upper=0.3, lower=0.2, pout=1.4, brow=(4.5, -2.5), together=2.0, lids=(0.72, 0.95)
+        corner=(-0.5, 1.0, -6.5), upper=0.6, lower=0.2, pout=2.2, brow=(5.5, -3.0), together=2.0, lids=(0.66, 0.95)
     ),
     "surprised": Moved(corner=(1.5, -3.5, -0.5), upper=2.5, lower=10.0, pout=1.0, brow=(5.5, 5.5), lids=(1.22, 1.12)),
     "angry": Moved(
@@ -58,7 +58,7 @@ EXPRESSED = {
     "scared": Moved(
         corner=(-1.0, 4.5, -2.0), upper=1.0, lower=5.0, square=3.0, brow=(5.5, 1.5), together=2.0, lids=(1.2, 1.0)
     ),
-    "sleepy": Moved(corner=(0.0, -0.5, 0.0), upper=0.3, lower=1.2, brow=(0.5, -0.8), lids=(0.16, 0.88)),
+    "sleepy": Moved(corner=(0.0, -0.5, 0.0), upper=0.3, lower=1.2, brow=(0.5, -0.8), lids=(0.06, 0.86)),
     "crying": Moved(
         corner=(-1.5, 4.5, -2.0),
         upper=3.0,

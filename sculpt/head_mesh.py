@@ -9,6 +9,10 @@ from fields import Array, Field
 from head import Head, field, folded, mouth_corner, mouth_line, opening
 from uv_map import unwrapped, wrapped
 
+EAR_MM = (-6.4, -66.0, -14.0)
+"""Middle of the right ear."""
+EASED = (0.55, -0.42, 0.55, -0.42, 0.55)
+"""How far vertices of an ear go towards the middle of their neighbours, and back, so that it does not shrink."""
 HEM_MM = 1.6
 """Breadth of the strip along the rim of a lid, which leads to the eyeball."""
 
@@ -21,9 +25,29 @@ def mesh(head: Head, shape: FaceShape, rng: np.random.Generator) -> tuple[Array,
     verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
     verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
     verts, faces = cutting.mirrored(verts, faces)
-    verts = meshing.relax(whole, verts, faces, 2, 0.4)
+    verts = _with_smooth_ears(meshing.relax(whole, verts, faces, 2, 0.4), faces)
     verts, faces, _ = mouth.slit(whole, mouth_line(head, shape), mouth_corner(head, shape), verts, faces)
     return cutting.hemmed(whole, opening(head), HEM_MM, verts, faces)
+
+
+def ear_share(points: Array) -> Array:
+    """Return how much points belong to an ear, 0 to 1, shape (n,)."""
+    far = np.linalg.norm((folded(points) - EAR_MM) / (1.0, 0.8, 1.4), axis=1)
+    t = np.clip((20 - far) / 6, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def _with_smooth_ears(verts: Array, faces: np.ndarray) -> Array:
+    """Return vertices whose ears are without spikes, which a thin rim has where the surface behind it is near."""
+    edges = meshing.edges_of(faces)
+    both = np.vstack((edges, edges[:, ::-1]))
+    count = np.bincount(both[:, 0], minlength=len(verts))[:, None]
+    share = ear_share(verts)[:, None]
+    for step in EASED:
+        sums = np.zeros_like(verts)
+        np.add.at(sums, both[:, 0], verts[both[:, 1]])
+        verts = verts + step * share * (sums / count - verts)
+    return verts
 
 
 def sizes(head: Head, shape: FaceShape, points: Array) -> Array:
@@ -32,13 +56,15 @@ def sizes(head: Head, shape: FaceShape, points: Array) -> Array:
     eye = np.linalg.norm(q - head.eye, axis=1)
     nose = np.linalg.norm(points - (shape.tip[0], 0, shape.tip[1]), axis=1)
     lips = (points - (shape.mouth[0] - 4, 0, shape.mouth[1])) / (18.0, 19.5, 10.5)
-    wanted = np.where(n[:, 0] < -0.1, 13.0, 10.5)
+    wanted = np.where(n[:, 0] < -0.1, 11.5, 9.8)
     wanted = np.where((n[:, 2] < -0.2) & (n[:, 0] > 0.0), 8.0, wanted)
     wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] > 0.1) & (n[:, 2] < 0.75), 8.5, wanted)
     wanted = np.where((n[:, 0] > 0.42) & (n[:, 2] < 0.32) & (n[:, 2] > -0.95), 6.0, wanted)
+    end = np.linalg.norm(points / head.half_axes + wrapped(np.array((0.5, 0.5))), axis=1)
+    wanted = np.where(end < 0.3, 7.0, wanted)
     wanted = np.where(nose < 13, 3.0, wanted)
-    ear = np.abs(points[:, 1]) > 0.95 * head.half_axes[1]
-    wanted = np.where(ear & (np.abs(n[:, 0]) < 0.38) & (np.abs(n[:, 2] + 0.17) < 0.38), 4.1, wanted)
+    ear = np.linalg.norm((q - EAR_MM) / (1.0, 0.8, 1.4), axis=1)
+    wanted = np.where((ear < 17) & (q[:, 1] < -0.97 * head.half_axes[1]), 3.5, wanted)
     wanted = np.where(eye < head.eye_radius * 1.8, 3.4, wanted)
     far = np.linalg.norm(lips, axis=1)
     wanted = np.where(far < 1.5, np.minimum(wanted, 3.8), wanted)

@@ -132,7 +132,7 @@ def aged(head: heads.Head, mesh: HeadMesh, shape: FaceShape) -> Array:
     on_field = meshing.onto(heads.field(head, shape), verts + moves, rounds=8, most=2.0)
     from_eye = np.linalg.norm(heads.folded(verts) - head.eye, axis=1) / head.eye_radius
     share = np.clip((from_eye - 1.14) / 0.3, 0, 1)[:, None]
-    share = share * share * (3 - 2 * share)
+    share = share * share * (3 - 2 * share) * (1 - head_mesh.ear_share(verts)[:, None])
     found = verts + share * (on_field - verts)
     inward = np.flatnonzero(twins != np.arange(len(verts)))
     found[inward] = found[twins[inward]] + (verts[inward] - verts[twins[inward]])

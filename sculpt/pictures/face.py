@@ -5,20 +5,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
-from head import Head, folded, lip_tubes, opening
+from head import LID, MOUTH_HALF, Head, folded, lip_tubes, opening
 from mouth import PATCH
 from pictures.cubes import BLUSH, HAIR, INSIDE, LIP, SKIN, over as laid_over, within
 from pictures.inks import Painted, ink, mixed, plain, with_palette
 from scipy.ndimage import distance_transform_edt
+from uv_map import wrapped
 
 from mimoc.looks.skin.template_mesh import template_mesh
 
 FACE_PX = 320
 """Sides of the picture of a face."""
 COLOURS = 128
+AS_SHOWN = np.cos(np.radians(15.0))
+"""Least cosine of the angle between a place and the direction that its texel shows."""
 LASH, SHADE, TONGUE = ink("lash"), ink("shade"), ink("tongue")
 LIPS = mixed(lip=0.6, blush=0.4)
-LID_RIM = mixed(lip=0.55, skin=0.45)
+LID_RIM = mixed(lip=0.3, blush=0.2, skin=0.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,8 @@ class Paint:
     """Of the folds beside the nose."""
     lids: float = 0.85
     """Of the lashes."""
+    lash_mm: float = 0.75
+    """Breadth of the upper lashes."""
 
 
 PAINTS = {
@@ -49,8 +54,8 @@ PAINTS = {
     "angry": Paint(cheeks=0.42, face=0.10, brows=0.75, frown=0.40, nose=0.15),
     "disgusted": Paint(brows=0.62, frown=0.25, nose=0.42),
     "scared": Paint(cheeks=0.18, brows=0.65, frown=0.15),
-    "sleepy": Paint(eyes=0.10, lids=0.95),
-    "crying": Paint(cheeks=0.55, face=0.22, eyes=0.25, brows=0.65, frown=0.32, nose=0.38, lids=1.0),
+    "sleepy": Paint(eyes=0.10, lids=0.95, lash_mm=1.0),
+    "crying": Paint(cheeks=0.55, face=0.22, eyes=0.25, brows=0.65, frown=0.32, nose=0.38, lids=1.0, lash_mm=1.6),
 }
 """Paint by name of the expression."""
 
@@ -140,20 +145,24 @@ def _lids(canvas: Canvas, paint: Paint) -> None:
     upper = within(-from_eye[..., 2] - 0.3, 1.5)
     canvas.over(SHADE, 0.20 * close * upper * np.exp(-(((inside + 4.3) / 0.9) ** 2)))
     canvas.over(SHADE, 0.10 * close * (1 - upper) * np.exp(-(((inside + 3.2) / 1.2) ** 2)))
-    canvas.over(LID_RIM, close * (0.75 - 0.35 * upper) * within(-inside - 0.7, 0.9))
+    canvas.over(LID_RIM, close * (0.55 - 0.25 * upper) * within(-inside - 0.5, 0.9))
     outer = np.clip(0.75 - 0.05 * from_eye[..., 1], 0.4, 1)
-    canvas.over(LASH, paint.lids * outer * close * upper * within(-inside - 0.75 * outer, 0.9))
+    canvas.over(LASH, paint.lids * outer * close * upper * within(-inside - paint.lash_mm * outer, 0.9))
 
 
 def _lips(canvas: Canvas) -> None:
     """Draw the lips where their relief is, and the line between them."""
     upper, lower = (canvas.values(lip) for lip in lip_tubes(canvas.head, SHAPES[MESHED]))
     front = canvas.places[..., 0] > 45
-    red = front * within(np.minimum(upper, lower) - 0.2, 1.9)
+    aside, z = -canvas.places[..., 1], canvas.places[..., 2]
+    inner = within(aside - MOUTH_HALF + 1, 1) * within(np.abs(z - SHAPES[MESHED].mouth[1]) - 3, 2)
+    red = front * np.maximum(
+        within(np.minimum(upper, lower) - 0.2, 1.9), inner * within(np.abs(lower - upper) - 1.2, 1)
+    )
     canvas.over(LIPS, 0.62 * red)
     canvas.over(LIP, 0.22 * red * within(upper - lower, 1.0))
-    between = red * np.exp(-(((lower - upper) / 1.3) ** 2))
-    canvas.over(INSIDE, 0.42 * between)
+    between = red * np.exp(-(((lower - upper) / 1.2) ** 2))
+    canvas.over(INSIDE, 0.48 * between)
 
 
 def _pocket(canvas: Canvas) -> None:
@@ -174,15 +183,33 @@ def _places() -> tuple[Array, Head]:
     verts = 1000 * sculpted.at_ages_m[list(SHAPES).index(MESHED)]
     shown = np.full((FACE_PX, FACE_PX, 3), np.nan)
     corners = sculpted.texcoords * (FACE_PX, -FACE_PX) + (-0.5, FACE_PX - 0.5)
+    steps = (np.arange(FACE_PX) + 0.5) / FACE_PX
+    ways = wrapped(np.stack(np.meshgrid(steps, steps[::-1]), axis=-1))
     for face in sculpted.faces:
-        _fill(shown, corners[face], verts[face])
+        _fill(shown, ways, corners[face], verts[face], head)
+    shown = _between_lids(shown, ways, head)
     missing = np.isnan(shown[..., 0])
     rows, columns = distance_transform_edt(missing, return_distances=False, return_indices=True)
     return folded(shown[rows, columns].reshape(-1, 3)).reshape(shown.shape), head
 
 
-def _fill(shown: Array, corners: Array, verts: Array) -> None:
-    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther out stays."""
+def _between_lids(shown: Array, ways: Array, head: Head) -> Array:
+    """Return places of which those that no triangle covers are on closed lids, where there are such."""
+    for sign in (1, -1):
+        eye, along = head.eye * (1, sign, 1), ways * head.half_axes
+        square, half = (along**2).sum(axis=-1), along @ eye
+        under = half**2 - square * (eye @ eye - (LID * head.eye_radius) ** 2)
+        is_lid = np.isnan(shown[..., 0]) & (under > 0) & (half > 0)
+        far = (half + np.sqrt(np.maximum(under, 0))) / square
+        shown = np.where(is_lid[..., None], far[..., None] * along, shown)
+    return shown
+
+
+def _fill(shown: Array, ways: Array, corners: Array, verts: Array, head: Head) -> None:
+    """Write the places within a triangle, shape (3, 3), at the texels that it covers; what is farther out stays.
+
+    Only where these are about in the direction that the texels show: at the picture's end, triangles are wide.
+    """
     low = np.maximum(np.ceil(corners.min(axis=0) - 0.01).astype(int), 0)
     high = np.minimum(np.floor(corners.max(axis=0) + 0.01).astype(int), FACE_PX - 1)
     columns, rows = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
@@ -196,5 +223,8 @@ def _fill(shown: Array, corners: Array, verts: Array) -> None:
     covered = (second > -0.01) & (third > -0.01) & (second + third < 1.01)
     places = verts[0] + second[..., None] * (verts[1] - verts[0]) + third[..., None] * (verts[2] - verts[0])
     before = np.linalg.norm(np.nan_to_num(shown[rows, columns]), axis=-1)
+    along = places / head.half_axes
+    along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+    covered &= (along * ways[rows, columns]).sum(axis=-1) > AS_SHOWN
     covered &= np.linalg.norm(places, axis=-1) > before
     shown[rows[covered], columns[covered]] = places[covered]

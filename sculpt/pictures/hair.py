@@ -8,8 +8,8 @@ WIDTH_PX, HEIGHT_PX = 512, 96
 STROKES = 4200
 SEED = 7
 COLOURS = 24
-FIRST = 0.12
-"""Height at which the lowest strokes end: `mimoc.looks.skin.hair.CLEAR`."""
+FIRST = 0.16
+"""Height at which the lowest strokes end: that of `CLEAR` in `mimoc.looks.skin.hair`, within its margins."""
 GROUND = 0.78
 """How much the skin between strokes is coloured at the top."""
 

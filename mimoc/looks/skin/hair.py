@@ -25,10 +25,10 @@ class Growth(NamedTuple):
 
 
 GROWTH = (
-    Growth(0, 0.29, 0.6, 12, 0.0, 0.0),
-    Growth(3, 0.35, 0.7, 12, 0.0, 0.65),
-    Growth(6, 0.46, 1.0, 12, 0.1, 0.50),
-    Growth(9, 0.66, 1.7, 12, 0.25, 0.15),
+    Growth(0, 0.22, 0.6, 12, 0.0, 0.0),
+    Growth(3, 0.29, 0.7, 12, 0.0, 0.65),
+    Growth(6, 0.42, 1.0, 12, 0.1, 0.50),
+    Growth(9, 0.63, 1.7, 12, 0.25, 0.15),
     Growth(12, 0.82, 2.6, 12, 0.45, 0.0),
     Growth(18, 0.95, 4.6, 12, 0.8, 0.0),
     Growth(24, 1.0, 6.5, 12, 1.0, 0.0),
@@ -38,8 +38,8 @@ BARE, CLEAR = 0.05, 0.11
 picture is skin."""
 SUNK_MM, LEAST_MM = 0.9, 0.4
 """How deep and how high it is there."""
-MARGIN = 0.012
-"""Of the picture, which is repeated beyond its borders."""
+MARGIN = 0.06
+"""Of the picture, which is repeated beyond its borders, so that what is far away looks a little like both."""
 
 
 def hair_over(
@@ -61,7 +61,7 @@ def hair_over(
     height_m = size * (above * height_mm - (1 - above) * SUNK_MM) / 1000
     scalp_m = verts_m[sculpted.verts]
     outward = _normals(scalp_m, sculpted.faces)
-    places = np.column_stack((MARGIN + (1 - 2 * MARGIN) * sculpted.around, MARGIN + (1 - 2 * MARGIN) * share))
+    places = MARGIN + (1 - 2 * MARGIN) * np.column_stack((sculpted.around, share))
     return scalp_m + height_m[:, None] * outward, places
 
 
