@@ -86,10 +86,10 @@ def _rim(faces: IntArray, rank: IntArray, number: int) -> tuple[IntArray, IntArr
     """
     edges, ranks = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), np.repeat(rank, 3)
     count = faces.max() + 1
-    there, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
-    order = np.argsort(there, kind="stable")
-    place = order[np.minimum(np.searchsorted(there[order], back), len(order) - 1)]
-    beside = np.where(there[place] == back, ranks[place], -1)
+    forth, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
+    order = np.argsort(forth, kind="stable")
+    place = order[np.minimum(np.searchsorted(forth[order], back), len(order) - 1)]
+    beside = np.where(forth[place] == back, ranks[place], -1)
     chosen = (ranks == number) & (beside > number)
     return edges[chosen], beside[chosen]
 
