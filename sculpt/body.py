@@ -32,6 +32,9 @@ SIZES = {
 }
 FINGER_SIZE = 3.3
 """Lengths of edges, by body."""
+SEPARATE = {"hand": 5.3, "lfmetacarpal": 4.9, "thbase": 4.8, "toes": 4.3, "big_toe": 4.5, "foot": 6.8}
+SEPARATE_FINGER_SIZE = 3.7
+"""The same of hands with five fingers, which have more bodies for a file to name."""
 
 
 def mesh(
@@ -49,7 +52,7 @@ def mesh(
     dense = meshing.only(*dense, dense[0][:, 2] < TOP)
     verts, faces, _ = meshing.remesh(*dense, size, rng)
     verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
-    half = embedding.right_half(field, verts, faces)
+    half = embedding.right_half(field, verts, meshing.without_fins(faces))
     drawn = embedding.embedded(field, half, tuple(curves.values()), size)
     whole = embedding.mirrored(drawn)
     print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
@@ -59,5 +62,7 @@ def mesh(
 def sizes(sculpted: figure.Figure, points: Array) -> Array:
     """Return the length of edges that is wanted at some points."""
     owners = weights.owners(points, sculpted.solids)
-    parts = {name: SIZES.get(name.removeprefix("left_").removeprefix("right_"), FINGER_SIZE) for name in set(owners)}
+    is_separate = any("thbase" in solid.part for solid in sculpted.solids)
+    table, finger = (SIZES | SEPARATE, SEPARATE_FINGER_SIZE) if is_separate else (SIZES, FINGER_SIZE)
+    parts = {name: table.get(name.removeprefix("left_").removeprefix("right_"), finger) for name in set(owners)}
     return np.array([parts[name] for name in owners])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from fields import Array, Field
-from meshing import edges_of, gradient, only
+from meshing import edges_of, gradient, only, without_fins
 
 SNAPPED = 0.34
 """A vertex that is within this share of its edges' length of a curve moves onto it."""
@@ -66,7 +66,7 @@ def embedded(surface: Field, half: Drawn, curves: Sequence[Curve], size: Callabl
         drawn = _split(surface, drawn, everywhere[: number + 1])
     for _ in range(ROUNDS):
         drawn = _collapsed(surface, drawn, everywhere, size)
-        drawn = Drawn(drawn.verts, flipped(drawn.verts, drawn.faces, drawn.lies_on), drawn.lies_on)
+        drawn = Drawn(drawn.verts, flipped(drawn.verts, without_fins(drawn.faces), drawn.lies_on), drawn.lies_on)
         drawn = _relaxed(surface, drawn, everywhere)
     return drawn
 

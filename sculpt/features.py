@@ -45,7 +45,7 @@ class Ring:
     height: float
     """At its fullest, of `ROLLS`."""
     towards: tuple[float, float] = (0.0, 0.0)
-    """To which side of the frame, x and y, it is deepest; its length is how much less it is on the other side, 0 to 1."""
+    """To which side, x and y of the frame, it is deepest; its length, 0 to 1, is how much less it is opposite."""
 
 
 ARM, FOREARM = (0.0, -4.0, 90.0), (0.0, -5.0, 79.0)

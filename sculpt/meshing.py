@@ -180,6 +180,18 @@ def defects(faces: np.ndarray) -> int:
     return int((counts != 2).sum())
 
 
+def without_fins(faces: np.ndarray) -> np.ndarray:
+    """Return faces without pairs that lie on each other, back to back."""
+    order = np.argsort(faces, axis=1)
+    turned = np.isin(order @ (9, 3, 1), (1 * 3 + 2, 1 * 9 + 2 * 3, 2 * 9 + 1))
+    _, same = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True)
+    same = same.ravel()
+    balance = np.bincount(same, np.where(turned, 1, -1))
+    first = np.zeros(len(faces), bool)
+    first[np.unique(np.column_stack((same, turned)), axis=0, return_index=True)[1]] = True
+    return faces[first & (balance[same] * np.where(turned, 1, -1) > 0)]
+
+
 def without_slivers(verts: Array, faces: np.ndarray, least: float) -> tuple[Array, np.ndarray]:
     """Return a mesh in which vertices that are joined by an edge shorter than *least* are one."""
     edges = edges_of(faces)

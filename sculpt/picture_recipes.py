@@ -9,12 +9,12 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from mimoc import load_spec, make
+from mimoc import InfantEnv, load_spec, make
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
@@ -35,15 +35,16 @@ LOOKS = (
 )
 """Of each tone of the skin, one infant."""
 TITLE = (
-    ("sitting", 9, "playing", {"skin": "medium", "hair": "dark", "eyes": "brown"}),
-    ("lying", 3, "kicking", {"skin": "fair", "hair": "light_brown", "eyes": "blue", "clothes": "bodysuit"}),
-    ("looking", 6, "looking", {"skin": "brown", "hair": "black", "eyes": "dark"}),
-    ("crawling", 10, "crawling", {"skin": "light", "hair": "red", "eyes": "green"}),
-    ("standing", 18, "standing", {"skin": "tan", "hair": "black", "eyes": "dark"}),
+    ("kicking", 3, {"skin": "fair", "hair": "light_brown", "eyes": "blue"}),
+    ("looking", 6, {"skin": "brown", "hair": "black", "eyes": "dark"}),
+    ("playing", 9, {"skin": "medium", "hair": "dark", "eyes": "brown"}),
+    ("crawling", 10, {"skin": "light", "hair": "red", "eyes": "green"}),
+    ("standing", 18, {"skin": "tan", "hair": "black", "eyes": "dark"}),
 )
-"""Name, age in months, pose and looks of the infants at the top of the README."""
+"""Pose, age in months and looks of the infants at the top of the README."""
 POSES = ("kicking", "looking", "sitting", "playing", "crawling", "standing")
-COLUMN_PX, CELL_PX = (320, 400), (240, 240)
+COLUMN_PX, CELL_PX = (320, 360), (240, 240)
+HEAD = ("--crop", "head", "--pose", "standing")
 WHITE, INK = "white", (60, 56, 50)
 
 
@@ -117,8 +118,8 @@ def beside(*pictures: Image.Image, gap: int = 4) -> Image.Image:
 def title(mimoc: Commands) -> Image.Image:
     """Return infants of five ages in five poses, each of other looks."""
     portraits = []
-    for name, age_months, pose, looks in TITLE:
-        infant = spec(mimoc, name, age_months, body={"looks": looks})
+    for pose, age_months, colours in TITLE:
+        infant = spec(mimoc, pose, age_months, body={"looks": colours})
         portraits.append(drawn(mimoc, infant, "--pose", pose, size=COLUMN_PX))
     return in_rows(portraits, len(portraits))
 
@@ -131,7 +132,7 @@ def ages(mimoc: Commands) -> Image.Image:
 
 def heads(mimoc: Commands) -> Image.Image:
     """Return heads of one size in the order of age."""
-    portraits = [drawn(mimoc, spec(mimoc, "child", age), "--crop", "head", size=(240, 280)) for age in AGES_MONTHS]
+    portraits = [drawn(mimoc, spec(mimoc, "child", age), *HEAD, size=(240, 280)) for age in AGES_MONTHS]
     captions = ["newborn", *(f"{age} months" for age in AGES_MONTHS[1:])]
     return in_rows(portraits, len(portraits), captions)
 
@@ -139,8 +140,7 @@ def heads(mimoc: Commands) -> Image.Image:
 def expressions(mimoc: Commands) -> Image.Image:
     """Return a face with each expression."""
     faces = [
-        drawn(mimoc, spec(mimoc, "child", 9, body={"expression": name}), "--crop", "head", size=(220, 240))
-        for name in EXPRESSIONS
+        drawn(mimoc, spec(mimoc, "child", 9, body={"expression": name}), *HEAD, size=(220, 240)) for name in EXPRESSIONS
     ]
     return in_rows(faces, 5, EXPRESSIONS)
 
@@ -148,7 +148,7 @@ def expressions(mimoc: Commands) -> Image.Image:
 def tones(mimoc: Commands) -> Image.Image:
     """Return an infant of each tone of the skin."""
     infants = [spec(mimoc, f"child{number}", 12, body={"looks": looks}) for number, looks in enumerate(LOOKS)]
-    faces = [drawn(mimoc, infant, "--crop", "head", size=(200, 230)) for infant in infants]
+    faces = [drawn(mimoc, infant, *HEAD, size=(200, 230)) for infant in infants]
     return in_rows(faces, len(faces), [f"{looks['skin']}, {looks['hair'].replace('_', ' ')}" for looks in LOOKS])
 
 
@@ -180,14 +180,17 @@ def caregiver(mimoc: Commands) -> Image.Image:
     looking = load_spec(CHECKOUT / "configs" / "caregiver.yaml").with_(
         senses={"vision": {"width_px": 240, "height_px": 240, "acuity": "off", "supersample": 2}}
     )
+    pictures = []
     with make(looking, render_mode="rgb_array", width=640, height=480) as env:
         env.reset(seed=0)
         for _ in range(OFFERED_STEPS):
             env.step(np.zeros_like(env.action_space.sample()))
-        pictures = [np.asarray(env.render())]
+        pictures.append(np.asarray(env.render()))
         env.reset(seed=0)
+        adult = cast(InfantEnv, env.unwrapped).caregiver
+        assert adult is not None, "its spec has one"
         for face in ("happy", "neutral", "sad", "surprised"):
-            env.unwrapped.caregiver.do("show_face", face)
+            adult.do("show_face", face)
             observation = env.step(np.zeros_like(env.action_space.sample()))[0]
             pictures.append(observation["eye_left"])
     whole, *faces = map(Image.fromarray, pictures)

@@ -54,6 +54,10 @@ PUBLISHED_LAP: Mapping[str, Angles] = {
 """Likewise of the published body, whose arms are nearer to the midline: from the lap its hands would slide."""
 SLUMPED_ELBOW_DEG = -12.0
 """How much arms are lifted before an infant slumps farther than at the age before: they fall onto its thighs."""
+FINGERS = "{side}_fingers"
+"""The joint of a mitten's fingers."""
+FIST_DEG = -145.0
+"""How far newborns close their mittens before they sit, as they do on their backs; young infants, likewise less."""
 SITTING_LIFT_DEG = {"{side}_elbow": -1.5}
 LIFTS_DEG: Mapping[tuple[str, str, str], Angles] = {
     ("maturing", "sitting", "five_finger"): SITTING_LIFT_DEG,
@@ -143,6 +147,8 @@ def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before
         first = {**first_deg(name, spec["development"], spec["body"]["hands"]), **free}
         if name == SLUMPED:
             first["{side}_elbow"] += SLUMPED_ELBOW_DEG
+        if name == SLUMPED and age_months in YOUNG_MONTHS and spec["body"]["hands"] == "mitten":
+            first[FINGERS] = FIST_DEG * (1 - age_months / SLUMP_MONTHS[1])
         angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)
         print(*spec["body"].values(), spec["development"], name, age_months, f"{moved_m * 1e3:.1f} mm", flush=True)
         found.append(angles)

@@ -22,8 +22,8 @@ MOST = 1.9
 
 RINGS, SMOOTHINGS = 3, 2
 """How many edges around them weights are smoothed, and how often."""
-SPACED, SPACING = 2.25, 0.07
-"""Stretch beyond which the ends of edges are moved apart, and by what share each end is."""
+SPACED, SPACING, LEAST = 2.25, 0.07, 0.75
+"""Stretch beyond which the ends of edges are moved apart, by what share, and how short others may get."""
 
 
 def stretches(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
@@ -68,6 +68,9 @@ def spaced(surface: Field, drawn: Drawn, curves: Sequence[Curve], edges: np.ndar
     verts[right] = placed(surface, curves, verts[right], drawn.lies_on[right])
     left = ~right
     verts[left] = verts[drawn.twins[left]] * (1, -1, 1)
+    short = edges[_lengths(verts, edges) < LEAST * _lengths(drawn.verts, edges)].ravel()
+    kept = np.concatenate((short, drawn.twins[short]))
+    verts[kept] = drawn.verts[kept]
     return replace(drawn, verts=verts)
 
 

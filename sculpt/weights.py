@@ -14,7 +14,7 @@ from mimoc.body.kinematics import Frame
 
 BONES = 4
 """Bodies that move a vertex, at most."""
-LEAST = 0.016
+LEAST = 0.022
 """Smaller weights are left out."""
 SPREAD = {
     "upper_arm": 26.0,
@@ -39,7 +39,7 @@ WIDER = (
     ("head", (0.0, 0.0, -12.0), 50.0, 10.0),
     ("right_thbase", (0.0, 0.0, 8.0), 15.0, 5.0),
 )
-"""Around crotch, groin, shoulders, neck and thumb it fades out farther: place in the frame of a body, over what distance, and how much."""
+"""Around crotch, groin, shoulders, neck and thumb it fades out farther: body, place in it, over what, by what."""
 REACHES = {"hand": (18.0, 32.0), "lower_arm": (34.0, 80.0), "lower_leg": (44.0, 86.0)}
 """Distances from an elbow, a wrist or a knee at which a body's hold on the skin beyond it begins to end, and ends."""
 LUMBAR = (("hip", -99.0, 23.0), ("lower_body", 23.0, 104.0), ("upper_body", 104.0, 226.0), ("chest", 226.0, 999.0))

@@ -23,6 +23,8 @@ class SkinColours(NamedTuple):
     """Creases, into which little light falls."""
     white: Colour
     """White of the eyes."""
+    inside: Colour
+    """The open mouth."""
 
 
 class ClothColours(NamedTuple):
@@ -38,12 +40,15 @@ class ClothColours(NamedTuple):
 
 
 SKINS: Mapping[str, SkinColours] = {
-    "light": SkinColours((250, 218, 198), (243, 166, 152), (228, 142, 138), (208, 144, 126), (250, 249, 247)),
-    "fair": SkinColours((244, 205, 178), (240, 150, 130), (224, 130, 120), (196, 122, 100), (250, 248, 244)),
-    "medium": SkinColours((229, 182, 147), (216, 130, 106), (198, 106, 96), (170, 106, 78), (248, 245, 240)),
-    "tan": SkinColours((202, 149, 112), (188, 104, 82), (176, 86, 80), (140, 86, 60), (246, 243, 237)),
-    "brown": SkinColours((154, 107, 79), (152, 82, 66), (160, 80, 76), (100, 62, 44), (244, 240, 233)),
-    "dark": SkinColours((114, 79, 62), (126, 67, 56), (138, 74, 72), (68, 43, 33), (242, 238, 230)),
+    tone: SkinColours(*colours)
+    for tone, colours in {
+        "light": ((250, 218, 198), (243, 166, 152), (228, 142, 138), (208, 144, 126), (250, 249, 247), (140, 57, 60)),
+        "fair": ((244, 205, 178), (240, 150, 130), (224, 130, 120), (196, 122, 100), (250, 248, 244), (138, 56, 58)),
+        "medium": ((229, 182, 147), (216, 130, 106), (198, 106, 96), (170, 106, 78), (248, 245, 240), (126, 48, 52)),
+        "tan": ((202, 149, 112), (188, 104, 82), (186, 92, 86), (140, 86, 60), (246, 243, 237), (110, 40, 44)),
+        "brown": ((154, 107, 79), (152, 82, 66), (168, 86, 82), (100, 62, 44), (244, 240, 233), (86, 28, 34)),
+        "dark": ((114, 79, 62), (126, 67, 56), (148, 80, 78), (68, 43, 33), (242, 238, 230), (70, 21, 28)),
+    }.items()
 }
 HAIR: Mapping[str, Colour] = {
     "black": (33, 28, 28),
@@ -105,7 +110,6 @@ def inks_of(looks: LooksSpec, clothes: Clothes) -> dict[str, Colour]:
         "iris_rim": blended(iris, (20, 20, 24), 0.62),
         "pupil": (22, 18, 20),
         "glint": (255, 255, 255),
-        "inside": (138, 56, 58),
         "tongue": (214, 122, 118),
         **cloth._asdict(),
         **{f"{name}{FOLDED}": folded(colour) for name, colour in cloth._asdict().items()},

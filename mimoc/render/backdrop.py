@@ -6,7 +6,6 @@ import numpy.typing as npt
 
 from mimoc.render.camera import Shot
 from mimoc.render.opengl import set_fog
-from mimoc.render.renderer import Setting
 from mimoc.render.soft_light import Colour
 
 BACKGROUND: Colour = (0.93, 0.925, 0.912)
@@ -24,15 +23,15 @@ def is_outdoors(model: mujoco.MjModel) -> bool:
     return int((model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).sum()) <= 1
 
 
-def backdrop_settings(model: mujoco.MjModel) -> list[Setting]:
-    """Return the colours of floor, sky and what is far away, for the time in which OpenGL takes a model's textures."""
+def backdrop_colours(model: mujoco.MjModel) -> npt.NDArray[np.uint8]:
+    """Return the colours of all textures of a model, as `tex_data` has them, floor and sky as in pictures."""
     colours = model.tex_data.copy()
     for name in (SKY, MAT):
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXTURE, name)
         if number >= 0:
             pixels = _pixels(model, colours, number)
             pixels[:] = _of_byte(BACKGROUND) if name == SKY else _floor(pixels)
-    return [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
+    return colours
 
 
 def fade(shot: Shot, radius_m: float) -> None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import CaregiverEntry, Manifest
 from mimoc.bundle.world import WorldManifest
-from mimoc.render.backdrop import backdrop_settings, fade, is_outdoors
+from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -28,12 +28,13 @@ from mimoc.render.framing import drawn_spheres
 from mimoc.render.markers import Markers, add_markers
 from mimoc.render.renderer import Picture, Renderer, Setting, Shown, visual_settings
 from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_FROM, SHADOWS_WITHIN, Exposure, Mean, passes
+from mimoc.render.textures import lean_textures
 
-SUN_PX, LAMP_PX = 512, 2048
-"""Side of the map of the sun's shadows and of a lamp's; passes blur its cells."""
+CROWD_M, CROWD_PX = 1.0, 1024
+"""Radius within which other things cast shadows, too, and the side of the map of shadows then, or of those of a lamp in
+a room."""
 DRAWN_GROUPS = 3
 """How many of MuJoCo's groups of geoms are drawn by default."""
-CUBE_SIDES = 6
 HIDDEN_GROUP = 3
 """MuJoCo's group of geoms that are never drawn, and that mimoc has none in."""
 NEAR_M, STRING_M = 1.0, 0.15
@@ -110,7 +111,10 @@ class BodyCamera:
         else:
             are_beside = np.isin(model.body_rootid[model.geom_bodyid], [model.body(name).id for name in beside])
             self._seen |= are_beside & (model.geom_rbound < STRING_M)
-        self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is), shown)
+        others = drawn_geoms(model, shown) & ~self._seen & (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)
+        self._crowd_m = CROWD_M if others.any() else 0.0
+        shadows_px = CROWD_PX if others.any() or not self._outdoors else exposure.shadows_px
+        self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is, shadows_px), shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model of the same parts from now on.
@@ -181,22 +185,25 @@ class BodyCamera:
         flags = self._renderer.scene.flags
         flags[mujoco.mjtRndFlag.mjRND_FOG] = self._outdoors and not self._cut_out
         flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = not self._cut_out
+        radius_m = self.spheres(data).radius_m(shot.lookat_m)
         if self._outdoors:
-            radius_m = self.spheres(data).radius_m(shot.lookat_m)
             fade(shot, radius_m)
-            self._renderer.context.shadowClip = SHADOWS_WITHIN * min(radius_m, SHADOWS_FROM * shot.half_height_m)
+        around_m = max(SHADOWS_WITHIN * min(radius_m, SHADOWS_FROM * shot.half_height_m), self._crowd_m)
+        self._renderer.context.shadowClip = around_m
 
 
-def _settings(shown: Shown, as_it_is: bool, model: mujoco.MjModel) -> list[Setting]:
+def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjModel) -> list[Setting]:
     """Return what OpenGL is opened with for a model."""
     outdoors, quality = is_outdoors(model), model.vis.quality
-    shadows_px = min(quality.shadowsize, SUN_PX if outdoors else LAMP_PX)
-    return [
-        (quality, "offsamples", 0),
-        (quality, "shadowsize", shadows_px),
-        *(backdrop_settings(model) if outdoors else ()),
-        *(_without_unused(model, shown) if as_it_is else ()),
-    ]
+    shadows_px = min(quality.shadowsize, shadows_px)
+    settings: list[Setting] = [(quality, "offsamples", 0), (quality, "shadowsize", shadows_px)]
+    colours = model.tex_data
+    if outdoors:
+        colours = backdrop_colours(model)
+        settings += [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
+    if as_it_is:
+        settings += lean_textures(model, colours, _used_textures(model, shown, outdoors))
+    return settings
 
 
 def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
@@ -204,11 +211,8 @@ def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
     return (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
 
 
-def _without_unused(model: mujoco.MjModel, shown: Shown) -> list[Setting]:
-    """Leave no more than a pixel of textures that are not on anything that is drawn: MuJoCo reduces each in steps."""
+def _used_textures(model: mujoco.MjModel, shown: Shown, outdoors: bool) -> npt.NDArray[np.bool_]:
+    """Return which textures are on something that is drawn, shape (ntex,); of a plain sky, a pixel is enough."""
     materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
     used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
-    used |= model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX
-    of_cubes = np.where(model.tex_type == mujoco.mjtTexture.mjTEXTURE_2D, 1, CUBE_SIDES)
-    sizes = (("tex_width", 1), ("tex_height", of_cubes))
-    return [(model, name, np.where(used, getattr(model, name), size).astype(np.int32)) for name, size in sizes]
+    return used | ((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX) & (not outdoors))

@@ -72,7 +72,9 @@ PRECISION_RAD = 1e-6
 
 
 def poses_in_pictures(manifest: Manifest) -> tuple[str, ...]:
-    """Return the names of the poses that an infant can be drawn in."""
+    """Return the names of the poses that an infant can be drawn in; one that is held has its start poses alone."""
+    if manifest.constraints.locks or manifest.constraints.welds:
+        return manifest.poses
     return (*manifest.poses, *(name for name, pose in PICTURE_POSES.items() if pose.base in manifest.poses))
 
 
@@ -81,7 +83,7 @@ def pose_in_picture(manifest: Manifest, pose: str | None) -> str:
     names = poses_in_pictures(manifest)
     if pose in names:
         return str(pose)
-    if pose is None or set(names) != {*manifest.poses, *PICTURE_POSES}:
+    if pose is None or names == manifest.poses:
         return pose_of(manifest, pose)
     raise UnknownNameError("pose", pose, names)
 

@@ -40,10 +40,12 @@ class Exposure:
 
     passes: int
     suns: int = 1
-    """Points of the sun's disc that shine in each of them."""
+    """Points of the sun's disc that shine in each of them; a lamp in a room has one."""
+    shadows_px: int = 768
+    """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(5, 3), Exposure(3, 2), Exposure(1)
+STILL, MOVING, ONCE = Exposure(4, 3), Exposure(3, 2, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
 
 
@@ -85,10 +87,10 @@ DAYLIGHT = Daylight(
     sun_radius_deg=9.0,
     fills=(
         Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
-        Beam(5.0, -5.0, (0.17, 0.168, 0.166)),
+        Beam(5.0, -5.0, (0.155, 0.153, 0.151)),
         Beam(0.0, 60.0, (0.13, 0.118, 0.10)),
     ),
-    ambient=(0.455, 0.45, 0.45),
+    ambient=(0.43, 0.425, 0.425),
     turned_deg=66.0,
 )
 """A sun at the upper right of the camera, the sky above, light from beside the camera, and warm light that the floor
@@ -100,9 +102,9 @@ LAMP_RADIUS = 0.08
 """Radius of a lamp in a room, as a share of its distance from the infant (D)."""
 SUN_DISTANCE_M = 4.0
 """From the middle of what is shown to where the map of shadows begins."""
-NEAR, FAR_M = 0.25, 4000.0
+NEAR, FAR_M = 0.25, 10000.0
 """Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
-share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 4000 m not."""
+share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 10 km not."""
 SHADOWS_WITHIN = 1.1
 """Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
 
@@ -147,7 +149,8 @@ def passes(
             _set_range(camera, NEAR * shot.depth_m, FAR_M)
     steady, casting = _sorted_lights(scene)
     cameras = [(camera, camera.frustum_center, camera.frustum_bottom, camera.frustum_top) for camera in scene.camera]
-    lamp_points = disc_points(exposure.passes * exposure.suns).reshape(exposure.suns, exposure.passes, 2)
+    suns = exposure.suns if daylight is not None else 1
+    lamp_points = disc_points(exposure.passes * suns).reshape(suns, exposure.passes, 2)
     radius = np.tan(np.radians(daylight.sun_radius_deg)) if daylight is not None else LAMP_RADIUS
     for number, point in enumerate(pixel_points(exposure.passes)):
         for camera, centre, bottom, top in cameras:
@@ -156,7 +159,7 @@ def passes(
         scene.nlight = steady
         for light in casting:
             for lamp_point in lamp_points[:, number]:
-                _add_light(scene, light, 1 / exposure.suns)
+                _add_light(scene, light, 1 / suns)
                 _move_light(scene.lights[scene.nlight - 1], shot, radius * lamp_point)
         yield
 

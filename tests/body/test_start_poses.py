@@ -121,6 +121,17 @@ def test_newborns_sit_upright_who_are_held_by_chest_or_head_and_those_of_the_pub
     assert (head_deg < 20) == is_upright
 
 
+def test_newborns_that_sit_have_half_closed_mittens_which_open_by_three_months():
+    closed_deg = []
+    for age_months in (0, 0.5, 1, 3):
+        model = load_model(build(spec_of(age_months)))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("sitting").id)
+        closed_deg.append(-np.degrees(data.joint("robot:left_fingers").qpos[0]))
+    assert closed_deg[0] > 85
+    assert closed_deg[0] > closed_deg[1] > closed_deg[2] > closed_deg[3]
+
+
 def leaning_deg(spec: mimoc.InfantSpec) -> tuple[float, float]:
     """Return how far chest and head lean forward in the pose `sitting`, in degrees."""
     model = load_model(build(spec))

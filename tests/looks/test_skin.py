@@ -8,21 +8,22 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from support.posed_skins import edges_of, lengths, posed
 from support.skin_bodies import child, children
 
-from mimoc.body.kinematics import frames, frames_in_world
+from mimoc.body.kinematics import frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.looks.skin.deformation import skin_of
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
-AGES_MONTHS = (0, 9, 24)
-FARTHEST_STRETCH = 4
 BELOW_FLOOR_M = 0.002
 """How far skin may be below the floor that the solids rest on, or above it where it rests."""
 TURNED_M = 0.0012
 """How much farther trousers may be on the back: the skin was made for legs that lie straight, and tone and relaxed hips
 turn thighs outwards by 25 to 44 degrees."""
+BELLY_M = 0.0035
+"""How much farther a round belly may be that an infant lies on: it would give way."""
 HAIR_M = 0.009
 """How much farther hair may be, which is soft."""
 CHEEK_M = 0.003
@@ -36,25 +37,6 @@ def layers(age_months: float, hands: str) -> tuple[SkinLayer, ...]:
 
 def dressed(tree):
     return replace(tree, clothes="shirt_and_trousers")
-
-
-def edges(layer: SkinLayer) -> np.ndarray:
-    return np.unique(np.sort(layer.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-
-
-def posed(layer: SkinLayer, placed) -> np.ndarray:
-    """Return where bodies take the vertices of a layer, as MuJoCo does it."""
-    found = np.zeros_like(layer.verts_m)
-    for index, bone in enumerate(layer.bones):
-        origin, turn = placed[bone]
-        (moved,) = np.nonzero(layer.weights[:, index])
-        own = (layer.verts_m[moved] - layer.origins_m[index]) @ (turn @ layer.turns[index].T).T + origin
-        found[moved] += layer.weights[moved, index, None] * own
-    return found
-
-
-def lengths(verts: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(verts[pairs[:, 0]] - verts[pairs[:, 1]], axis=1)
 
 
 @pytest.mark.parametrize("hands", HANDS)
@@ -75,21 +57,6 @@ def test_weights_of_a_vertex_sum_to_one_and_are_of_at_most_four_bodies(hands):
 
 
 @pytest.mark.parametrize("hands", HANDS)
-def test_no_edge_is_stretched_more_than_four_times_in_random_poses(hands):
-    random = np.random.default_rng(16)
-    for age_months in AGES_MONTHS:
-        tree = child(age_months, hands)
-        kept = [(layer, edges(layer)) for layer in layers(age_months, hands)]
-        for _ in range(30):
-            placed = frames(
-                tree, {name: np.radians(random.uniform(*joint.range_deg)) for name, joint in tree.joints.items()}
-            )
-            for layer, pairs in kept:
-                longer = lengths(posed(layer, placed), pairs) / lengths(layer.verts_m, pairs)
-                assert longer.max() <= FARTHEST_STRETCH, (layer.name, age_months)
-
-
-@pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("age_months", [0, 6, 9, 18, 24])
 def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
     tree = child(age_months, hands)
@@ -100,7 +67,8 @@ def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
         assert lowest_m.pop("head") > -BELOW_FLOOR_M - CHEEK_M, name
         assert lowest_m.pop("hair") > -BELOW_FLOOR_M - HAIR_M, name
         trousers_m = lowest_m.pop("trousers") + (TURNED_M if name == "supine" else 0.0)
-        assert min(*lowest_m.values(), trousers_m) > -BELOW_FLOOR_M, name
+        shirt_m = lowest_m.pop("shirt") + (BELLY_M if name == "prone" else 0.0)
+        assert min(*lowest_m.values(), shirt_m, trousers_m) > -BELOW_FLOOR_M, name
 
 
 @settings(max_examples=8)
@@ -110,8 +78,8 @@ def test_every_child_has_a_skin_that_is_near_its_solids(tree):
     average = {layer.name: layer for layer in layers(9, tree.hands)}
     for layer in skin_of(dressed(tree)).layers:
         assert np.isfinite(layer.verts_m).all()
-        ratio = lengths(layer.verts_m, edges(layer)) / np.maximum(
-            lengths(average[layer.name].verts_m, edges(layer)), 1e-4
+        ratio = lengths(layer.verts_m, edges_of(layer)) / np.maximum(
+            lengths(average[layer.name].verts_m, edges_of(layer)), 1e-4
         )
         assert np.quantile(ratio, 0.999) < 4
 

@@ -4,9 +4,12 @@ import mujoco
 import numpy as np
 from support.browser import wait_for
 
+import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.viewer.growth import own_parts
+from mimoc.viewer.meshes import rows_of
 
+HEAD = "[...mimoc.infant.skin.layers.find(({ layer }) => layer.name === 'head').bound.attributes.position.array]"
 AT_REST = "mimoc.stage.renderer.getPixelRatio() === mimoc.stage.sharpness.resting && !mimoc.stage.waiting"
 
 
@@ -59,3 +62,53 @@ def test_pictures_are_coarser_while_they_come_slowly_and_sharp_at_rest(shown):
         }"""
     )
     assert finer == 1
+
+
+def test_a_face_goes_to_an_expression_in_a_moment_as_mujoco_has_it_then(shown, infant):
+    """To a tenth of a millimetre, and back again."""
+    env = mimoc.InfantEnv(infant)
+    env.set_expression("crying")
+    theirs = np.array(env.model.skin_vert[rows_of(env.model, "skin_vert", env.model.skin("head").id)])
+    env.close()
+    shown.evaluate("mimoc.enter('pose'); mimoc.setAge(9); mimoc.setExpression('neutral')")
+    wait_for(shown, "!mimoc.expressing")
+    before = np.reshape(shown.evaluate(HEAD), (-1, 3))
+    assert np.abs(before - theirs).max() > 3e-3
+    shown.evaluate("mimoc.setExpression('crying')")
+    assert shown.evaluate("mimoc.infant.expressing.shares.size") == 2, "it is on its way"
+    wait_for(shown, "!mimoc.expressing")
+    assert np.abs(np.reshape(shown.evaluate(HEAD), (-1, 3)) - theirs).max() < 1e-4
+    shown.evaluate("mimoc.setExpression('neutral')")
+    wait_for(shown, "!mimoc.expressing")
+    assert np.abs(np.reshape(shown.evaluate(HEAD), (-1, 3)) - before).max() < 1e-6
+
+
+def test_vertices_at_one_place_have_one_normal(shown):
+    """No seam shows where layers of the skin meet, or a layer its own other side."""
+    shown.evaluate("mimoc.enter('pose'); mimoc.setAge(9)")
+    turned = shown.evaluate(
+        """() => {
+            const { seams, layers } = mimoc.infant.skin;
+            const all = layers.map(({ bound }) => bound.attributes.normal.array);
+            const normal = ([layer, vertex]) => [...all[layer].slice(3 * vertex, 3 * vertex + 3)];
+            return seams.map((there) => there.map(normal));
+        }"""
+    )
+    assert len(turned) > 50
+    for normals in turned:
+        alike = [row for row in normals if np.dot(row, normals[0]) > 0]
+        assert np.ptp(alike, axis=0).max() < 1e-5
+
+
+def test_parts_of_the_body_darken_each_other_and_the_floor(shown):
+    """Armpits get less of the sky than the crown of the head, and the floor less below the infant than beside it."""
+    shown.evaluate("mimoc.enter('pose'); mimoc.setAge(9); mimoc.setPose('sitting')")
+    light = np.reshape(
+        shown.evaluate("mimoc.infant.skin.layers.map(({ mesh }) => [...mesh.geometry.attributes.color.array])")[0],
+        (-1, 3),
+    )
+    assert light.max() > 0.97
+    assert light.min() < 0.7
+    floor = np.reshape(shown.evaluate("[...mimoc.stage.light.floor.hidden]"), (96, 96, 4))[..., 1]
+    assert floor[40:56, 40:56].max() > 80
+    assert floor[0].max() == 0

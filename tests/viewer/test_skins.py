@@ -4,12 +4,14 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
-from mimoc.viewer.appearance import describe_skins
-from mimoc.viewer.encoding import EncodedArrays, places_of
+from mimoc.geometry.face_steps import STEP_M
+from mimoc.viewer.appearance import describe_face, describe_skins
+from mimoc.viewer.encoding import FINE_M, EncodedArrays, places_of, steps_of
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.meshes import coloured_faces, rows_of, skin_of
 
@@ -86,3 +88,34 @@ def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_it
     shirt = [model.skin(index).name for index in range(model.nskin)].index("shirt")
     shades = np.array([colour for colour, _ in coloured_faces(model, shirt, 6)])
     assert np.ptp(shades[:, 2]) > 40  # Yellow and white stripes.
+
+
+def test_places_of_pages_are_kept_to_a_hundredth_of_a_millimetre():
+    places_m = np.random.default_rng(0).uniform(-0.6, 0.6, (3, 50, 3))
+    assert np.abs(places_of(steps_of(places_m)) - places_m).max() <= FINE_M / 2 + 1e-12
+    with pytest.raises(OverflowError, match=r"0\.70 m away"):
+        steps_of(np.full((1, 1, 3), 0.7))
+
+
+def test_a_page_knows_how_expressions_move_the_head_at_each_age(bundle_at):
+    variants = [Variant(bundle, load_model(bundle)) for bundle in map(bundle_at, (6, 9))]
+    face = describe_face(variants, [6, 9])
+    if variants[0].bundle.manifest.face.skin is None:
+        assert face is None
+        return
+    assert (face["layer"], face["begins"]) == ("head", "neutral")
+    for age, variant in enumerate(variants):
+        bundle = variant.bundle
+        rows = np.searchsorted(face["moving"], bundle.arrays["face/moving"])
+        theirs = STEP_M * bundle.arrays["face/happy"]
+        assert np.array_equal(face["moves"]["happy"].places_m[age, rows], theirs)
+
+
+def test_hair_is_painted_by_age_and_all_else_as_ever():
+    variants = [Variant(bundle, load_model(bundle)) for bundle in (mimoc.build(dressed(age)) for age in (9, 24))]
+    shapes = {layer["name"]: layer["texcoords"].ndim for layer in describe_skins(variants, [9, 24])["layers"]}
+    assert shapes == {"body": 2, "shirt": 2, "trousers": 2, "head": 2, "hair": 3}
+
+
+def dressed(age_months: float) -> mimoc.InfantSpec:
+    return mimoc.InfantSpec(mimoc=1, name="dressed", age_months=age_months)
