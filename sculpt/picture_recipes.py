@@ -233,7 +233,7 @@ PICTURES: Mapping[str, Recipe] = {
     "title.png": Recipe(title, 500),
     "ages.png": Recipe(ages, 600),
     "heads.png": Recipe(heads, 250),
-    "expressions.png": Recipe(expressions, 300),
+    "expressions.png": Recipe(expressions, 400),
     "tones.png": Recipe(tones, 250),
     "caregiver.png": Recipe(caregiver, 200),
     "looks.png": Recipe(looks, 150),
@@ -248,3 +248,19 @@ PICTURES: Mapping[str, Recipe] = {
     "newborn.png": Recipe(seen("growing_eyes", "--ages", "0,1,3,6,12,24", "--size", "128", "--fovy", "14"), 350),
 }
 """All of them, by the names of their files in `docs/`."""
+
+FILMS: Mapping[str, tuple[str, ...]] = {
+    "infant.gif": (
+        "@docs/infant.yaml",
+        "--policy=reach",
+        "--steps=600",
+        "--seed=2",
+        "--eyes",
+        "--size=240",
+        "--fps=12",
+    ),
+    "kicking.gif": (
+        *("@docs/kicking.yaml", "--policy=general_movements", "--steps=700", "--seed=1", "--size=288", "--fps=12"),
+    ),
+}
+"""What `mimoc run` records for each film at the top of a page; `benchmarks/behaviours.py` makes those of behaviours."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from picture_recipes import CHECKOUT, PICTURES, drawn, in_rows, spec
+from picture_recipes import CHECKOUT, FILMS, PICTURES, drawn, in_rows, spec
 from PIL import Image
 
 BEFORE_AFTER = "before_after.png"
@@ -54,15 +54,19 @@ def main() -> None:
     parser.add_argument("--list", action="store_true", help="print the names")
     options = parser.parse_args()
     if options.list:
-        print(*PICTURES, BEFORE_AFTER, sep="\n")
+        print(*PICTURES, *FILMS, BEFORE_AFTER, sep="\n")
         return
-    names = [name for name in options.names or PICTURES if name not in (*options.but, BEFORE_AFTER)]
-    if unknown := set(names) - set(PICTURES):
-        parser.error(f"no recipe for {', '.join(sorted(unknown))}; there are {', '.join(PICTURES)}")
+    names = [name for name in options.names or (*PICTURES, *FILMS) if name not in (*options.but, BEFORE_AFTER)]
+    if unknown := set(names) - {*PICTURES, *FILMS}:
+        parser.error(f"no recipe for {', '.join(sorted(unknown))}; there are {', '.join((*PICTURES, *FILMS))}")
     options.out.mkdir(parents=True, exist_ok=True)
     for name in names:
         with TemporaryDirectory() as folder:
-            write(options.out / name, PICTURES[name].draw(Mimoc(CHECKOUT, Path(folder))), PICTURES[name].most_kb)
+            mimoc = Mimoc(CHECKOUT, Path(folder))
+            if name in FILMS:
+                mimoc("run", *FILMS[name], "--video", (options.out / name).resolve())
+            else:
+                write(options.out / name, PICTURES[name].draw(mimoc), PICTURES[name].most_kb)
     if options.before and (BEFORE_AFTER in options.names or not options.names):
         write(options.out / BEFORE_AFTER, before_after(options.before.resolve()), 400)
 
@@ -96,7 +100,10 @@ def write(path: Path, picture: Image.Image, most_kb: int) -> None:
 
 def encoded(picture: Image.Image, colours: int | None) -> bytes:
     """Return a picture as PNG, with at most so many colours, of which near ones are mixed by a pattern."""
-    few = picture if colours is None else picture.quantize(colours, Image.Quantize.MEDIANCUT)
+    few = picture
+    if colours is not None:
+        palette = picture.quantize(colours, Image.Quantize.MEDIANCUT, kmeans=1)
+        few = picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
     file = io.BytesIO()
     few.save(file, "PNG", optimize=True)
     return file.getvalue()

@@ -78,11 +78,12 @@ class Floor {
   // Darken the floor under balls, [x, y, z, radius, x ...]: by the share of the sky that they hide.
   darken(balls) {
     const { position, scale } = this.contact;
+    const low = lowOnes(balls);
     for (let row = 0, at = 1; row < GRID; row += 1) {
       const up = (2 * row + 1) / GRID - 1;
       for (let column = 0; column < GRID; column += 1, at += 4) {
         const right = (2 * column + 1) / GRID - 1;
-        const share = hiddenFrom(position.x + scale.x * right, position.y + scale.x * up, balls);
+        const share = hiddenFrom(position.x + scale.x * right, position.y + scale.x * up, low);
         this.hidden[at] = DEEPEST * (1 - Math.exp(-share)) * MathUtils.smoothstep(1 - Math.hypot(right, up), 0, 0.4);
       }
     }
@@ -90,12 +91,24 @@ class Floor {
   }
 }
 
-function hiddenFrom(x, y, balls) {
-  let share = 0;
+// The balls that darken the floor: x, y, square of the height, and how much, one after another.
+function lowOnes(balls) {
+  const low = [];
   for (let i = 0; i < balls.length; i += 4) {
-    const [dx, dy, z, radius] = [balls[i] - x, balls[i + 1] - y, Math.max(balls[i + 2], balls[i + 3]), balls[i + 3]];
-    const square = dx * dx + dy * dy + z * z;
-    share += ((radius * radius * z) / (square * Math.sqrt(square))) * Math.exp((radius - z) / LOW);
+    const [x, y, radius] = [balls[i], balls[i + 1], balls[i + 3]];
+    const z = Math.max(balls[i + 2], radius);
+    if (z - radius < 4 * LOW) low.push(x, y, z * z, radius * radius * z * Math.exp((radius - z) / LOW));
+  }
+  return Float64Array.from(low);
+}
+
+// The share of the sky that they hide from a place on the floor.
+function hiddenFrom(x, y, low) {
+  let share = 0;
+  for (let i = 0; i < low.length; i += 4) {
+    const [dx, dy] = [low[i] - x, low[i + 1] - y];
+    const square = dx * dx + dy * dy + low[i + 2];
+    share += low[i + 3] / (square * Math.sqrt(square));
   }
   return share;
 }
