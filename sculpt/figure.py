@@ -69,7 +69,7 @@ def blend(solids: tuple[Solid, ...], p: Array) -> Array:
     toes = _joined(by_group["toe"], 1.0, p)
     foot = smooth_max(smooth_min(foot, toes, 4.0), by_group["sole"][0](p), 4.0)
     leg = smooth_min(leg, foot, 13.0)
-    return np.minimum(smooth_min(trunk, arm, 24.0), smooth_min(trunk, leg, 34.0))
+    return np.minimum(smooth_min(trunk, arm, 30.0), smooth_min(trunk, leg, 34.0))
 
 
 def _joined(fields: list[Field], k: float, p: Array) -> Array:

@@ -6,7 +6,6 @@ import numpy as np
 from fields import Array, Field
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
-from skimage.measure import marching_cubes
 
 BLOCK = 8
 """Cells of an edge of the blocks that a volume is sampled in."""
@@ -22,6 +21,8 @@ def surface(field: Field, low: Array, high: Array, step: float, mirrored: bool =
         step: Edge of a cell.
         mirrored: Whether the field is the same at -y, so that only one half is sampled.
     """
+    from skimage.measure import marching_cubes  # Tests of the rest do without this library.
+
     counts = np.ceil((high - low) / step / BLOCK).astype(int)
     if mirrored:
         counts[1] += counts[1] % 2

@@ -82,7 +82,7 @@ GARMENTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "nappy": ((BELT, SEAT), ("waist", "groin")),
 }
 """The panels of each garment, and the hems that it ends at."""
-LIFTS = {"bodysuit": (1.5, 2.2), "shirt": (3.4, 2.8), "trousers": (2.4, 2.2), "nappy": (1.7, 4.5)}
+LIFTS = {"bodysuit": (1.5, 2.2), "shirt": (3.4, 2.8), "trousers": (2.4, 2.2), "nappy": (2.0, 8.0)}
 """How high each is above the skin at its hems, and far from them."""
 FAR = 30.0
 """Distance from hems at which it is that high."""

@@ -10,7 +10,7 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.regular_files import UnusableFileError
 
 MOST_SIDE_PX = 4096
-"""Pixels along a side of a picture; those of infants have 256."""
+"""Pixels along a side of a picture; those of infants have 512 at most."""
 MOST_PIXELS = 2**26
 """Pixels of all pictures of a bundle, which take three bytes each once they are decoded."""
 MOST_FACES = 20_000

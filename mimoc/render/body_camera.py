@@ -164,7 +164,7 @@ class BodyCamera:
         if markers is not None:
             scene.flags[shadow] = False  # Those of the markers would hide the skin.
             add_markers(scene, markers)
-        mean = Mean()
+        mean = Mean(self._outdoors)
         for _ in passes(scene, shot, self._height_px, exposure, DAYLIGHT if self._outdoors else None):
             renderer.draw()
             mean.add(renderer.read(), renderer.read_drawn() if self._cut_out else None)

@@ -20,7 +20,7 @@ from mimoc.render.picture_files import with_scale_bar
 from mimoc.render.picture_poses import state_in_pose
 from mimoc.render.renderer import Picture, Shown
 from mimoc.render.row import row_of
-from mimoc.render.soft_light import STILL
+from mimoc.render.soft_light import ROW, STILL
 
 ROW_FOVY_DEG = 10.0
 """For infants in a row: from so far away that those at the ends do not turn their faces."""
@@ -189,7 +189,7 @@ def lineup(
     view = framing.view((azimuth, steepest), azimuth)
     camera = BodyCamera(
         *(model, roots, width, height, view),
-        fovy_deg=ROW_FOVY_DEG, exposure=STILL, shown=shown, cut_out=framing.transparent, as_it_is=True,
+        fovy_deg=ROW_FOVY_DEG, exposure=ROW, shown=shown, cut_out=framing.transparent, as_it_is=True,
     )  # fmt: skip
     with closing(camera):
         return _picture(camera, data, roots, ROW_FOVY_DEG, drawn, framing)

@@ -28,6 +28,8 @@ GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))
 FROM_ABOVE_DEG = -42.0
 """Elevation of a view below which it is one from above."""
 DIRECTIONAL = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+FULL_DISC = 12
+"""How many points fill the sun's disc; fewer are on a part of it, as near to each other, which shows no steps."""
 STRENGTHS = ("diffuse", "ambient", "specular")
 ACROSS = (0.6, 0.8, 0.0)
 """A direction that no light shines along."""
@@ -45,8 +47,10 @@ class Exposure:
     """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(4, 3), Exposure(3, 2, 256), Exposure(1)
+STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
+ROW = Exposure(4, 2)
+"""For several infants, which have more triangles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +115,9 @@ SHADOWS_WITHIN = 1.1
 SHADOWS_FROM = 2.5
 """Or, where a picture shows less, in halves of its height: those of what is farther away do not fall into it."""
 
+ROUND_OFF = 1e-9
+"""Lets halves be rounded up, whatever the last bit of a division is."""
+
 
 def disc_points(count: int) -> FloatArray:
     """Return points that are spread evenly over the unit disc, shape (count, 2).
@@ -152,6 +159,7 @@ def passes(
     suns = exposure.suns if daylight is not None else 1
     lamp_points = disc_points(exposure.passes * suns).reshape(suns, exposure.passes, 2)
     radius = np.tan(np.radians(daylight.sun_radius_deg)) if daylight is not None else LAMP_RADIUS
+    radius *= min(1.0, np.sqrt(exposure.passes * suns / FULL_DISC))
     for number, point in enumerate(pixel_points(exposure.passes)):
         for camera, centre, bottom, top in cameras:
             across, up = point * (top - bottom) / height_px
@@ -228,11 +236,21 @@ def _move_light(light: mujoco.MjvLight, shot: Shot, point: FloatArray) -> None:
         light.pos[:] += distance_m * shift
 
 
-class Mean:
-    """The mean of the pictures of all passes, in whole numbers, the same on every machine."""
+LIFT = 0.35
+"""How much brighter pictures in daylight are between dark and white than what the lights give (D)."""
 
-    def __init__(self):
-        self._passes, self._sum = 0, np.zeros(1, np.uint16)
+
+def toned(share: FloatArray) -> FloatArray:
+    """Return brightness in pictures in daylight, `x + LIFT x^2 (1 - x)`, of what the lights give, 0 to 1."""
+    return share + LIFT * share**2 * (1 - share)
+
+
+class Mean:
+    """The mean of the pictures of all passes, the same on every machine."""
+
+    def __init__(self, daylight: bool = False):
+        """Begin with no picture; those in daylight are brightened in the end, see `toned`."""
+        self._passes, self._sum, self._daylight = 0, np.zeros(1, np.uint16), daylight
         self._opaque: npt.NDArray[np.uint16] | None = None
 
     def add(self, drawn: Picture, opaque: npt.NDArray[np.bool_] | None = None) -> None:
@@ -250,7 +268,12 @@ class Mean:
     def picture(self) -> Picture:
         """Return the mean, rounded, with the opacity as a fourth colour if only parts counted."""
         if self._opaque is None:
-            return ((self._sum + self._passes // 2) // self._passes).astype(np.uint8)
+            return self._bytes(self._passes)[self._sum]
         colours = (self._sum + self._opaque // 2) // np.maximum(self._opaque, 1)
         opacity = (255 * self._opaque + self._passes // 2) // self._passes
-        return np.concatenate([colours, opacity], axis=2).astype(np.uint8)
+        return np.concatenate([self._bytes(1)[colours], opacity.astype(np.uint8)], axis=2)
+
+    def _bytes(self, passes: int) -> npt.NDArray[np.uint8]:
+        """Return what stands in a picture for each sum of some passes, shape (255 passes + 1,)."""
+        share = np.arange(255 * passes + 1) / (255 * passes)
+        return np.floor(255 * (toned(share) if self._daylight else share) + 0.5 + ROUND_OFF).astype(np.uint8)

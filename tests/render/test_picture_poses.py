@@ -49,7 +49,7 @@ def test_a_head_alone_fills_its_picture(bundle_at):
         opaque = portrait(bundle_at(9), pose, 120, 120, framing=framing)[..., 3] > 128
         top = np.flatnonzero(opaque.any(axis=1))[0]
         assert top / 120 == pytest.approx((1 - FILLED_BY_HEAD) / 2, abs=0.08), pose
-        assert opaque[50:70, 50:70].all(), pose
+        assert opaque[50:70, 50:70].mean() > 0.9, pose
 
 
 def test_an_infant_without_a_head_has_none_to_draw(bundle_at):

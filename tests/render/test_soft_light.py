@@ -25,6 +25,7 @@ from mimoc.render.soft_light import (
     disc_points,
     passes,
     pixel_points,
+    toned,
 )
 
 SIZE = {"width": 300, "height": 300}
@@ -96,6 +97,14 @@ def test_a_mean_is_rounded_and_of_what_counts_alone():
     assert part.picture().tolist() == [[[11, 11, 11, 170], [0, 0, 0, 0]]]
 
 
+def test_what_is_dark_stays_so_and_white_too_and_all_between_is_brighter():
+    shares = np.linspace(0, 1, 101)
+    lifted = toned(shares)
+    assert (lifted[0], lifted[-1]) == (0, 1)
+    assert (np.diff(lifted) > 0).all()
+    assert (lifted[1:-1] > shares[1:-1]).all()
+
+
 def test_a_smooth_solid_has_no_speckle():
     """Nor has the floor around it; with hard shadows at the same settings but MuJoCo's range, it had."""
     picture = drawn(STILL)
@@ -150,7 +159,7 @@ def test_there_is_no_horizon(pose, bundle_at):
 
 def test_what_is_far_away_is_the_background(bundle_at):
     top = portrait(bundle_at(9), "standing", **SIZE, framing=Framing(elevation_deg=5))[:4]
-    assert np.abs(top.astype(float) - 255 * np.array(BACKGROUND)).max() < 2
+    assert np.abs(top.astype(float) - 255 * toned(np.array(BACKGROUND))).max() < 2
 
 
 def test_frames_of_the_same_state_are_the_same(bundle_at):

@@ -64,27 +64,34 @@ def _sewn(
     """Return a garment with strips at those hems beside which there is what is below it."""
     faces = sculpted.mesh.faces
     cloth = _piece(layer, faces[rank == number], levels_m[number], garment.texcoords)
-    beside = {(a, b): place for face, place in zip(faces.tolist(), rank.tolist(), strict=True) for a, b in _edges(face)}
-    rim = sorted(edge for edge, place in beside.items() if place == number and beside.get(edge[::-1], -1) > number)
-    below = {a: levels_m[beside[b, a]][a] for a, b in rim}
-    ends = np.array(sorted(below), np.intp)
-    upper = np.searchsorted(cloth.sources, ends)
-    lower = len(cloth.sources) + np.arange(len(ends))
-    place = {vertex: index for index, vertex in enumerate(ends.tolist())}
-    quads = [(place[a], place[b]) for a, b in rim]
-    strip = [face for a, b in quads for face in ((upper[b], upper[a], lower[a]), (upper[b], lower[a], lower[b]))]
+    rim, beside = _rim(faces, rank, number)
+    ends, first = np.unique(rim[:, 0], return_index=True)
+    below_m = np.array(levels_m)[beside[first], ends] - SUNK_M
+    upper = np.searchsorted(cloth.sources, rim)
+    lower = len(cloth.sources) + np.searchsorted(ends, rim)
+    strip = np.stack((upper[:, 1], upper[:, 0], lower[:, 0], upper[:, 1], lower[:, 0], lower[:, 1]), axis=1)
     return Piece(
         layer,
         np.concatenate((cloth.sources, ends)),
-        np.concatenate((cloth.lifts_m, [below[vertex] - SUNK_M for vertex in ends.tolist()])),
-        np.vstack((cloth.faces, np.array(strip, np.intp).reshape(-1, 3))),
+        np.concatenate((cloth.lifts_m, below_m)),
+        np.vstack((cloth.faces, strip.reshape(-1, 3))),
         np.vstack((cloth.texcoords, garment.texcoords[ends])),
     )
 
 
-def _edges(face: list[int]) -> tuple[tuple[int, int], ...]:
-    a, b, c = face
-    return (a, b), (b, c), (c, a)
+def _rim(faces: IntArray, rank: IntArray, number: int) -> tuple[IntArray, IntArray]:
+    """Return the edges of the faces of a rank beside which there are faces of a higher rank, and the ranks of these.
+
+    An edge goes from one vertex to another, shape (n, 2), as its face is seen counterclockwise.
+    """
+    edges, ranks = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), np.repeat(rank, 3)
+    count = faces.max() + 1
+    forth, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
+    order = np.argsort(forth, kind="stable")
+    place = order[np.minimum(np.searchsorted(forth[order], back), len(order) - 1)]
+    beside = np.where(forth[place] == back, ranks[place], -1)
+    chosen = (ranks == number) & (beside > number)
+    return edges[chosen], beside[chosen]
 
 
 def normals_of(verts_m: FloatArray, faces: IntArray) -> FloatArray:
