@@ -199,7 +199,7 @@ def caregiver(mimoc: Commands) -> Image.Image:
 
 def lab_room(mimoc: Commands) -> Image.Image:
     """Return a room from two sides."""
-    sides = (("--azimuth=-105", "24", "2.2"), ("--azimuth=-20", "20", "2.4"))
+    sides = (("--azimuth=-105", "24", "2.2"), ("--azimuth=150", "24", "2.2"))
     views = [
         drawn(mimoc, "@configs/lab_room.yaml", azimuth, "--elevation", up, "--distance", far, size=(560, 400))
         for azimuth, up, far in sides
@@ -214,12 +214,17 @@ def tasks(mimoc: Commands) -> Image.Image:
     return in_rows(starts, len(names), names)
 
 
-def seen(config: str, *options: str) -> Callable[[Commands], Image.Image]:
-    """Return a recipe of what an infant sees."""
+MATURING = dict.fromkeys(("contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"), "age")
+
+
+def seen(*options: str, **sections: Any) -> Callable[[Commands], Image.Image]:
+    """Return a recipe of what an infant in a playroom sees; of two months, with sections, as on the page on vision."""
 
     def draw(mimoc: Commands) -> Image.Image:
-        mimoc("build", f"@configs/{config}.yaml", "-o", config, "--seed", "1", "--force")
-        return drawn(mimoc, config, *options, size=None, by="see")
+        room = {"kind": "room", "pose": "sitting", "toys": {"count": [3, 6]}}
+        infant = spec(mimoc, "seeing", 2, scene=room, **sections) if sections else "@configs/playroom.yaml"
+        mimoc("build", infant, "-o", "seeing", "--seed", "1", "--force")
+        return drawn(mimoc, "seeing", *options, size=None, by="see")
 
     return draw
 
@@ -244,8 +249,14 @@ PICTURES: Mapping[str, Recipe] = {
     "mobile.png": Recipe(one("@configs/mobile.yaml", size=(960, 640)), 350),
     "lab_room.png": Recipe(lab_room, 480),
     "tasks.png": Recipe(tasks, 220),
-    "see.png": Recipe(seen("playroom", "--ages", "2,4,6,12", "--size", "200", "--fovy", "14"), 450),
-    "newborn.png": Recipe(seen("growing_eyes", "--ages", "0,1,3,6,12,24", "--size", "128", "--fovy", "14"), 350),
+    "see.png": Recipe(seen("--ages", "2,4,6,12", "--size", "200", "--fovy", "14"), 450),
+    "newborn.png": Recipe(
+        seen(
+            *("--ages", "0,1,3,6,12,24", "--size", "128", "--fovy", "14"),
+            senses={"vision": {**MATURING, "foveation": 5}},
+        ),
+        350,
+    ),
 }
 """All of them, by the names of their files in `docs/`."""
 

@@ -208,7 +208,8 @@ def see(
 
     picture_files.check_picture_name(file)
     bundle = load_infant(infant)
-    vision = spec_of(bundle).senses.vision or VisionSpec()
+    vision, seeing = spec_of(bundle).senses.vision or VisionSpec(), bundle.manifest.senses.vision
+    vision = vision.model_copy(update={"body": seeing.body}) if seeing else vision
     months = comparison.read_ages(ages)
     views = comparison.compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
     pictures = preview(bundle, views.entries, pose, down, fovy)

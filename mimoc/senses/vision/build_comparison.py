@@ -96,6 +96,7 @@ def _sharp(vision: VisionSpec, side: str, size_px: int) -> VisionEntry:
         foveation=0.0,
         foveation_radius=vision.foveation_radius,
         unseen=UNSEEN,
+        body=vision.body,
     )
 
 
