@@ -1,8 +1,9 @@
 """The provenance of a bundle as it stands in its file, where what many numbers share is written once, and as read.
 
 `phrases` are parts of rules, and places in MJCF, in which `'*'` is the name in the key of a number; `sources` are lists
-of keys, in which `*` is that name. In `numbers`, `rule` are the phrases that it consists of, `xml` is a phrase and
-`from` one of these lists, by their indices.
+of keys, in which `*` is that name. What is said of numbers is in `origins`: `rule` are the phrases that it consists of,
+`xml` is a phrase and `from` one of these lists, by their indices. In `numbers`, by what stands before the last dot of
+a key and what stands after it, a number is the index of its origin, its value, and what is said of it alone.
 """
 
 import json
@@ -23,7 +24,9 @@ MOST_FOLLOWED = 8
 """Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
 MOST_EXPLAINED = 100_000
 """Numbers that one explanation can consist of."""
-NUMBERS, PHRASES, SOURCES = "numbers", "phrases", "sources"
+NUMBERS, ORIGINS, PHRASES, SOURCES = "numbers", "origins", "phrases", "sources"
+ALONE = ("fit", "points")
+"""What hardly two numbers share."""
 MOST_UNPACKED = 50_000_000
 """Characters and keys that all numbers can have together; the largest bundles have a twentieth of this."""
 BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
@@ -32,17 +35,22 @@ BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
 
 def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
     """Return the provenance of numbers, by key, as it is written."""
-    phrases, sources = dict[str, int](), dict[tuple[str, ...], int]()
-    numbers = {}
+    phrases, sources, origins = dict[str, int](), dict[tuple[str, ...], int](), dict[str, int]()
+    numbers = dict[str, dict[str, Any]]()
     for key in sorted(entries):
-        entry = dict(entries[key])
-        entry["rule"] = [_index(phrases, part) for part in BETWEEN_PHRASES.split(entry["rule"])]
-        if "from" in entry:
-            entry["from"] = _index(sources, tuple(source.replace(f".{_name(key)}.", ".*.") for source in entry["from"]))
-        if "xml" in entry:
-            entry["xml"] = _index(phrases, entry["xml"].replace(f"'{_name(key)}'", "'*'"))
-        numbers[key] = entry
-    return {NUMBERS: numbers, PHRASES: list(phrases), SOURCES: list(sources)}
+        origin = dict(entries[key])
+        origin["rule"] = [_index(phrases, part) for part in BETWEEN_PHRASES.split(origin["rule"])]
+        if "from" in origin:
+            origin["from"] = _index(
+                sources, tuple(source.replace(f".{_name(key)}.", ".*.") for source in origin["from"])
+            )
+        if "xml" in origin:
+            origin["xml"] = _index(phrases, origin["xml"].replace(f"'{_name(key)}'", "'*'"))
+        value, alone = origin.pop("value"), {name: origin.pop(name) for name in ALONE if name in origin}
+        of, _, what = key.rpartition(".")
+        index = _index(origins, json.dumps(origin, sort_keys=True))
+        numbers.setdefault(of, {})[what] = [index, value, alone] if alone else [index, value]
+    return {NUMBERS: numbers, ORIGINS: list(map(json.loads, origins)), PHRASES: list(phrases), SOURCES: list(sources)}
 
 
 def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
@@ -54,7 +62,8 @@ def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
     if NUMBERS not in written:
         return dict(written)
     phrases, sources = written[PHRASES], written[SOURCES]
-    if _size(written[NUMBERS].values(), phrases, sources) > MOST_UNPACKED:
+    numbers = _numbers(written[NUMBERS], written[ORIGINS]) if ORIGINS in written else written[NUMBERS]
+    if _size(numbers.values(), phrases, sources) > MOST_UNPACKED:
         raise ValueError("more text than any infant needs")
     read: dict[str, Callable[[Any, str], Any]] = {
         "rule": lambda parts, key: " ".join(phrases[part] for part in parts),
@@ -63,7 +72,16 @@ def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
     }
     return {
         key: {name: read[name](value, key) if name in read else value for name, value in entry.items()}
-        for key, entry in written[NUMBERS].items()
+        for key, entry in numbers.items()
+    }
+
+
+def _numbers(written: Mapping[str, Mapping[str, Any]], origins: Sequence[Entry]) -> dict[str, Entry]:
+    """Return what is said of each number, by key, with indices of phrases and sources."""
+    return {
+        f"{of}.{what}" if of else what: {**origins[index], "value": value, **(alone[0] if alone else {})}
+        for of, numbers in written.items()
+        for what, (index, value, *alone) in numbers.items()
     }
 
 

@@ -45,6 +45,8 @@ def stepped(verts_m: FloatArray, before: Steps | None, after: Steps | None) -> F
         >>> (happy / STEP_M).tolist(), stepped(happy, smile, None).tolist()
         ([[0.0, 0.0, 8.0]], [[0.0, 0.0, 0.0]])
     """
-    steps = np.rint(np.asarray(verts_m, np.float64) / STEP_M)
-    steps = steps if before is None else steps - before
-    return (steps if after is None else steps + after) * STEP_M
+    steps: FloatArray = np.rint(np.asarray(verts_m, np.float64) / STEP_M)
+    for change, sign in ((before, -1.0), (after, 1.0)):
+        if change is not None:
+            steps = steps + sign * change.astype(np.float64)
+    return steps * STEP_M

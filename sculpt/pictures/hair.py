@@ -7,7 +7,7 @@ from pictures.inks import Painted, ink, mixed, plain, with_palette
 WIDTH_PX, HEIGHT_PX = 512, 96
 STROKES = 4200
 SEED = 7
-COLOURS = 24
+COLOURS = 16
 FIRST = 0.16
 """Height at which the lowest strokes end: that of `CLEAR` in `mimoc.looks.skin.hair`, within its margins."""
 GROUND = 0.78

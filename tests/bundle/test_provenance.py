@@ -17,6 +17,7 @@ entries = st.dictionaries(
             "from": st.lists(names | names.map("geom.{}.mass".format)),
             "xml": names.map("infant.xml: geom[@name='{}']/@size".format),
             "unit": words,
+            "fit": st.dictionaries(words, st.integers()),
         },
     ),
 )
@@ -41,7 +42,18 @@ def test_shared_phrases_sources_and_places_are_written_once():
     written = packed(entries)
     assert written["phrases"] == ["one factor", "x 2,", "by a law;", "the law says so", "geom[@name='*']/@mass"]
     assert written["sources"] == [("spec.age_months", "geom.*.size")]
+    assert len(written["origins"]) == 1
     assert unpacked(written) == entries
+
+
+def test_bundles_in_which_numbers_share_no_origins_are_read():
+    """Each of their numbers says by itself what it consists of."""
+    written = {
+        "numbers": {"geom.head.mass": {"value": 1, "rule": [0, 1], "from": 0}},
+        "phrases": ["a law;", "another"],
+        "sources": [["geom.*.size"]],
+    }
+    assert unpacked(written) == {"geom.head.mass": {"value": 1, "rule": "a law; another", "from": ["geom.head.size"]}}
 
 
 def test_bundles_of_before_are_read():
