@@ -54,10 +54,11 @@ def test_eyes_see_solids_or_skin(both):
 
 
 def test_both_eyes_draw_from_one_scene_what_each_draws_alone(both):
+    """But for rounding: MuJoCo centres a floor without end by the first of them."""
     together = drawn(both[0], "skin")
     assert not np.array_equal(*together)
     for picture, camera in zip(together, EYES, strict=True):
-        assert np.array_equal(picture, drawn(both[0], "skin", (camera,))[0])
+        assert np.abs(picture - drawn(both[0], "skin", (camera,))[0]).max() <= 2
 
 
 def test_without_a_choice_infants_see_skins_alone_and_in_batches():
