@@ -121,7 +121,7 @@ def summary(bundle: mimoc.Bundle) -> str:
     """Return a line for each of the large arrays of a bundle: its shape, and what its columns are like."""
     lines = []
     for name, array in bundle.arrays.items():
-        columns = array.reshape(-1, array.shape[-1])
+        columns = array.reshape(-1, array.shape[-1] if array.ndim > 1 else 1)
         spread = {"mean": columns.mean(axis=0), "deviation": columns.std(axis=0)}
         ends = {"first": columns[0], "last": columns[-1]}
         lines.append(line(f"array {name}", shape=array.shape, **spread, **ends))
