@@ -12,7 +12,7 @@ from mimoc.looks.appearance import GRID_LAYOUT
 from mimoc.looks.colours import Colour
 
 FACE_CELL_PX = 85
-"""Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
+"""Size of a cell, of which three are in a row."""
 EYE_CELL_PX = 48
 EAR_CELL_PX = 20
 CLOTH_CELL_PX = 60
