@@ -94,7 +94,7 @@ def arrays(
     verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str
 ) -> dict[str, Array]:
     """Return what ships of fullness."""
-    heights = sum(_heights(verts, held, parts, frames, each) for each in (*DOMES, *RINGS, *_dimples(hands)))
+    heights = sum(_heights(verts, held, parts, frames, feature) for feature in (*DOMES, *RINGS, *_dimples(hands)))
     return {
         "ages_months": np.array(AGES_MONTHS),
         "fullness_100um": np.rint(10 * heights).clip(-127, 127).astype(np.int8),

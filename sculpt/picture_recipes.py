@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from mimoc import InfantEnv, load_spec, make
+from mimoc.schema.expressions import EXPRESSIONS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
@@ -24,7 +25,6 @@ OFFERED_STEPS = 320
 """Control steps until the ball is offered."""
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
-EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "scared", "disgusted", "sleepy", "crying")
 LOOKS = (
     {"skin": "light", "hair": "blond", "eyes": "blue"},
     {"skin": "fair", "hair": "red", "eyes": "green"},

@@ -7,6 +7,7 @@ from pictures.expressions import FACES, Face
 from pictures.inks import ink, mixed, plain
 
 from mimoc.geometry.rotations import FloatArray
+from mimoc.geometry.smoothstep import smoothstep
 from mimoc.looks.appearance import GRID_LAYOUT
 from mimoc.looks.colours import Colour
 
@@ -192,8 +193,7 @@ def within(distance: FloatArray, edge: float) -> FloatArray:
 
     The blend is as wide as a texel or more, so the drawing needs no supersampling.
     """
-    t = np.clip(0.5 - distance / edge, 0, 1)
-    return t * t * (3 - 2 * t)
+    return smoothstep(0.5 - distance / edge)
 
 
 def over(image: FloatArray, colour: Colour | FloatArray, coverage: FloatArray) -> FloatArray:
