@@ -1,9 +1,10 @@
-"""What is behind infants that are in no room: a floor that fades into a plain background, without a horizon."""
+"""What is behind infants: in no room, a floor that fades into a plain background; in rooms, walls that can be seen."""
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.geometry.rotations import FloatArray
 from mimoc.render.camera import Shot
 from mimoc.render.opengl import set_fog
 from mimoc.render.soft_light import Colour
@@ -38,6 +39,16 @@ def fade(shot: Shot, radius_m: float) -> None:
     """Let what is drawn from now on fade behind what is within a radius of the middle of a shot."""
     start_m = shot.depth_m + radius_m
     set_fog(start_m, (1 + FADES_WITHIN) * start_m)
+
+
+def leave_out_walls(scene: mujoco.MjvScene, position_m: FloatArray) -> None:
+    """Draw nothing of the planes of a scene that a camera is behind, whose position has the shape (3,).
+
+    MuJoCo draws them over all that is in a room, with three tenths of their opacity: as a haze.
+    """
+    for geom in scene.geoms[: scene.ngeom]:
+        if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and (position_m - geom.pos) @ geom.mat[:, 2] < 0:
+            geom.type = mujoco.mjtGeom.mjGEOM_NONE
 
 
 def _pixels(model: mujoco.MjModel, colours: npt.NDArray[np.uint8], number: int) -> npt.NDArray[np.uint8]:

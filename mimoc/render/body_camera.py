@@ -10,7 +10,7 @@ import numpy.typing as npt
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import CaregiverEntry, Manifest
 from mimoc.bundle.world import WorldManifest
-from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors
+from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, leave_out_walls
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -182,6 +182,7 @@ class BodyCamera:
         camera.azimuth, camera.elevation = shot.view
         with visual_settings([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
             self._renderer.compose(data, camera)
+        leave_out_walls(self._renderer.scene, shot.position_m)
         flags = self._renderer.scene.flags
         flags[mujoco.mjtRndFlag.mjRND_FOG] = self._outdoors and not self._cut_out
         flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = not self._cut_out

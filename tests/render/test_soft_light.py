@@ -197,6 +197,25 @@ def test_rooms_keep_their_own_light_and_look(built):
     assert backdrop_colours(flat)[sky : sky + 3] / 255 == pytest.approx(BACKGROUND, abs=0.005)
 
 
+def through_wall(wall_m: float) -> np.ndarray:
+    """Return a picture of a capsule from 2 m away in x, of a room whose wall faces it from so far away."""
+    wall = f'<geom type="plane" size="30 30 1" pos="{wall_m} 0 0" zaxis="-1 0 0" rgba=".2 .3 .8 1"/>'
+    xml = CAPSULE.format(colour=".6 .4 .3").replace("<worldbody>", "<worldbody>" + wall)
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    camera = BodyCamera(model, ["capsule"], 64, 64)
+    try:
+        return camera.render(data, shot=Shot(np.array([2.0, 0.0, 0.3]), 2.0, (180.0, 0.0), 24.0))
+    finally:
+        camera.close()
+
+
+def test_walls_in_front_of_what_is_shown_leave_no_haze():
+    """A wall between the camera and the infant shows as little as one behind the camera."""
+    assert np.array_equal(through_wall(0.5), through_wall(5.0))
+
+
 def lit(exposure: Exposure, daylight: Any) -> list[list[tuple[float, ...]]]:
     """Return the strengths and directions of all lights that cast shadows, of each pass."""
     scene = mujoco.MjvScene(mujoco.MjModel.from_xml_string(CAPSULE.format(colour="1 1 1")), 10)
