@@ -91,6 +91,8 @@ class HeadMesh:
 
 LIP_MM = 4.0
 """How far lips lead inwards."""
+WITHIN_EYEBALL = 0.95
+"""Where lids end, in radii of the eyeball."""
 
 
 def meshed(head: heads.Head) -> HeadMesh:
@@ -99,15 +101,24 @@ def meshed(head: heads.Head) -> HeadMesh:
     verts, faces, twins = head_mesh.mesh(head, shape, np.random.default_rng(SEED))
     line, corner = heads.mouth_line(head, shape), heads.mouth_corner(head, shape)
     strip = np.flatnonzero(twins != np.arange(len(verts)))
-    inner = strip[len(strip) // 2 :]
-    inner = inner[np.linalg.norm((verts[twins[inner]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1]
+    rims = strip[len(strip) // 2 :]
+    is_lip = np.linalg.norm((verts[twins[rims]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1
+    inner, lids = rims[is_lip], rims[~is_lip]
     verts[inner] = verts[twins[inner]] - (LIP_MM, 0, 0)
+    verts[lids] = _at_eyeball(head, verts[twins[lids]])
     origin, split, places = head_mesh.split_at_end(head, verts, faces)
     loop = mouth.loop_around(inner, faces)
     behind = mouth.pocket_faces(len(loop), len(origin))
     side = head_mesh.lip_sides(line, verts, faces, twins)
     places = np.vstack((places, mouth.pocket_places(verts[loop], side[loop])))
     return HeadMesh(verts, twins, side, origin, loop, np.vstack((split, behind)), places)
+
+
+def _at_eyeball(head: heads.Head, rims: Array) -> Array:
+    """Return where strips from the rims of lids, shape (n, 3), end: a little within the eyeball, without a gap."""
+    eyes = head.eye * np.where(rims[:, 1:2] < 0, (1, 1, 1), (1, -1, 1))
+    from_eye = rims - eyes
+    return eyes + from_eye * (WITHIN_EYEBALL * head.eye_radius / np.linalg.norm(from_eye, axis=1, keepdims=True))
 
 
 def reference_head() -> heads.Head:
