@@ -273,5 +273,7 @@ FILMS: Mapping[str, tuple[str, ...]] = {
     "kicking.gif": (
         *("@docs/kicking.yaml", "--policy=general_movements", "--steps=700", "--seed=1", "--size=288", "--fps=12"),
     ),
+    "roll.gif": ("@docs/rolling.yaml", "--policy=skill:roll", "--steps=249", "--seed=2", "--size=240", "--fps=10"),
+    "sit.gif": ("@docs/sitting.yaml", "--policy=skill:sit", "--steps=524", "--seed=8", "--size=180", "--fps=8"),
 }
 """What `mimoc run` records for each film at the top of a page; `benchmarks/behaviours.py` makes those of behaviours."""
