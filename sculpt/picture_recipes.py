@@ -7,6 +7,7 @@ import io
 import json
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -15,6 +16,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from mimoc import InfantEnv, load_spec, make
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.soft_light import STILL
 from mimoc.schema.expressions import EXPRESSIONS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -23,6 +26,8 @@ SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swifts
 POLLED_MS, SETTLED_MS = 100, 3000
 OFFERED_STEPS = 320
 """Control steps until the ball is offered."""
+FLOATING_STEPS = 400
+"""Control steps until an infant that starts on the bottom of a bath floats."""
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
 LOOKS = (
@@ -207,11 +212,36 @@ def lab_room(mimoc: Commands) -> Image.Image:
     return in_rows(views, 2)
 
 
+def water(mimoc: Commands) -> Image.Image:
+    """Return an infant that floats in a bath, and the same on its bottom as it starts."""
+    bath = {"name": "bath", "kind": "water", "depth_cm": 30, "sides_cm": [120, 80]}
+    at = "within reach of right_hand"
+    ball = {"name": "ball", "shape": "sphere", "radius_cm": 4, "density_kg_m3": 300, "at": at}
+    infant = spec(
+        *(mimoc, "bath", 6), senses={"proprioception": {}}, scene={"start_at": "bath", "objects": [bath, ball]}
+    )
+    with make(load_spec(infant)) as env:
+        env.reset(seed=0)
+        bathing = cast(InfantEnv, env.unwrapped)
+        camera = BodyCamera(bathing.model, ["object_bath"], 560, 420, (-65.0, -30.0), exposure=STILL, margin=0.8)
+        with closing(camera):
+            start = camera.render(bathing.data)
+            for _ in range(FLOATING_STEPS):
+                env.step(np.zeros_like(env.action_space.sample()))
+            afloat = camera.render(bathing.data)
+    return in_rows([Image.fromarray(afloat), Image.fromarray(start)], 2, gap=0)
+
+
 def tasks(mimoc: Commands) -> Image.Image:
     """Return how five tasks begin."""
     names = ("reach", "standup", "selfbody", "catch", "rollover")
     starts = [drawn(mimoc, f"@configs/{name}.yaml", size=(256, 276)) for name in names]
     return in_rows(starts, len(names), names)
+
+
+def rooms(mimoc: Commands) -> Image.Image:
+    """Return rooms of twelve seeds."""
+    return drawn(mimoc, "@configs/playroom.yaml", "--seeds", "0:12", "--size", "240", size=None, by="rooms")
 
 
 MATURING = dict.fromkeys(("contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"), "age")
@@ -249,6 +279,8 @@ PICTURES: Mapping[str, Recipe] = {
     "mobile.png": Recipe(one("@configs/mobile.yaml", size=(960, 640)), 350),
     "lab_room.png": Recipe(lab_room, 480),
     "tasks.png": Recipe(tasks, 220),
+    "water.png": Recipe(water, 180),
+    "rooms.png": Recipe(rooms, 780),
     "see.png": Recipe(seen("--ages", "2,4,6,12", "--size", "200", "--fovy", "14"), 450),
     "newborn.png": Recipe(
         seen(
@@ -273,5 +305,7 @@ FILMS: Mapping[str, tuple[str, ...]] = {
     "kicking.gif": (
         *("@docs/kicking.yaml", "--policy=general_movements", "--steps=700", "--seed=1", "--size=288", "--fps=12"),
     ),
+    "roll.gif": ("@docs/rolling.yaml", "--policy=skill:roll", "--steps=249", "--seed=2", "--size=240", "--fps=10"),
+    "sit.gif": ("@docs/sitting.yaml", "--policy=skill:sit", "--steps=524", "--seed=8", "--size=180", "--fps=8"),
 }
 """What `mimoc run` records for each film at the top of a page; `benchmarks/behaviours.py` makes those of behaviours."""
