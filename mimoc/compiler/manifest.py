@@ -93,13 +93,14 @@ def make_manifest(
     spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup
 ) -> Manifest:
     """Return the manifest of a scene, numbers rounded as in its file."""
+    child = _child(spec, tree)
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
     voice = voice_of(tree) if spec.actuation.voice else None
     actuation = _actuation(spec.actuation, scene.actuators, commanded).model_copy(update={"voice": voice})
     manifest = Manifest(
         name=spec.name,
-        child=_child(spec, tree),
+        child=child,
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,

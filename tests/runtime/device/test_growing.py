@@ -21,8 +21,10 @@ def spec(age_months: float, **keys: object) -> mimoc.InfantSpec:
 
 
 def sitting(age_months: float) -> mimoc.Bundle:
+    """Return an infant that sits, in the clothes that it wears at all ages."""
     scene, senses = {"kind": "flat", "pose": "sitting"}, {**SENSES, "touch": {"density": 0.5}}
-    return store.built(spec(age_months, senses=senses, scene=scene, delays={"preset": "physiological"}))
+    body = {"looks": {"clothes": "bodysuit"}}
+    return store.built(spec(age_months, body=body, senses=senses, scene=scene, delays={"preset": "physiological"}))
 
 
 @pytest.fixture

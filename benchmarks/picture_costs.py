@@ -1,6 +1,6 @@
 """What portraits and frames of videos cost to draw, beside another checkout of mimoc, such as the release before.
 
-    python benchmarks/pictures.py [--before PATH_TO_MIMOC] [--rounds 3] [--pixels 1000]
+    python benchmarks/picture_costs.py [--before PATH_TO_MIMOC] [--rounds 3] [--pixels 1000]
 
 Each round draws with each checkout in turn, in a process of its own; the medians of CPU time count. A portrait opens
 OpenGL, draws once and closes it, as `mimoc render` does after the build; a frame is one of an open environment.
