@@ -5,7 +5,8 @@
 The four are bundles of `age_months: 0` and `3`, those before written by `mimoc build` of commit 70550b97, the last with
 the law before. Each is opened in plain MuJoCo in its pose `supine` and left quiet for two seconds. Then the flexors of
 left and right hip take turns with .8 of their strength for .35 s, and all else is quiet. Those before are drawn on the
-bodies of those after, which have the same joints. The camera is at a distance in proportion to the infant's size. Prints by how much each burst bends its hip from where it begins.
+bodies of those after, which have the same joints. The camera is at a distance in proportion to the infant's size.
+Prints by how much each burst bends its hip from where it begins.
 """
 
 import argparse
