@@ -42,7 +42,6 @@ def mesh(
 ) -> tuple[embedding.Drawn, Mapping[str, embedding.Curve]]:
     """Return the mesh and the hems."""
     field, curves = sculpted.field(), tailoring.hems(frames)
-
     fined = features.finer(frames)
 
     def size(points: Array) -> Array:
@@ -50,7 +49,7 @@ def mesh(
 
     dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
     dense = meshing.only(*dense, dense[0][:, 2] < TOP)
-    verts, faces, _ = meshing.remesh(*dense, size, rng)
+    verts, faces = meshing.remesh(*dense, size, rng)
     verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
     half = embedding.right_half(field, verts, meshing.without_fins(faces))
     drawn = embedding.embedded(field, half, tuple(curves.values()), size)

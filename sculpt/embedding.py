@@ -171,8 +171,7 @@ def _relaxed(surface: Field, drawn: Drawn, curves: Sequence[Curve]) -> Drawn:
     """
     edges = edges_of(drawn.faces)
     both = np.vstack((edges, edges[:, ::-1]))
-    here, there = drawn.lies_on[both[:, 0]], drawn.lies_on[both[:, 1]]
-    both = both[(here <= there).all(axis=1)]
+    both = both[(drawn.lies_on[both[:, 0]] <= drawn.lies_on[both[:, 1]]).all(axis=1)]
     count = np.bincount(both[:, 0], minlength=len(drawn.verts))
     sums = np.column_stack(
         [np.bincount(both[:, 0], drawn.verts[both[:, 1], axis], len(drawn.verts)) for axis in range(3)]

@@ -7,6 +7,8 @@ import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
 
+from mimoc.geometry.smoothstep import smoothstep
+
 
 @dataclass(frozen=True, slots=True)
 class Moved:
@@ -86,7 +88,7 @@ def moved(mesh, face: Moved) -> Array:
     verts = mesh.verts
     moves = (_mouth(verts, mesh.side, face) + _brows(verts, face) + _cheeks(verts, face))[mesh.twins]
     size = np.linalg.norm(moves, axis=1, keepdims=True)
-    moves = moves * _step((size - LEAST_MM) / LEAST_MM)
+    moves = moves * smoothstep((size - LEAST_MM) / LEAST_MM)
     return moves + _turned_lips(mesh, moves)
 
 
@@ -94,11 +96,6 @@ def _turned_lips(mesh, moves: Array) -> Array:
     """Return how much more the inner edges of the lips move: as far as the lips, and apart a little less."""
     inner = np.isin(np.arange(len(mesh.verts)), mesh.loop)
     return np.where(inner[:, None], -0.1 * moves * (0, 0, 1), 0.0)
-
-
-def _step(t: Array) -> Array:
-    t = np.clip(t, 0, 1)
-    return t * t * (3 - 2 * t)
 
 
 def _near(verts: Array, place: tuple[float, float, float], size: tuple[float, float, float]) -> Array:
@@ -114,11 +111,11 @@ def _mouth(verts: Array, side: np.ndarray, face: Moved) -> Array:
     outward = np.sign(verts[:, 1])
     across = np.clip(np.abs(verts[:, 1]) / half, 0, 1)
     height = verts[:, 2] - z - 1.8 * across**2
-    in_front = _step((verts[:, 0] - 15) / 35)
+    in_front = smoothstep((verts[:, 0] - 15) / 35)
     outline = (1 - across**face.square) ** (1 / face.square)
     jaw = np.exp(-((verts[:, 1] / 27) ** 2))
-    on_chin = _step((-height - 3) / 9)
-    below = (1 - on_chin) * outline + on_chin * jaw * (1 - 0.35 * _step((-height - 8) / 20))
+    on_chin = smoothstep((-height - 3) / 9)
+    below = (1 - on_chin) * outline + on_chin * jaw * (1 - 0.35 * smoothstep((-height - 8) / 20))
     above = outline * np.exp(-((height / 8.5) ** 2))
     up = in_front * np.where(side > 0, face.upper * above, -face.lower * below)
     lips = np.exp(-((height / 8) ** 2) - (verts[:, 1] / 15) ** 2)

@@ -94,7 +94,7 @@ def arrays(
     verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str
 ) -> dict[str, Array]:
     """Return what ships of fullness."""
-    heights = sum(_heights(verts, held, parts, frames, each) for each in (*DOMES, *RINGS, *_dimples(hands)))
+    heights = sum(_heights(verts, held, parts, frames, feature) for feature in (*DOMES, *RINGS, *_dimples(hands)))
     return {
         "ages_months": np.array(AGES_MONTHS),
         "fullness_100um": np.rint(10 * heights).clip(-127, 127).astype(np.int8),
@@ -120,10 +120,10 @@ def _heights(
         shape, heights = _ring(feature, points), feature.height * np.array(ROLLS)
     else:
         shape, heights = _dome(feature, points), np.array(feature.heights)
-    return heights[:, None] * (shape * _share(verts, held, parts, feature.part))
+    return heights[:, None] * (shape * _share(held, parts, feature.part))
 
 
-def _share(verts: Array, held: Array, parts: Sequence[str], part: str) -> Array:
+def _share(held: Array, parts: Sequence[str], part: str) -> Array:
     """Return whether vertices are of a limb, blended; of the trunk all are that are of no limb."""
     if part.startswith("right"):
         mine = [part, part.replace("right", "left")]

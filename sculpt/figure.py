@@ -35,8 +35,8 @@ class Figure:
     solids: tuple[Solid, ...]
     joints: Mapping[str, Array]
 
-    def field(self, groups: Mapping[str, float] | None = None) -> Field:
-        """Return all of it, or only some groups of shapes."""
+    def field(self) -> Field:
+        """Return all of it."""
         return lambda p: blend(self.solids, folded(p))
 
 
@@ -73,10 +73,10 @@ def blend(solids: tuple[Solid, ...], p: Array) -> Array:
 
 
 def _joined(fields: list[Field], k: float, p: Array) -> Array:
-    found = fields[0](p)
+    joined = fields[0](p)
     for field in fields[1:]:
-        found = smooth_min(found, field(p), k)
-    return found
+        joined = smooth_min(joined, field(p), k)
+    return joined
 
 
 def build(frames: Mapping[str, Frame], hands: str) -> Figure:

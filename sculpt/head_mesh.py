@@ -9,6 +9,8 @@ from fields import Array, Field
 from head import Head, field, folded, mouth_corner, mouth_line, opening
 from uv_map import unwrapped, wrapped
 
+from mimoc.geometry.smoothstep import smoothstep
+
 EAR_MM = (-6.4, -66.0, -14.0)
 """Middle of the right ear."""
 EASED = (0.55, -0.42, 0.55, -0.42, 0.55)
@@ -22,19 +24,18 @@ def mesh(head: Head, shape: FaceShape, rng: np.random.Generator) -> tuple[Array,
     whole = field(head, shape)
     reach = head.half_axes + 18
     dense = meshing.largest(*meshing.surface(whole, -reach, np.add(reach, (8, 0, 0)), 0.9))
-    verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
+    verts, faces = meshing.remesh(*dense, lambda points: sizes(head, shape, points), rng)
     verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
     verts, faces = cutting.mirrored(verts, faces)
     verts = _with_smooth_ears(meshing.relax(whole, verts, faces, 2, 0.4), faces)
-    verts, faces, _ = mouth.slit(whole, mouth_line(head, shape), mouth_corner(head, shape), verts, faces)
+    verts, faces = mouth.slit(mouth_line(head, shape), mouth_corner(head, shape), verts, faces)
     return cutting.hemmed(whole, opening(head), HEM_MM, verts, faces)
 
 
 def ear_share(points: Array) -> Array:
     """Return how much points belong to an ear, 0 to 1, shape (n,)."""
     far = np.linalg.norm((folded(points) - EAR_MM) / (1.0, 0.8, 1.4), axis=1)
-    t = np.clip((20 - far) / 6, 0, 1)
-    return t * t * (3 - 2 * t)
+    return smoothstep((20 - far) / 6)
 
 
 def _with_smooth_ears(verts: Array, faces: np.ndarray) -> Array:

@@ -1,4 +1,4 @@
-"""Make the head that ships with mimoc, at all ages: `python sculpt/make_skin.py --only head`. It needs scikit-image."""
+"""The arrays of the head that ships with mimoc, at all ages: `python sculpt/make_skin.py --only head` writes them."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,8 @@ from hair import scalp
 from scipy.interpolate import RBFInterpolator
 
 from mimoc.body.grow import grow_body
-from mimoc.looks.skin.template_mesh import FOLDER, MOVE_M
+from mimoc.geometry.smoothstep import smoothstep
+from mimoc.looks.skin.template_mesh import MOVE_M
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
@@ -90,6 +91,8 @@ class HeadMesh:
 
 LIP_MM = 4.0
 """How far lips lead inwards."""
+WITHIN_EYEBALL = 0.95
+"""Where lids end, in radii of the eyeball."""
 
 
 def meshed(head: heads.Head) -> HeadMesh:
@@ -98,15 +101,24 @@ def meshed(head: heads.Head) -> HeadMesh:
     verts, faces, twins = head_mesh.mesh(head, shape, np.random.default_rng(SEED))
     line, corner = heads.mouth_line(head, shape), heads.mouth_corner(head, shape)
     strip = np.flatnonzero(twins != np.arange(len(verts)))
-    inner = strip[len(strip) // 2 :]
-    inner = inner[np.linalg.norm((verts[twins[inner]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1]
+    rims = strip[len(strip) // 2 :]
+    is_lip = np.linalg.norm((verts[twins[rims]] - corner * (1, 0, 1)) / (14, 16, 6), axis=1) < 1
+    inner, lids = rims[is_lip], rims[~is_lip]
     verts[inner] = verts[twins[inner]] - (LIP_MM, 0, 0)
+    verts[lids] = _at_eyeball(head, verts[twins[lids]])
     origin, split, places = head_mesh.split_at_end(head, verts, faces)
     loop = mouth.loop_around(inner, faces)
     behind = mouth.pocket_faces(len(loop), len(origin))
     side = head_mesh.lip_sides(line, verts, faces, twins)
     places = np.vstack((places, mouth.pocket_places(verts[loop], side[loop])))
     return HeadMesh(verts, twins, side, origin, loop, np.vstack((split, behind)), places)
+
+
+def _at_eyeball(head: heads.Head, rims: Array) -> Array:
+    """Return where strips from the rims of lids, shape (n, 3), end: a little within the eyeball, without a gap."""
+    eyes = head.eye * np.where(rims[:, 1:2] < 0, (1, 1, 1), (1, -1, 1))
+    from_eye = rims - eyes
+    return eyes + from_eye * (WITHIN_EYEBALL * head.eye_radius / np.linalg.norm(from_eye, axis=1, keepdims=True))
 
 
 def reference_head() -> heads.Head:
@@ -131,12 +143,11 @@ def aged(head: heads.Head, mesh: HeadMesh, shape: FaceShape) -> Array:
     moves = RBFInterpolator(before, after - before, kernel="thin_plate_spline")(verts)
     on_field = meshing.onto(heads.field(head, shape), verts + moves, rounds=8, most=2.0)
     from_eye = np.linalg.norm(heads.folded(verts) - head.eye, axis=1) / head.eye_radius
-    share = np.clip((from_eye - 1.14) / 0.3, 0, 1)[:, None]
-    share = share * share * (3 - 2 * share) * (1 - head_mesh.ear_share(verts)[:, None])
-    found = verts + share * (on_field - verts)
+    share = smoothstep((from_eye - 1.14) / 0.3)[:, None] * (1 - head_mesh.ear_share(verts)[:, None])
+    grown = verts + share * (on_field - verts)
     inward = np.flatnonzero(twins != np.arange(len(verts)))
-    found[inward] = found[twins[inward]] + (verts[inward] - verts[twins[inward]])
-    return found
+    grown[inward] = grown[twins[inward]] + (verts[inward] - verts[twins[inward]])
+    return grown
 
 
 def landmarks(head: heads.Head, shape: FaceShape) -> Array:
@@ -164,12 +175,3 @@ def landmarks(head: heads.Head, shape: FaceShape) -> Array:
     stay += [tuple(head.eye * (1, -1, 1) + np.array((6.0, 0, 0)) + 12.0 * np.array(way)) for way in ring]
     points = [*across, *stay]
     return np.array([*points, *((x, -y, z) for x, y, z in points if y)], float)
-
-
-def main() -> None:
-    """Write the head."""
-    np.savez_compressed(FOLDER / "head.npz", **sculpt_head())
-
-
-if __name__ == "__main__":
-    main()

@@ -4,14 +4,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 from pictures import adult, ceilings, cloth, cubes, face, floors, framed, hair, skin, walls
-from pictures.expressions import FACES
 from pictures.inks import Painted, with_palette
 
 from mimoc.looks.colours import INKS
 from mimoc.looks.palettes import MIXTURES
 from mimoc.looks.pictures import FOLDER, encode_palette_png
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
-from mimoc.schema.expressions import ADULT_EXPRESSIONS
+from mimoc.schema.expressions import ADULT_EXPRESSIONS, EXPRESSIONS
 
 HEAD_BREADTH = 0.863
 """Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
@@ -42,7 +41,7 @@ def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     for table, module in ((FLOORS, floors), (CEILINGS, ceilings), (WALLS, walls), (PICTURES, framed)):
         for name, wallpaper in table.items():
             yield wallpaper.name, encode_palette_png(getattr(module, name)())
-    for name in FACES:
+    for name in EXPRESSIONS:
         yield f"face_{name}", with_palette(cubes.draw_face(name, HEAD_BREADTH), CUBE_COLOURS)
         yield f"face_round_{name}", with_palette(cubes.draw_face(name), CUBE_COLOURS)
         yield f"skin_face_{name}", face.paint_face(name)

@@ -78,11 +78,7 @@ def main() -> None:
 
 def _save(path: Path, arrays: Mapping[str, Array]) -> None:
     np.savez_compressed(path, **arrays)
-    print(
-        path,
-        f"{path.stat().st_size / 1000:.0f} kB",
-        f"{len(arrays['verts_m'])} vertices",
-    )
+    print(path, f"{path.stat().st_size / 1000:.0f} kB", f"{len(arrays['faces'])} faces")
 
 
 def child(hands: str) -> BodyTree:

@@ -72,7 +72,7 @@ def only(verts: Array, faces: np.ndarray, keep: np.ndarray) -> tuple[Array, np.n
 
 def remesh(
     verts: Array, faces: np.ndarray, size: Callable[[Array], Array], rng: np.random.Generator, rounds: int = 8
-) -> tuple[Array, np.ndarray, np.ndarray]:
+) -> tuple[Array, np.ndarray]:
     """Return a mesh with even triangles, whose edges are about as long as wanted at each place.
 
     The vertices of a dense mesh are gathered around centres, along its edges (geodesic Lloyd); two centres are joined
@@ -84,9 +84,6 @@ def remesh(
         size: Length of edges that is wanted at some points.
         rng: Places the first centres.
         rounds: How often centres are moved to the middle of what is around them.
-
-    Returns:
-        Vertices, faces, and the dense mesh's vertex that each vertex is.
     """
     wanted = size(verts)
     areas = _vertex_areas(verts, faces)
@@ -111,11 +108,11 @@ def remesh(
     coarse = np.sort(owner[faces], axis=1)
     distinct = (coarse[:, 0] != coarse[:, 1]) & (coarse[:, 1] != coarse[:, 2])
     _, index = np.unique(coarse[distinct], axis=0, return_index=True)
-    found = owner[faces[distinct]][np.sort(index)]
-    used = np.unique(found)
+    triangles = owner[faces[distinct]][np.sort(index)]
+    used = np.unique(triangles)
     number = np.full(len(centres), -1)
     number[used] = np.arange(len(used))
-    return verts[centres[used]], number[found], centres[used]
+    return verts[centres[used]], number[triangles]
 
 
 def _nearest(graph: csr_matrix, centres: np.ndarray) -> np.ndarray:
@@ -149,7 +146,7 @@ def _vertex_areas(verts: Array, faces: np.ndarray) -> Array:
 def gradient(field: Field, points: Array, step: float = 0.05) -> Array:
     """Return the slope of a field, shape (n, 3)."""
     shifts = np.eye(3) * step
-    return np.column_stack([(field(points + each) - field(points - each)) / (2 * step) for each in shifts])
+    return np.column_stack([(field(points + shift) - field(points - shift)) / (2 * step) for shift in shifts])
 
 
 def onto(field: Field, points: Array, rounds: int = 3, most: float = 1.0) -> Array:
@@ -201,6 +198,6 @@ def without_slivers(verts: Array, faces: np.ndarray, least: float) -> tuple[Arra
     count, label = connected_components(pairs, directed=False)
     members = np.bincount(label, minlength=count)
     merged = np.column_stack([np.bincount(label, verts[:, axis], minlength=count) / members for axis in range(3)])
-    found = label[faces]
-    whole = (found[:, 0] != found[:, 1]) & (found[:, 1] != found[:, 2]) & (found[:, 2] != found[:, 0])
-    return only(merged, found[whole], np.ones(count, bool))
+    joined = label[faces]
+    whole = (joined[:, 0] != joined[:, 1]) & (joined[:, 1] != joined[:, 2]) & (joined[:, 2] != joined[:, 0])
+    return only(merged, joined[whole], np.ones(count, bool))

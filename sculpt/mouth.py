@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 from cutting import typical_edge
-from fields import Array, Field
+from fields import Array
 
 Line = Callable[[Array], Array]
 """About the height above the line on which the lips meet, of points near it."""
@@ -15,20 +15,14 @@ PATCH = (0.068, 0.062)
 """The pocket's place in the picture of the face, whose corners are empty: middle, from the lower left, and radius."""
 
 
-def slit(
-    field: Field, line: Line, corner: Array, verts: Array, faces: np.ndarray
-) -> tuple[Array, np.ndarray, np.ndarray]:
-    """Return a mesh with open edges where the lips meet.
+def slit(line: Line, corner: Array, verts: Array, faces: np.ndarray) -> tuple[Array, np.ndarray]:
+    """Return the vertices and faces of a mesh with open edges where the lips meet.
 
     Args:
-        field: What the mesh is the surface of.
         line: See `Line`.
         corner: The right corner of the mouth.
         verts: Of the mesh.
         faces: Of the mesh.
-
-    Returns:
-        Vertices, faces, and which vertices are on the edge of the lower lip.
     """
     verts, ends = verts.copy(), []
     for sign in (-1.0, 1.0):
@@ -48,8 +42,7 @@ def slit(
     number = np.where(on_line, len(verts) + np.cumsum(on_line) - 1, np.arange(len(verts)))
     below = np.where(height[faces] == 0, 0, height[faces]).sum(axis=1) < 0
     parted = np.where(below[:, None], number[faces], faces)
-    doubled = np.vstack((verts, verts[on_line]))
-    return doubled, parted, np.arange(len(doubled)) >= len(verts)
+    return np.vstack((verts, verts[on_line])), parted
 
 
 def _crossed(verts: Array, faces: np.ndarray, height: Array, half: float) -> tuple[Array, np.ndarray, Array]:

@@ -18,6 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 from mimoc import InfantEnv, load_spec, make
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.soft_light import STILL
+from mimoc.schema.expressions import EXPRESSIONS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
@@ -29,7 +30,6 @@ FLOATING_STEPS = 400
 """Control steps until an infant that starts on the bottom of a bath floats."""
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
-EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "scared", "disgusted", "sleepy", "crying")
 LOOKS = (
     {"skin": "light", "hair": "blond", "eyes": "blue"},
     {"skin": "fair", "hair": "red", "eyes": "green"},

@@ -42,7 +42,7 @@ def rosiness(figure: Figure, verts: Array) -> Array:
     """Return how rosy the skin is, 0 to 1: knees, elbows, fingers, toes, palms and soles."""
     names = owners(verts, figure.solids)
     fingers = np.array([any(word in name for word in ("finger", "toe", "distal", "middle")) for name in names])
-    found = 0.35 * fingers
+    rosy = 0.35 * fingers
     for side in ("left", "right"):
         for part, radius, most in (
             ("lower_leg", 24, 0.7),
@@ -50,5 +50,5 @@ def rosiness(figure: Figure, verts: Array) -> Array:
             ("foot", 18, 0.7),
         ):
             joint = figure.joints[f"{side}_{part}"]
-            found = np.maximum(found, most * np.exp(-(((np.linalg.norm(verts - joint, axis=1) - 14) / radius) ** 2)))
-    return np.clip(found, 0, 1)
+            rosy = np.maximum(rosy, most * np.exp(-(((np.linalg.norm(verts - joint, axis=1) - 14) / radius) ** 2)))
+    return np.clip(rosy, 0, 1)

@@ -139,7 +139,7 @@ def _panels(drawn: Drawn, frames: Mapping[str, Frame]) -> np.ndarray:
 
 
 def _distance(drawn: Drawn, at: np.ndarray) -> Array:
-    """Return how far each vertex is from some of them, along edges and straight across."""
+    """Return how far each vertex is from the nearest of some of them, straight across."""
     points = drawn.verts[at]
     return np.array([np.linalg.norm(points - vert, axis=1).min() for vert in drawn.verts])
 

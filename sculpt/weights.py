@@ -11,6 +11,7 @@ from scipy.sparse import coo_matrix, diags, eye
 from scipy.sparse.linalg import splu
 
 from mimoc.body.kinematics import Frame
+from mimoc.geometry.smoothstep import smoothstep
 
 BONES = 4
 """Bodies that move a vertex, at most."""
@@ -85,8 +86,7 @@ def _most(verts: Array, owner: np.ndarray, frames: Mapping[str, Frame], parents:
             if other == name or np.isinf(low):
                 continue
             far = np.linalg.norm(verts[rows] - frames[joint][0] * 1000, axis=1)
-            t = np.clip((far - low) / (high - low), 0, 1)
-            most[rows, column] = 1 - t * t * (3 - 2 * t)
+            most[rows, column] = 1 - smoothstep((far - low) / (high - low))
     return most
 
 
@@ -97,14 +97,14 @@ def _line(name: str, parents: Mapping[str, str]) -> list[str]:
 
 def owners(verts: Array, solids: Sequence[Solid]) -> np.ndarray:
     """Return the body whose shape is nearest to each vertex; of the trunk, the one at its height."""
-    own = [solid for solid in solids if solid.group not in ("sole",)]
-    distances = np.column_stack([solid.field(folded(verts)) + _late(solid) for solid in own])
+    shapes = [solid for solid in solids if solid.group != "sole"]
+    distances = np.column_stack([solid.field(folded(verts)) + _late(solid) for solid in shapes])
     nearest = distances.argmin(axis=1)
-    side = np.where(verts[:, 1] > 0, "left", "right")
-    found = [own[each].part.format(side=which) for each, which in zip(nearest, side, strict=True)]
+    sides = np.where(verts[:, 1] > 0, "left", "right")
+    names = [shapes[index].part.format(side=side) for index, side in zip(nearest, sides, strict=True)]
     levels = np.searchsorted([high for _, _, high in LUMBAR], verts[:, 2])
     trunk = {"hip", "chest"}
-    return np.array([LUMBAR[level][0] if name in trunk else name for name, level in zip(found, levels, strict=True)])
+    return np.array([LUMBAR[level][0] if name in trunk else name for name, level in zip(names, levels, strict=True)])
 
 
 def _late(solid: Solid) -> float:
@@ -144,9 +144,9 @@ def quantized(values: Array) -> Array:
     top /= top.sum(axis=1, keepdims=True)
     parts = np.floor(top * 255)
     parts[:, 0] += 255 - parts.sum(axis=1)
-    found = np.zeros_like(values)
-    np.put_along_axis(found, order, parts / 255, axis=1)
-    return found
+    rounded = np.zeros_like(values)
+    np.put_along_axis(rounded, order, parts / 255, axis=1)
+    return rounded
 
 
 def symmetric(held: Array, twins: np.ndarray, names: Sequence[str]) -> Array:

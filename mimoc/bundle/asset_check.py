@@ -18,7 +18,7 @@ MOST_FACES = 20_000
 MOST_MESH_BYTES = 10 * 2**20
 """Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB."""
 MOST_VERTICES = 200_000
-"""Vertices of all skins of a bundle; an infant has 7,000."""
+"""Vertices of all skins of a bundle; an infant has 7,500."""
 SURELY_SMALL = 2**16
 """Bytes of a picture that need not be tried: Deflate's ratio is at most 1032, so that they unpack to 64 MB at most, and
 MuJoCo refuses the first one that is larger than it says."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from mimoc.render.renderer import Shown
     from mimoc.schema.infant import InfantSpec
 
-LAST_MONTH = 36.0
-
 
 def draw(
     infants: list[Path],
@@ -74,10 +72,12 @@ def _built(infant: Path, specs: "list[InfantSpec]", first: "Bundle | None" = Non
 
 def read_ages(text: str) -> tuple[float, ...]:
     """Return the ages that a list such as `0,3,6` names, in months; a MimocError says what is wrong."""
+    from mimoc.schema.quantities import LAST_MONTH
+
     try:
         months = tuple(map(float, text.split(",")))
     except ValueError:
         months = ()
     if not months or not all(0 <= age_months <= LAST_MONTH for age_months in months):
-        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH:g}, as in 0,3,6,12,24")
+        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH}, as in 0,3,6,12,24")
     return months

@@ -27,7 +27,7 @@ from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.placing import start_pose
 from mimoc.delays.build_presets import delays
-from mimoc.looks.appearance import EXPRESSIONS, face_material
+from mimoc.looks.appearance import face_material
 from mimoc.mjcf.elements import Actuator
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
@@ -37,6 +37,7 @@ from mimoc.objects import OBJECTS
 from mimoc.objects.built_object import PlacedThing
 from mimoc.objects.spec_base import ObjectEntry
 from mimoc.scenes import SCENES
+from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
@@ -120,7 +121,7 @@ def make_manifest(
             materials={name: face_material(name) for name in EXPRESSIONS},
             skin="head" if scene.skin else None,
             begins=spec.body.expression if scene.skin else "neutral",
-            shapes=EXPRESSIONS[1:] if scene.skin else (),
+            shapes=tuple(name for name in EXPRESSIONS if name != "neutral") if scene.skin else (),
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
         plugins=_used_plugins(spec),

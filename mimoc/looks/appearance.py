@@ -135,6 +135,7 @@ def _body_materials(expression: str, inks: Mapping[str, Colour]) -> tuple[Materi
 
 WITH_SHIRT: tuple[Clothes, ...] = ("bodysuit", "shirt_and_trousers")
 WITH_LEGS: tuple[Clothes, ...] = ("trousers", "shirt_and_trousers")
+"""Clothes that cover the trunk and the arms, and those that cover the legs."""
 
 
 def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[Material, ...]:

@@ -19,6 +19,8 @@ FILLED_BY_HEAD = 0.84
 FACE_ASIDE, FACE_AHEAD, LOW_DEG = 128.0, 147.0, -18.0
 """Azimuths and elevation of the view of an infant on its belly or on all fours, from beyond its head and to its right,
 if its face lies to a side, and if it looks ahead (D)."""
+ABOVE_DEG = -78.0
+"""Elevation of the view of an infant on its back, which shows its face and not its chin (D)."""
 FACE_TO_FACE: View = (-20.0, -6.0)
 """View of a head: how far it is turned from the camera, and the camera's elevation if it is upright (D)."""
 SIDEWAYS = 0.35
@@ -36,7 +38,8 @@ def portrait_view(data: mujoco.MjData, root: str, head: str | None) -> View:
     """
     lying = float(_axis(data, root, 0)[2])  # 1 on its back, -1 on its face.
     if lying > -0.5:
-        return view_of_body(FROM_THE_SIDE, data, root)
+        azimuth, elevation = view_of_body(FROM_THE_SIDE, data, root)
+        return azimuth, min(elevation, ABOVE_DEG) if lying > 0.5 else elevation
     aside = 0.0 if head is None else float(_axis(data, head, 0) @ _axis(data, root, 1))
     azimuth = FACE_ASIDE if abs(aside) > SIDEWAYS else FACE_AHEAD
     usual, _ = view_of_body((360.0 - azimuth if aside > SIDEWAYS else azimuth, 0.0), data, root)

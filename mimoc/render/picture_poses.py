@@ -49,7 +49,7 @@ LOOKING = {
     "{side}_hip1": -12, "{side}_hip2": -14, "{side}_hip3": 20, "right_knee": -12, "left_knee": -75, "{side}_foot1": -40,
 }  # fmt: skip
 PLAYING = {
-    "hip_bend1": 8, "hip_bend2": 8, "head_tilt": 18, "head_swivel": -8,
+    "hip_bend1": 8, "hip_bend2": 8, "head_tilt": -6, "head_swivel": -8,
     "{side}_shoulder_ad_ab": 35, "{side}_shoulder_horizontal": 70, "{side}_shoulder_rotation": -10,
     "right_elbow": -45, "left_elbow": -60, "{side}_fingers": -35,
 }  # fmt: skip

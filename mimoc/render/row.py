@@ -17,33 +17,27 @@ GAP_M = 0.06
 UP = (0.0, 0.0, 1.0)
 NAME_BYTES = 40
 """For the name of a body in MuJoCo's file of a skin."""
-BESIDE_M = 1.0
-"""How far beyond the ends of a row things cast shadows."""
 FLOOR = """
 <mujoco model="row">
   <statistic center="0 0 0.3" extent="1"/>
   <visual>
-    <headlight ambient="0.43 0.43 0.43" diffuse="0.24 0.24 0.24" specular="0 0 0"/>
-    <quality shadowsize="4096" numslices="48" numstacks="32"/>
-    <map znear="0.005" zfar="60" shadowclip="2"/>
-    <rgba haze="0.86 0.92 0.95 1"/>
+    <quality numslices="48" numstacks="32"/>
+    <map znear="0.005" zfar="60"/>
   </visual>
   <asset>
-    <texture name="sky" type="skybox" builtin="gradient" width="32" height="192"
-      rgb1="0.86 0.92 0.95" rgb2="0.97 0.96 0.92"/>
+    <texture name="sky" type="skybox" builtin="flat" width="32" height="192"/>
     <texture name="mat" type="2d" builtin="checker" width="64" height="64" rgb1="0.93 0.91 0.86" rgb2="0.87 0.86 0.82"/>
     <material name="mat" texture="mat" texrepeat="4 4" texuniform="true" specular="0.1" shininess="0.1"/>
   </asset>
   <worldbody>
-    <light name="sun" directional="true" pos="1.8 -0.9 2.4" dir="-0.6 0.3 -0.8"
-      diffuse="0.46 0.46 0.46" specular="0.1 0.1 0.1"/>
     <geom name="floor" type="plane" size="30 30 1" material="mat"/>
   </worldbody>
 </mujoco>
 """
-"""What is around a row: floor, light and sky of `scene: {kind: flat}`, as in `templates/scene.xml.j2`.
+"""What is around a row: the floor of `scene: {kind: flat}`, as in `templates/scene.xml.j2`, and a sky.
 
-Rooms and cribs are too small for a row, and their toys would be in its way.
+Their light and colours are those of pictures (`soft_light.py`, `backdrop.py`). Rooms and cribs are too small for a row,
+and their toys would be in its way.
 """
 
 
@@ -86,7 +80,6 @@ def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel,
         _take_pose(data, prefix, alone, move)
         moves.append(move)
         end_m += width_m + GAP_M
-    model.vis.map.shadowclip = max(model.vis.map.shadowclip, end_m / 2 + BESIDE_M)
     mujoco.mj_forward(model, data)
     roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
     return model, data, roots, moves

@@ -47,7 +47,7 @@ class Exposure:
     """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
+STILL, MOVING, ONCE = Exposure(5, 3), Exposure(4, 1, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
 ROW = Exposure(4, 2)
 """For several infants, which have more triangles."""
@@ -88,7 +88,7 @@ class Daylight:
 
 DAYLIGHT = Daylight(
     sun=Beam(36.0, -48.0, (0.41, 0.395, 0.37)),
-    sun_radius_deg=9.0,
+    sun_radius_deg=7.0,
     fills=(
         Beam(-60.0, -72.0, (0.115, 0.125, 0.14)),
         Beam(5.0, -5.0, (0.155, 0.153, 0.151)),
@@ -152,6 +152,7 @@ def passes(
     """
     if daylight is not None:
         _set_daylight(scene, shot, daylight)
+        _keep_floor_from_casting(scene)
         for camera in scene.camera:
             _set_range(camera, NEAR * shot.depth_m, FAR_M)
     steady, casting = _sorted_lights(scene)
@@ -183,6 +184,16 @@ def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> Non
         light.pos[:] = shot.lookat_m - SUN_DISTANCE_M * light.dir
         light.diffuse[:], light.ambient[:] = beam.colour, daylight.ambient if beam is daylight.fills[0] else BLACK
         light.specular[:] = GLOSS if beam is daylight.sun else BLACK
+
+
+def _keep_floor_from_casting(scene: mujoco.MjvScene) -> None:
+    """Take planes out of the map of shadows, in which the seams of their large triangles show as lines.
+
+    MuJoCo draws there whatever is no decoration.
+    """
+    for geom in scene.geoms[: scene.ngeom]:
+        if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
+            geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
 
 def _set_range(camera: mujoco.MjvGLCamera, near_m: float, far_m: float) -> None:

@@ -32,7 +32,8 @@ Percentile = Annotated[
 Direction = Literal["left", "right", "up", "down"]
 """A side of the line of sight."""
 
-Age = Annotated[Months, Field(le=24)]
+LAST_MONTH = 24
+Age = Annotated[Months, Field(le=LAST_MONTH)]
 """Ages at which infants can be built."""
 
 Identifier = Annotated[str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64)]

@@ -8,7 +8,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.schema.infant import InfantSpec
 
-STILL = {"asset", "camera", "light", "sensor", "site", "statistic", "visual"}
+STILL = {"asset", "camera", "deformable", "light", "sensor", "site", "statistic", "visual"}
 """Elements of MJCF that move nothing: how a scene looks, and what is only read."""
 NAMES = {"model", "material", "rgba", "group"}
 """Attributes that move nothing: the name of the infant, and how a geom looks."""

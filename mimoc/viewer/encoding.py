@@ -95,13 +95,6 @@ def steps_of(places_m: Array) -> Array:
     return np.moveaxis(np.ascontiguousarray(steps).view(np.uint8).reshape(*steps.shape, 2), -1, 0).copy()
 
 
-def places_of(steps: Array) -> Array:
-    """Return the places, in [m], shape (ages, n, 3), of what `steps_of` returned, as pages do."""
-    low, high = steps.astype(np.int64)
-    whole = np.cumsum(low + 256 * high, axis=0).astype(np.uint16).astype(np.int16)
-    return np.moveaxis(whole, 1, -1) * FINE_M
-
-
 FOLDER = resources.files("mimoc.viewer")
 
 

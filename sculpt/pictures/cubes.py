@@ -7,11 +7,12 @@ from pictures.expressions import FACES, Face
 from pictures.inks import ink, mixed, plain
 
 from mimoc.geometry.rotations import FloatArray
+from mimoc.geometry.smoothstep import smoothstep
 from mimoc.looks.appearance import GRID_LAYOUT
 from mimoc.looks.colours import Colour
 
 FACE_CELL_PX = 85
-"""Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
+"""Size of a cell, of which three are in a row."""
 EYE_CELL_PX = 48
 EAR_CELL_PX = 20
 CLOTH_CELL_PX = 60
@@ -192,8 +193,7 @@ def within(distance: FloatArray, edge: float) -> FloatArray:
 
     The blend is as wide as a texel or more, so the drawing needs no supersampling.
     """
-    t = np.clip(0.5 - distance / edge, 0, 1)
-    return t * t * (3 - 2 * t)
+    return smoothstep(0.5 - distance / edge)
 
 
 def over(image: FloatArray, colour: Colour | FloatArray, coverage: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ from mimoc.geometry.rotations import FloatArray
 from mimoc.looks.colours import Colour
 
 TILE_PX = 256
-"""Size of a tile, which is the maximum for images of a bundle."""
+"""Size of a tile."""
 SOFT = 1.5 / TILE_PX
 """Width of the blend at an edge, in tiles."""
 

@@ -10,8 +10,9 @@ from mimoc.body.grow import grow_tree
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.building import builder
 from mimoc.fits import measure
-from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES
+from mimoc.looks.appearance import HEAD_FEATURES
 from mimoc.schema import InfantSpec
+from mimoc.schema.expressions import EXPRESSIONS
 
 MITTEN = assemble("mitten", False)
 SIZES = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")

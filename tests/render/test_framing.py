@@ -39,20 +39,16 @@ def ends_of(model, data, root, axis):
 
 
 def surroundings(model):
-    """Return how a model's floor, light and sky look."""
+    """Return what pictures take from a model's floor and sky, whose light and colours are their own."""
     vis, mat = model.vis, model.material("mat").id
-    names = {field: getattr(model, field) for field in dir(model) if field.startswith("light_")}
     fields = [field for field in dir(model) if field.startswith("mat_") and field != "mat_texid"]
-    names |= {field: getattr(model, field)[mat] for field in fields} | {"extent": model.stat.extent}
-    names |= {"floor": model.geom("floor").size, "haze": vis.rgba.haze, "clip": vis.map.shadowclip}
-    names |= {name: getattr(vis.headlight, name) for name in ("ambient", "diffuse", "specular")}
-    names |= {name: getattr(vis.map, name) for name in ("znear", "zfar", "fogstart", "fogend")}
-    names |= {name: getattr(vis.quality, name) for name in ("shadowsize", "numslices", "numstacks")}
-    for name in ("sky", "mat"):
-        texture = model.texture(name)
-        start, size = int(texture.adr[0]), int(np.prod([texture.width[0], texture.height[0], texture.nchannel[0]]))
-        names[name] = model.tex_data[start : start + size]
-    return names
+    values = {field: getattr(model, field)[mat] for field in fields} | {"extent": model.stat.extent}
+    values |= {"floor": model.geom("floor").size, "sky": model.texture("sky").width}
+    values |= {name: getattr(vis.map, name) for name in ("znear", "zfar")}
+    values |= {name: getattr(vis.quality, name) for name in ("shadowsize", "numslices", "numstacks")}
+    texture = model.texture("mat")
+    start, size = int(texture.adr[0]), int(np.prod([texture.width[0], texture.height[0], texture.nchannel[0]]))
+    return values | {"mat": model.tex_data[start : start + size]}
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,11 @@ from pictures.inks import Painted, coloured, ink, mixed, plain, with_palette
 from PIL import Image
 from uv_map import unwrapped, wrapped
 
-from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT
+from mimoc.looks.appearance import GRID_LAYOUT
 from mimoc.looks.colours import INKS, inks_of
 from mimoc.looks.palettes import mixtures
 from mimoc.looks.pictures import FOLDER, read_picture
+from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.looks import LooksSpec
 
 SKIN = inks_of(LooksSpec(), "shirt_and_trousers")["skin"]

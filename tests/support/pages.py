@@ -9,7 +9,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from mimoc.viewer.encoding import places_of
+from mimoc.viewer.encoding import FINE_M
 
 FEW_AGES_MONTHS = (0.0, 9.0, 24.0)
 
@@ -33,6 +33,13 @@ def at_age(ages_months: list[float], values: np.ndarray, age_months: float) -> n
     one, other = ages_months[after - 1], ages_months[after]
     share = (age_months - one) / (other - one)
     return values[after - 1] + share * (values[after] - values[after - 1])
+
+
+def places_of(steps: np.ndarray) -> np.ndarray:
+    """Return the places, in [m], shape (ages, n, 3), of what `steps_of` returns."""
+    low, high = steps.astype(np.int64)
+    whole = np.cumsum(low + 256 * high, axis=0).astype(np.uint16).astype(np.int16)
+    return np.moveaxis(whole, 1, -1) * FINE_M
 
 
 def _text(page: str, name: str) -> str:

@@ -12,7 +12,8 @@ from mimoc.body.tree import BodyTree
 from mimoc.geometry.face_steps import Steps, on_grid, steps_between
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
-from mimoc.looks.skin.garments import OUTFITS, Piece, dressed, normals_of
+from mimoc.geometry.triangles import normals_of
+from mimoc.looks.skin.garments import OUTFITS, Piece, dressed
 from mimoc.looks.skin.hair import hair_over
 from mimoc.looks.skin.head import deform_head
 from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance

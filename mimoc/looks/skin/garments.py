@@ -92,11 +92,3 @@ def _rim(faces: IntArray, rank: IntArray, number: int) -> tuple[IntArray, IntArr
     beside = np.where(forth[place] == back, ranks[place], -1)
     chosen = (ranks == number) & (beside > number)
     return edges[chosen], beside[chosen]
-
-
-def normals_of(verts_m: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the direction away from a mesh at each vertex, shape (n, 3); 0 where it has no area."""
-    a, b, c = (verts_m[faces[:, corner]] for corner in range(3))
-    across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    total = np.column_stack([np.bincount(faces.ravel(), across[:, axis], len(verts_m)) for axis in range(3)])
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.skin.template_mesh import IntArray, SculptedHair
+from mimoc.geometry.smoothstep import smoothstep
+from mimoc.geometry.triangles import normals_of
+from mimoc.looks.skin.template_mesh import SculptedHair
 
 
 class Growth(NamedTuple):
@@ -55,12 +57,12 @@ def hair_over(
     """
     share = density(sculpted, age_months)
     growth = growth_at(age_months)
-    full = _smooth_step(share / max(growth.cover, 1e-9))
+    full = smoothstep(share / max(growth.cover, 1e-9))
     height_mm = LEAST_MM + (growth.thick_mm - LEAST_MM) * full
-    above = _smooth_step((share - BARE) / (CLEAR - BARE))
+    above = smoothstep((share - BARE) / (CLEAR - BARE))
     height_m = size * (above * height_mm - (1 - above) * SUNK_MM) / 1000
     scalp_m = verts_m[sculpted.verts]
-    outward = _normals(scalp_m, sculpted.faces)
+    outward = normals_of(scalp_m, sculpted.faces)
     places = MARGIN + (1 - 2 * MARGIN) * np.column_stack((sculpted.around, share))
     return scalp_m + height_m[:, None] * outward, places
 
@@ -69,7 +71,7 @@ def density(sculpted: SculptedHair, age_months: float) -> FloatArray:
     """Return how much hair there is at each vertex of the scalp, 0 to 1, shape (n,)."""
     growth = growth_at(age_months)
     within = sculpted.inside_deg[:, 0] + growth.fringe * sculpted.inside_deg[:, 1]
-    return growth.cover * _smooth_step(within / growth.edge_deg) * (1 - growth.worn * sculpted.worn)
+    return growth.cover * smoothstep(within / growth.edge_deg) * (1 - growth.worn * sculpted.worn)
 
 
 def growth_at(age_months: float) -> Growth:
@@ -82,16 +84,3 @@ def growth_at(age_months: float) -> Growth:
     """
     table = np.array(GROWTH)
     return Growth(*(float(np.interp(age_months, table[:, 0], column)) for column in table.T))
-
-
-def _normals(verts: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the direction outwards of each vertex of a mesh, shape (n, 3)."""
-    a, b, c = (verts[faces[:, index]] for index in range(3))
-    sums = np.zeros_like(verts)
-    np.add.at(sums, faces, np.repeat(np.cross(b - a, c - a)[:, None], 3, axis=1))
-    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)
-
-
-def _smooth_step(t: FloatArray) -> FloatArray:
-    t = np.clip(t, 0, 1)
-    return t * t * (3 - 2 * t)

@@ -5,6 +5,7 @@ import numpy as np
 from mimoc.body.head_surface import half_axes
 from mimoc.body.tree import BodyTree, Geom
 from mimoc.geometry.rotations import FloatArray
+from mimoc.geometry.smoothstep import smoothstep
 from mimoc.looks.skin.template_mesh import SculptedHead
 
 AT_EYE, BESIDE_EYE = 1.35, 3.0
@@ -44,11 +45,6 @@ def deform_head(sculpted: SculptedHead, tree: BodyTree, expression: str = "neutr
     return verts_m + np.array(head.pos_m)
 
 
-def expression_moves(sculpted: SculptedHead, tree: BodyTree, expression: str) -> FloatArray:
-    """Return how far the vertices of a head are from where they are with a neutral face, shape (n, 3), [m]."""
-    return deform_head(sculpted, tree, expression) - deform_head(sculpted, tree)
-
-
 def turned_lids(
     verts: FloatArray, middle: FloatArray, radius: float, outward: FloatArray, upper: float, lower: float
 ) -> FloatArray:
@@ -69,8 +65,8 @@ def turned_lids(
     is_upper = elevation > 0
     rim = np.where(is_upper, above, -below)
     beyond = np.clip((np.abs(elevation) - rim) / FADE_DEG, 0, 1)
-    turned = np.minimum(np.abs(elevation), rim) * (1 - _smooth_step(beyond)) * np.where(is_upper, 1, -1)
-    reach = _smooth_step((1.95 - far / radius) / 0.75) * (from_eye[:, 0] > -0.2 * radius)
+    turned = np.minimum(np.abs(elevation), rim) * (1 - smoothstep(beyond)) * np.where(is_upper, 1, -1)
+    reach = smoothstep((1.95 - far / radius) / 0.75) * (from_eye[:, 0] > -0.2 * radius)
     turn = np.radians(turned * (np.where(is_upper, upper, lower) - 1) * reach)
     level = np.hypot(from_eye[:, 0], from_eye[:, 1])
     angle = np.arctan2(from_eye[:, 2], level) + turn
@@ -123,12 +119,6 @@ def _around_eye(
     middle_m = sculpted.eye_m * (1, sign, 1)
     from_eye = shape_m - middle_m
     t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
-    near = _smooth_step(t)[:, None]
+    near = smoothstep(t)[:, None]
     on_ball = place - np.array(head.pos_m) + from_eye * (radius_m / sculpted.eye_radius_m)
     return verts_m + near * (on_ball - verts_m)
-
-
-def _smooth_step(t: FloatArray) -> FloatArray:
-    """Return 0 for what is below 0, 1 for what is above 1, and what rises smoothly between."""
-    t = np.clip(t, 0, 1)
-    return t * t * (3 - 2 * t)

@@ -1,0 +1,17 @@
+"""Meshes of triangles."""
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.geometry.rotations import FloatArray
+
+
+def normals_of(verts_m: FloatArray, faces: npt.NDArray[np.intp]) -> FloatArray:
+    """Return the direction away from a mesh at each vertex, shape (n, 3); 0 where it has no area.
+
+    It is the mean of the normals of the triangles at the vertex, weighted by their areas.
+    """
+    a, b, c = (verts_m[faces[:, corner]] for corner in range(3))
+    across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    total = np.column_stack([np.bincount(faces.ravel(), across[:, axis], len(verts_m)) for axis in range(3)])
+    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
