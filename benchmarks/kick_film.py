@@ -4,13 +4,15 @@
 
 The four are bundles of `age_months: 0` and `3`, those before written by `mimoc build` of commit 70550b97, the last with
 the law before. Each is opened in plain MuJoCo in its pose `supine` and left quiet for two seconds. Then the flexors of
-left and right hip take turns with .8 of their strength for .35 s, and all else is quiet. The camera is at a distance in
-proportion to the infant's size. Prints by how much each burst bends its hip from where it begins.
+left and right hip take turns with .8 of their strength for .35 s, and all else is quiet. Those before are drawn on the
+bodies of those after, which have the same joints. The camera is at a distance in proportion to the infant's size.
+Prints by how much each burst bends its hip from where it begins.
 """
 
 import argparse
 import os
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 
 os.environ.setdefault("MUJOCO_GL", "egl")
@@ -19,10 +21,15 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.camera import FOVY_DEG, Shot, View
+
 SHARE, BURST_S, TURN_S = 0.8, 0.35, 0.9
 SIDES = ("left", "right", "left", "right")
 QUIET_S = 2.0
 FPS, WIDTH, HEIGHT, COLOURS = 15, 320, 210, 160
+SIDE: View = (-106.0, -24.0)
+"""From the left of an infant, a little towards its feet and above it."""
 AGES, TIMES = ("newborn", "three months"), ("before", "after")
 
 
@@ -35,41 +42,49 @@ def main() -> None:
     chosen = parser.parse_args()
     bundles = [*chosen.before, *chosen.after]
     captions = [f"{age}, {time}" for time in TIMES for age in AGES]
-    panels = [panel(bundle, caption) for bundle, caption in zip(bundles, captions, strict=True)]
+    shown = [*chosen.after, *chosen.after]
+    panels = [panel(*infant) for infant in zip(bundles, shown, captions, strict=True)]
     write([tiled(pictures) for pictures in zip(*panels, strict=True)], chosen.output)
 
 
-def panel(bundle: Path, caption: str) -> list[Image.Image]:
-    """Return the pictures of one infant, and print how far its hips bend."""
-    model = mujoco.MjModel.from_xml_path(str(bundle / "scene.xml"))
-    data = mujoco.MjData(model)
+def panel(bundle: Path, shown: Path, caption: str) -> list[Image.Image]:
+    """Return the pictures of one infant, drawn as another, and print how far its hips bend."""
+    model, body = (mujoco.MjModel.from_xml_path(str(path / "scene.xml")) for path in (bundle, shown))
+    data, drawn = mujoco.MjData(model), mujoco.MjData(body)
     mujoco.mj_resetDataKeyframe(model, data, model.key("supine").id)
     mujoco.mj_step(model, data, round(QUIET_S / model.opt.timestep))
     start_s, angles_deg, pictures = data.time, [[] for _ in SIDES], []
     hips = [model.joint(f"robot:{side}_hip1").qposadr[0] for side in SIDES]
-    with mujoco.Renderer(model, HEIGHT, WIDTH) as renderer:
-        camera = side_view(model, data)
+    with closing(BodyCamera(body, ["hip"], WIDTH, HEIGHT)) as camera:
+        move(drawn, data)
+        shot = side_view(drawn)
         while (time_s := data.time - start_s) < TURN_S * len(SIDES) - 1e-9:
             turn = int((time_s + 1e-9) / TURN_S)
             burst = time_s - turn * TURN_S < BURST_S
             data.ctrl[:] = 0.0
             data.actuator(f"act:{SIDES[turn]}_hip_flex").ctrl[0] = -SHARE * burst
             if len(pictures) <= time_s * FPS + 1e-9:
-                renderer.update_scene(data, camera)
-                pictures.append(captioned(renderer.render(), caption))
+                move(drawn, data)
+                pictures.append(captioned(camera.render(drawn, shot=shot), caption))
             angles_deg[turn].append(float(np.degrees(data.qpos[hips[turn]])))
             mujoco.mj_step(model, data)
     print(f"{caption}: hips bend by", ", ".join(f"{angles[0] - min(angles):.0f}" for angles in angles_deg), "degrees")
     return pictures
 
 
-def side_view(model: mujoco.MjModel, data: mujoco.MjData) -> mujoco.MjvCamera:
-    """Return a camera at the left of an infant, a little towards its feet and above it."""
-    camera = mujoco.MjvCamera()
+def move(drawn: mujoco.MjData, data: mujoco.MjData) -> None:
+    """Put an infant where another one is, at each joint that has the same name."""
+    for number in range(drawn.model.njnt):
+        joint = drawn.joint(number)
+        joint.qpos[:] = data.joint(joint.name).qpos
+    mujoco.mj_forward(drawn.model, drawn)
+
+
+def side_view(data: mujoco.MjData) -> Shot:
+    """Return a shot of an infant from its left, of a size in proportion to it."""
     trunk_m = float(np.linalg.norm(data.body("head").xpos - data.body("hip").xpos))
-    camera.lookat[:] = data.body("hip").xpos + trunk_m * np.array([-0.1, 0.0, 0.12])
-    camera.distance, camera.azimuth, camera.elevation = 2.35 * trunk_m, -106.0, -24.0
-    return camera
+    middle_m = data.body("hip").xpos + trunk_m * np.array([-0.1, 0.0, 0.12])
+    return Shot(middle_m, 0.0, SIDE, FOVY_DEG).from_distance(4.6 * trunk_m, FOVY_DEG)
 
 
 def captioned(picture: np.ndarray, caption: str) -> Image.Image:

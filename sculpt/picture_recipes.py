@@ -220,16 +220,17 @@ def water(mimoc: Commands) -> Image.Image:
     infant = spec(
         *(mimoc, "bath", 6), senses={"proprioception": {}}, scene={"start_at": "bath", "objects": [bath, ball]}
     )
+    pictures = []
     with make(load_spec(infant)) as env:
         env.reset(seed=0)
         bathing = cast(InfantEnv, env.unwrapped)
         camera = BodyCamera(bathing.model, ["object_bath"], 560, 420, (-65.0, -30.0), exposure=STILL, margin=0.8)
         with closing(camera):
-            start = camera.render(bathing.data)
+            pictures.append(camera.render(bathing.data))
             for _ in range(FLOATING_STEPS):
                 env.step(np.zeros_like(env.action_space.sample()))
-            afloat = camera.render(bathing.data)
-    return in_rows([Image.fromarray(afloat), Image.fromarray(start)], 2, gap=0)
+            pictures.append(camera.render(bathing.data))
+    return in_rows([Image.fromarray(picture) for picture in reversed(pictures)], 2, gap=0)
 
 
 def tasks(mimoc: Commands) -> Image.Image:
