@@ -11,6 +11,8 @@ from mimoc.base.rounding import rounded_array
 from mimoc.geometry.face_steps import Steps, stepped
 from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
 
+LEAST = 1e-9
+"""Smaller numbers are 0: lengths in m, parts of quaternions, weights and places in a texture."""
 NAME_BYTES = 40
 """For the name of a body in MuJoCo's file."""
 
@@ -115,5 +117,5 @@ def texture_places(layer: SkinLayer) -> npt.NDArray[np.float32]:
 
 
 def single(values: FloatArray) -> npt.NDArray[np.float32]:
-    """Return numbers as they are in the file."""
-    return rounded_array(values).astype("<f4")
+    """Return numbers as they are in the file: what is left of sums that are zero is 0 on every machine."""
+    return np.where(np.abs(values) < LEAST, 0.0, rounded_array(values)).astype("<f4")

@@ -72,5 +72,5 @@ FUZZER = Fuzzer(
     about="folders of training runs, changed in settings, curves, checkpoints and links, used in every way",
     prepare=prepare,
     attempt=attempt,
-    short=6,
+    short=12,
 )

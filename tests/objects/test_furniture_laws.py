@@ -75,6 +75,8 @@ def test_random_furniture_is_stood_on_and_rests(room, age_months):
     start.run(2)
     assert np.linalg.norm(start.place("hip") - before[:1]) < 0.03, "it sinks in by 5 mm, the youngest roll a little"
     for name in things:
-        assert np.abs(start.data.joint(f"object_{name}_free").qvel).max() < 0.03, f"{name} rocks"
+        speed = np.abs(start.data.joint(f"object_{name}_free").qvel)
+        assert speed[:3].max() < 0.02, name
+        assert speed[3:].max() < 0.1, "what is slender sways on a soft mat for some seconds"
     moved_m = np.linalg.norm((start.place("hip", *(f"object_{name}" for name in things)) - before)[1:], axis=1)
     assert (moved_m < 0.031).all(), "nothing but foam gives way"
