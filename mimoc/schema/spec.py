@@ -122,6 +122,11 @@ class InfantKeys(FileModel):
         return self.age_months - self.months_early
 
     @property
+    def earliest_months(self) -> float:
+        """The least age that the child can have: at which it is at term, in hundredths of a month, rounded up."""
+        return math.ceil(100 * self.months_early) / 100
+
+    @property
     def clothes(self) -> Clothes:
         """What the infant wears."""
         return self.body.looks.clothes_at(self.corrected_age_months)
@@ -129,10 +134,9 @@ class InfantKeys(FileModel):
     @model_validator(mode="after")
     def _is_at_term(self) -> Self:
         if self.corrected_age_months < 0:
-            months = math.ceil(100 * self.months_early) / 100
             message = (
                 f"a child that was born {self.months_early:.2f} months early is not at term yet, and there are no "
-                f"tables of growth before; give {months:g} or more"
+                f"tables of growth before; give {self.earliest_months:g} or more"
             )
             raise KeyedError(("age_months",), message, against=("impairments",))
         return self

@@ -87,6 +87,15 @@ def test_curves_are_whos_and_the_dot_is_the_child(known, variants):
     )
 
 
+def test_a_child_that_was_born_early_is_as_at_term_before():
+    early = mimoc.InfantSpec.model_validate(
+        {"mimoc": 1, "name": "kim", "age_months": 6, "impairments": {"gestation_weeks": 27.3}}
+    )
+    sizes = describe(mimoc.build(early))["geoms"]["size"]
+    assert (sizes[0] == sizes[1]).all()
+    assert (sizes[0] < sizes[-1]).any()
+
+
 def test_a_page_asks_nothing_of_the_network(page):
     """Its own policy forbids it, and no address stands where something could be loaded from."""
     assert "default-src 'none'" in page
