@@ -169,7 +169,7 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
 def _ages(spec: InfantSpec) -> Callable[[float, bool], Variant]:
     """Return what builds the infant of a spec at an age, once, with touch so that its skin points can be shown.
 
-    Undressed, without the smooth skin of its spec, it takes half the time. One that was born early is as at term before.
+    Undressed, without the smooth skin of its spec, it takes half the time. One born early is as at term before.
     """
     spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
     seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
