@@ -47,7 +47,7 @@ class Exposure:
     """Side of the map of the sun's shadows, whose cells the passes blur."""
 
 
-STILL, MOVING, ONCE = Exposure(5, 3), Exposure(4, 1, 256), Exposure(1)
+STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
 ROW = Exposure(4, 2)
 """For several infants, which have more triangles."""

@@ -199,7 +199,7 @@ def test_hands_reach_from_the_age_of_first_reaches_on(held_infant, law_and_age, 
 @pytest.mark.parametrize("model", full_but(["muscle"], ["torque"]))
 def test_a_newborn_misses_many_targets_that_a_four_month_old_reaches(held_infant, model):
     """Some three of its 16 targets stay more than a centimetre away for two seconds, with muscles a quarter, and hardly
-    any of the older one's. Of newborns that sat upright, with their hands farther from their targets, it was a third."""
+    any of the older one's. Of newborns that sat upright, their hands farther from the targets, it was a third."""
     newborn, older = (
         reach_errors(held_infant(age_months, model=model), ReachGains(), np.random.default_rng(0), 8, 2.0).hands_m
         for age_months in (0, 4)
