@@ -50,36 +50,45 @@ def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> N
             raise BundleError(f"{path}: with this one, every <{element}> together is larger than any infant needs")
 
 
-def _pixels(content: bytes) -> int:
-    """Return the number of pixels of a PNG."""
-    data = b"".join(_chunks(content))
+def pixels_of(content: bytes, *, is_ours: bool = True) -> int:
+    """Return the number of pixels of a PNG.
+
+    Args:
+        content: The file.
+        is_ours: Whether it may only contain what mimoc writes; other programs also write 16 bits, texts and profiles.
+
+    Raises:
+        UnusableFileError: If it is no PNG, too large, or unpacks to more than it says.
+    """
+    data = b"".join(_chunks(content, is_ours))
     width, height, depth, colour = struct.unpack_from(">IIBB", content, 16)
     if not 0 < width <= MOST_SIDE_PX or not 0 < height <= MOST_SIDE_PX:
         raise UnusableFileError(
             f"it says that it has {width:,} x {height:,} pixels; at most {MOST_SIDE_PX:,} a side may be"
         )
-    if depth > 8 or colour not in _CHANNELS:
+    if depth > (8 if is_ours else 16) or colour not in _CHANNELS:
         raise UnusableFileError("its colours are of a kind that mimoc never writes")
     if len(data) > SURELY_SMALL:
         bytes_of_all = (1 + (width * _CHANNELS[colour] * depth + 7) // 8) * height
+        most = bytes_of_all if is_ours else 2 * bytes_of_all  # Interlaced ones have more rows, each with a byte more.
         unpacked = zlib.decompressobj()
         try:
-            is_as_large = len(unpacked.decompress(data, bytes_of_all + 1)) == bytes_of_all
+            size = len(unpacked.decompress(data, most + 1))
         except zlib.error:
-            is_as_large = False
-        if not is_as_large:
+            size = 0
+        if not bytes_of_all <= size <= most:
             raise UnusableFileError("it has not as many pixels as it says")
     return width * height
 
 
-def _chunks(content: bytes) -> list[bytes]:
+def _chunks(content: bytes, is_ours: bool) -> list[bytes]:
     """Return the compressed data of a PNG, checked chunk by chunk."""
     if content[:8] != _SIGNATURE or content[12:16] != b"IHDR" or len(content) < 45:
         raise UnusableFileError("it is not a PNG")
     place, compressed = 8, []
     while place + 12 <= len(content):
         size, kind = struct.unpack_from(">I4s", content, place)
-        if kind not in _CHUNKS or place + 12 + size > len(content):
+        if (is_ours and kind not in _CHUNKS) or place + 12 + size > len(content):
             raise UnusableFileError("it is damaged, or not a PNG as mimoc writes it")
         if kind == b"IDAT":
             compressed.append(content[place + 8 : place + 8 + size])
@@ -129,5 +138,5 @@ def _integers(content: bytes, place: int, count: int) -> "np.ndarray":
     return np.frombuffer(content, "<i4", count, place)
 
 
-_CHECKS: Mapping[str, Callable[[bytes], int]] = {"texture": _pixels, "mesh": _mesh_bytes, "skin": _vertices}
+_CHECKS: Mapping[str, Callable[[bytes], int]] = {"texture": pixels_of, "mesh": _mesh_bytes, "skin": _vertices}
 _MOST = {"texture": MOST_PIXELS, "mesh": MOST_MESH_BYTES, "skin": MOST_VERTICES}

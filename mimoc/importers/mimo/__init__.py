@@ -20,6 +20,7 @@ from mimoc.importers.mimo.comparison import notes_on_infant
 from mimoc.importers.mimo.growth import recognise_age
 from mimoc.importers.mimo.infant import Infant, find_infant, locked_groups, read_actuation, read_body, read_senses
 from mimoc.importers.mimo.keyframes import moved_keyframes
+from mimoc.importers.mimo.limits import check_limits
 from mimoc.importers.mimo.reading import Element, read_scene
 from mimoc.importers.mimo.references import names_in_model
 from mimoc.importers.mimo.rest import MODEL, Rest, rest_of
@@ -45,6 +46,7 @@ def import_mimo(path: str | Path) -> Imported:
     """
     path = Path(path)
     tree = read_scene(path)
+    check_limits(tree)
     infant = find_infant(tree, str(path))
     assets = AssetFiles(tree, path.parent)
     model = _compiled(assets.moved(without_pictures(tree)), assets.files, str(path))
@@ -98,7 +100,7 @@ def _compiled(tree: Element, files: Mapping[str, bytes], file: str) -> mujoco.Mj
     try:
         with _unheard():
             return mujoco.MjModel.from_xml_string(tree.xml(), dict(files))
-    except (ValueError, mujoco.FatalError) as error:
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
         message = f"MuJoCo {mujoco.__version__} rejects this scene: {' '.join(_LINE.sub('', str(error)).split())}"
         line = _LINE.search(str(error))
         element = next(islice(tree.lines(), int(line[1]) - 1, None), None) if line else None
@@ -135,7 +137,7 @@ def _opened(files: Mapping[str, bytes], bundle: Bundle, name: str, path: Path) -
         try:
             with _unheard():
                 return mujoco.MjModel.from_xml_path(str(Path(folder) / next(iter(files))))
-        except (ValueError, mujoco.FatalError) as error:
+        except (ValueError, RuntimeError, mujoco.FatalError) as error:
             reason = " ".join(str(error).replace(folder, "").split())
             message = f"MuJoCo {mujoco.__version__} rejects what is left of this scene with mimoc's infant: {reason}"
             raise SpecError([Problem(str(path), 1, 1, "", message)]) from None

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from mimoc.base.errors import Problem, SpecError
+from mimoc.bundle.asset_check import MOST_PIXELS, pixels_of
 from mimoc.bundle.regular_files import MOST_BYTES, MOST_BYTES_IN_ALL, UnusableFileError
 from mimoc.importers.mimo.reading import Element, first_existing, read_file
 
@@ -39,7 +40,8 @@ class AssetFiles:
             if compiler.tag == "compiler"
             for name, value in compiler.attributes.items()
         }
-        self._names, self._left = dict[Path, str](), MOST_BYTES_IN_ALL
+        self._names = dict[Path, str]()
+        self._left, self._pixels_left = MOST_BYTES_IN_ALL, MOST_PIXELS
         self.files: dict[str, bytes] = {}
         """Content by name."""
         self.sources: set[Path] = set()
@@ -66,7 +68,7 @@ class AssetFiles:
         for name in file_attributes(element):
             path = self._path(element, attributes[name])
             try:
-                attributes[name] = place + self._name(path)
+                attributes[name] = place + self._name(path, element.tag in ("texture", "hfield"))
             except UnusableFileError as error:
                 problems.append(element.problem(f"the file '{path}' {error}"))
         children = [self._moved(child, place, problems) for child in element.children]
@@ -81,10 +83,14 @@ class AssetFiles:
         beside = os.path.relpath(Path(element.file).parent, self._folder)
         return first_existing(self._folder / place / name, self._folder / place / beside / name)
 
-    def _name(self, path: Path) -> str:
+    def _name(self, path: Path, is_picture: bool) -> str:
         if path not in self._names:
             content = read_file(path, min(MOST_BYTES, self._left))
             self._left -= len(content)
+            if is_picture and path.suffix.lower() == ".png":
+                self._pixels_left -= pixels_of(content, is_ours=False)
+                if self._pixels_left < 0:
+                    raise UnusableFileError(f"and others have more than {MOST_PIXELS:,} pixels together")
             taken, number = set(self._names.values()), 1
             name = path.name
             while name in taken:

@@ -3,6 +3,8 @@
 import re
 import shlex
 import shutil
+import struct
+import zlib
 from pathlib import Path
 
 import mujoco
@@ -382,6 +384,68 @@ def test_a_missing_picture_is_refused_with_its_line(tmp_path):
 def test_a_scene_that_attaches_models_is_refused(tmp_path):
     path = write_scene(tmp_path, assets='<model name="cot" file="cot.xml"/>')
     assert "model 'cot': attaches another model; include its parts" in refused(path)
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ({"world": WORLD + '<replicate count="100000"><geom size=".1"/></replicate>'}, "count is 100,000"),
+        (
+            {
+                "world": WORLD
+                + '<replicate count="300"><replicate count="300"><geom size=".1"/></replicate></replicate>'
+            },
+            "<geom>, copies included; at most 2,048",
+        ),
+        ({"world": WORLD + '<body><composite type="cable" count="900 1 1"/></body>'}, "<body>, copies included"),
+        ({"world": WORLD + '<flexcomp name="f" type="grid" count="20 20 20"/>'}, "<body>, copies included"),
+        ({"world": WORLD + '<flexcomp name="f" type="mesh" file="x.obj"/>'}, "a flexible body of a file"),
+        ({"timestep": "0"}, "timestep is 0; give 0.0001 to 1 s"),
+        ({"timestep": "nan"}, "timestep is no number"),
+        ({"timestep": "1e-12"}, "timestep is 1e-12"),
+        ({"pos": "inf 0 0"}, "pos is no number"),
+        ({"gravity": "0 0 -1e300"}, "gravity is no number"),
+        ({"assets": '<hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/>'}, "more than 1,048,576 samples"),
+        ({"assets": '<texture name="t" type="2d" builtin="flat" width="60000" height="8"/>'}, "width is 60,000"),
+        ({"sections": '<size memory="900G"/>'}, "memory is above 1 GB"),
+        ({"sections": '<size nuser_body="2000000000"/>'}, "nuser_body is 2,000,000,000"),
+        ({"sections": '<option iterations="2000000000"/>'}, "iterations is 2,000,000,000; give 1,000"),
+        ({"sections": "<keyframe>" + "<key/>" * 5000 + "</keyframe>"}, "5,000 <key>"),
+        ({"sections": '<extension><plugin plugin="mujoco.pid"/></extension>'}, "does not load"),
+        ({"sections": '<compiler><lengthrange inttotal="1e9"/></compiler>'}, "simulates too many steps"),
+    ],
+)
+def test_what_would_take_too_long_or_is_no_number_is_refused(tmp_path, parts, said):
+    """MuJoCo would make bodies for ever, ask for all memory, or give poses that are no numbers."""
+    with pytest.raises(SpecError) as refused:
+        imported(tmp_path, **parts)
+    assert said in str(refused.value)
+    assert re.match(r".*nursery\.xml:\d+:1: ", str(refused.value))
+
+
+def test_a_few_copies_are_no_obstacle(tmp_path):
+    boxes = '<replicate count="3" offset=".3 0 0"><geom type="box" size=".1 .1 .1" pos="1 1 .1"/></replicate>'
+    assert imported(tmp_path, world=WORLD + boxes).spec["age_months"] == 9
+
+
+def test_a_picture_of_other_programs_is_read_and_one_that_unpacks_to_more_is_refused(tmp_path):
+    """Other programs write 16 bits a channel, interlaced rows and texts; a few kilobytes can unpack to gigabytes."""
+    texture = '<texture name="t" type="2d" file="t.png"/>'
+    tmp_path.joinpath("t.png").write_bytes(png(64, 64, b"\0" * 64 * 129, depth=16, colour=0, text=b"Title\0of mine"))
+    assert imported(tmp_path, assets=texture).spec["age_months"] == 9
+    tmp_path.joinpath("t.png").write_bytes(png(8, 8, b"\0" * 200_000_000, depth=8, colour=0))
+    with pytest.raises(SpecError, match=r"texture 't': the file .*t\.png.* it has not as many pixels as it says"):
+        imported(tmp_path, assets=texture)
+
+
+def png(width: int, height: int, rows: bytes, depth: int, colour: int, text: bytes = b"") -> bytes:
+    """Return a PNG of any rows, whether they fit its size or not, and a text."""
+    chunks = [(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0))]
+    chunks += [(b"tEXt", text)] * bool(text) + [(b"IDAT", zlib.compress(rows, 9)), (b"IEND", b"")]
+    parts = [
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
 
 def test_what_mujoco_refuses_is_refused_with_its_line(tmp_path):
