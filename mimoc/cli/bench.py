@@ -31,7 +31,12 @@ Processes = Annotated[
     int | None, typer.Option(min=1, max=1024, help="Processes that share the work; default: one for each core.")
 ]
 Verify = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Score such results again; exit code 1 if a bit is different.")
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Score such results again; exit code 1 if a bit is different. A policy that is not below this folder is "
+        "only used if you name it, too, with --policy.",
+    ),
 ]
 Tables = Annotated[
     list[Path] | None,
@@ -65,7 +70,9 @@ def bench(
     interruption. Scores are success with its 95 % interval, return, effort, smoothness, and likeness to real infants;
     docs/benchmark.md defines them and says how to enter.
     """
-    _check_mode(policy=policy, list=list_tasks, specs=specs, verify=verify, table=table)
+    _check_mode(policy=None if verify else policy, list=list_tasks, specs=specs, verify=verify, table=table)
+    if verify and (out or episodes or babybench):
+        raise MimocError("--out, --episodes and --babybench are not for --verify; leave them out")
     if not policy and (out or episodes or babybench):
         raise MimocError("--out, --episodes and --babybench are for a --policy that is entered; leave them out")
     if list_tasks:
@@ -80,7 +87,7 @@ def bench(
 
         print(printable(markdown_tables([read_results(path) for path in table])))
     elif verify:
-        _verify(verify, tasks, ages, processes)
+        _verify(verify, tasks, ages, processes, policy)
     elif out is None:
         raise MimocError("name the file of the results with -o FILE.json")
     elif babybench and (tasks or ages or processes):
@@ -113,13 +120,13 @@ def _enter(
     print(printable(out))
 
 
-def _verify(path: Path, tasks: str | None, ages: str | None, processes: int | None) -> None:
+def _verify(path: Path, tasks: str | None, ages: str | None, processes: int | None, policy: str | None) -> None:
     from mimoc.cli import console
     from mimoc.studies.bench.running import verify_bench
 
     chosen = {"tasks": _names(tasks), "ages_months": _months(ages), "processes": processes or _cores()}
     with console.progress("scoring again") as show:
-        compared = verify_bench(path, **chosen, progress=show)
+        compared = verify_bench(path, **chosen, progress=show, policy=policy)
     different = {cell: texts for cell, texts in compared.items() if texts}
     for cell, texts in different.items():
         print(printable(f"{cell}: differs in {'; '.join(texts)}"))

@@ -6,11 +6,11 @@ find in minutes (`mimoc skill`), and a person can read.
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mimoc.base.errors import PolicyError
 from mimoc.base.units import ms_to_s
@@ -36,7 +36,7 @@ class Postures(Model):
     """The task that it was made for."""
     age_months: Amount
     """Age of the infant that it was made for."""
-    joints: Annotated[tuple[Label, ...], Field(max_length=500)]
+    joints: Annotated[tuple[Label, ...], Field(min_length=1, max_length=500)]
     """The hinges that it moves."""
     postures: Annotated[tuple[tuple[Share, ...], ...], Field(min_length=1, max_length=50)]
     """Angle of each joint in each posture: -1 and 1 are the ends of its range."""
@@ -57,6 +57,19 @@ class Postures(Model):
     """What the speed of a joint is multiplied by, to be counted as an angle."""
     recipe: dict[Label, Label | Number] = Field(default_factory=dict)
     """How it was found, for readers: the command, seed, tries, success."""
+
+    @model_validator(mode="after")
+    def _check_shapes(self) -> Self:
+        """Check that every joint is there once, and that postures and sway have a number for each."""
+        count = len(self.joints)
+        if len(set(self.joints)) < count:
+            raise ValueError("joints: one is there twice")
+        for number, posture in enumerate(self.postures):
+            if len(posture) != count:
+                raise ValueError(f"postures.{number}: {len(posture)} numbers, for {count} joints")
+        if self.sway and [len(row) for row in self.sway] != [count] * len(SWAYS):
+            raise ValueError(f"sway: give {len(SWAYS)} rows ({', '.join(SWAYS)}) of {count} numbers, or none")
+        return self
 
     def targets(self) -> FloatArray:
         """Return all postures as they follow one another, shape (p, n), in shares of ranges."""

@@ -1,5 +1,8 @@
 """A policy through postures: what it asks joints for, and what it needs."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -105,3 +108,20 @@ def test_an_infant_that_does_not_sense_its_joints_is_refused():
     blind = mimoc.make(mimoc.InfantSpec(mimoc=1, name="kim", age_months=6)).unwrapped
     with pytest.raises(PolicyError, match="proprioception"):
         PosturePolicy(blind, movement())
+
+
+@pytest.mark.parametrize(
+    ("keys", "reason"),
+    [
+        ({"joints": ()}, "joints: "),
+        ({"joints": JOINTS[:2] + JOINTS[:1]}, "joints: one is there twice"),
+        ({"postures": ((0.1,), (0.2, 0.3))}, "postures.0: 1 numbers, for 3 joints"),
+        ({"sway": ((1.0,),)}, "sway: give 4 rows"),
+        ({"sway": ((0.1, 0.1, 0.1),) * 3}, "sway: give 4 rows"),
+    ],
+)
+def test_a_movement_has_a_number_for_every_joint(tmp_path, keys, reason):
+    form = movement().model_dump(mode="json") | keys
+    (tmp_path / "skill.json").write_text(json.dumps(form))
+    with pytest.raises(PolicyError, match=f"^{re.escape(str(tmp_path))}/skill.json: {reason}"):
+        read_postures(tmp_path / "skill.json")

@@ -1,9 +1,10 @@
 """What is entered for the benchmark: a policy of mimoc's, a trained one, or a class that acts."""
 
 import inspect
+import os
 import re
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import numpy as np
 from mimoc.base.classes import import_class
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.io import digests
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Policy, PolicyMaker
@@ -23,6 +25,8 @@ from mimoc.studies.bench.table import Cell
 
 CLASS = re.compile(r"([A-Za-z_][\w.]*):[A-Za-z_]\w*")
 EXAMPLE = "my_policy:Kicker"
+MOST_BYTES = 2**29
+"""Of a file of a policy that results name: 512 MB, as of any policy."""
 
 
 class ClassPolicy:
@@ -87,21 +91,60 @@ def digests_of(texts: Iterable[str]) -> dict[str, str]:
     Raises:
         MimocError: If a text is no policy.
     """
-    return digests(dict(item for text in dict.fromkeys(texts) for item in _files_of(text)))
+    return digests({name: path.read_bytes() for text in dict.fromkeys(texts) for name, path in _files_of(text)})
 
 
-def _files_of(text: str) -> Iterator[tuple[str, bytes]]:
+def check_files(policy: str, texts: Iterable[str], recorded: Mapping[str, str]) -> None:
+    """Check that the policy of a file of results has the files that it recorded, below the current folder.
+
+    Anyone may have written that file. So nothing outside of the current folder is read, nothing that is not recorded,
+    and no module is imported before it has been compared.
+
+    Args:
+        policy: The policy as it was named.
+        texts: The same for each task and age.
+        recorded: Digests of its files.
+
+    Raises:
+        PolicyError: If it has other files, or some elsewhere.
+    """
+    trust = "; if you trust it, name it yourself with --policy"
+    contents = dict[str, bytes]()
+    for text in dict.fromkeys(texts):
+        module = text.partition(":")[0].removesuffix(".py") if _is_class(text) else ""
+        if "." in module:
+            raise PolicyError(f"its policy '{policy}' is in a package, whose other modules are not recorded{trust}")
+        named = [f"{module}.py"] if module else [part.argument for part in parse_policy(text)]
+        for path in (Path(name).expanduser() for name in named if name):
+            if os.path.lexists(path) and not path.resolve().is_relative_to(Path.cwd().resolve()):
+                raise PolicyError(f"its policy '{policy}' reads {path}, outside of this folder{trust}")
+        for name, path in [(f"{module}.py", Path(f"{module}.py"))] if module else _files_of(text):
+            if name in recorded:
+                contents[name] = _content(path)
+            else:
+                raise PolicyError(f"its policy '{policy}' reads {name}, which is not among the files that were scored")
+    if digests(contents) != recorded:
+        raise PolicyError(f"the files of its policy '{policy}' are not those that were scored")
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_regular_file(path, MOST_BYTES) or b""
+    except UnusableFileError as error:
+        raise PolicyError(f"{path}: {error}") from None
+
+
+def _files_of(text: str) -> Iterator[tuple[str, Path]]:
     if _is_class(text):
         path = Path(inspect.getfile(import_class(text, EXAMPLE)))
-        yield path.name, path.read_bytes()
+        yield path.name, path
         return
     for part in parse_policy(text):
         path = Path(part.argument or "").expanduser()
         if part.argument and path.is_file():
-            yield part.argument, path.read_bytes()
+            yield part.argument, path
         elif part.argument and path.is_dir():
-            inside = sorted(item for item in path.rglob("*") if item.is_file())
-            yield from ((item.as_posix(), item.read_bytes()) for item in inside)
+            yield from ((item.as_posix(), item) for item in sorted(path.rglob("*")) if item.is_file())
 
 
 def _is_class(text: str) -> bool:

@@ -1,12 +1,14 @@
 """What a policy scored, as it stands in files, and tables of several policies."""
 
+import html
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from mimoc.base.errors import BundleError
 from mimoc.base.rounding import render_json
-from mimoc.bundle.regular_files import UnusableFileError, read_json_file
+from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Whole
 from mimoc.studies.bench.scores import CellScores
@@ -76,7 +78,7 @@ def differences(before: CellScores, after: CellScores) -> list[str]:
 
 def markdown_tables(entries: Sequence[BenchResults]) -> str:
     """Return two tables in Markdown: how often policies succeed in each task, and the other scores, as means."""
-    policies = [f"`{entry.policy}`" for entry in entries]
+    policies = [_code(entry.policy) for entry in entries]
     lines = [_row("task", "months", *policies), _row("---", *["---:"] * (1 + len(entries)))]
     for cell in chosen_cells():
         if any(cell.name in entry.cells for entry in entries):
@@ -89,6 +91,14 @@ def markdown_tables(entries: Sequence[BenchResults]) -> str:
         means = [_mean(entry, name) for name in ("success", "effort", "arc_length", "jerk", "likeness")]
         lines.append(_row(policy, f"{len(entry.cells)}", *map(_number, means)))
     return "\n".join(lines)
+
+
+def _code(text: str) -> str:
+    """Return text that anyone may have written as code in a cell of a table; nothing of it is Markdown or HTML."""
+    if re.fullmatch(r"[\w +:(){}./,-]+", text, re.ASCII):
+        return f"`{text}`"
+    special = {ord(character): f"&#{ord(character)};" for character in "`|*_~\\["}
+    return f"<code>{html.escape(one_line(text)).translate(special)}</code>"
 
 
 def _success(scores: CellScores | None) -> str:

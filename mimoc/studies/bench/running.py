@@ -10,7 +10,7 @@ from mimoc.bundle.files import make_folder, remove, write_file
 from mimoc.compiler import pipeline
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
-from mimoc.studies.bench.entrant import bound_policy, digests_of, text_for
+from mimoc.studies.bench.entrant import bound_policy, check_files, digests_of, text_for
 from mimoc.studies.bench.results import BenchResults, differences, read_results
 from mimoc.studies.bench.scores import CellScores, score_cell
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
@@ -92,19 +92,22 @@ def verify_bench(
     ages_months: Sequence[float] | None = None,
     processes: int = 1,
     progress: Progress = lambda done, total: None,
+    policy: str | None = None,
 ) -> Mapping[str, list[str]]:
     """Score a result again; return what differs in each cell: nothing where it is the same to the bit.
 
     Args:
-        path: File that `run_bench` wrote; the policy must be where it was.
+        path: File that `run_bench` wrote; the policy must be where it was, below the current folder.
         tasks: Names of the tasks to score again; all in the file if left out.
         ages_months: Ages, likewise.
         processes: As of `run_bench`.
         progress: As of `run_bench`.
+        policy: The policy as it was named, if it is trusted to be elsewhere: outside of the current folder, nothing is
+            read or imported that only the file names.
 
     Raises:
         BundleError: If the file is no result of this benchmark.
-        PolicyError: If the policy is another one by now, or fails.
+        PolicyError: If the policy is another one by now, elsewhere, or fails.
 
     Example:
         >>> import mimoc
@@ -114,8 +117,13 @@ def verify_bench(
     """
     results = read_results(path)
     every = {cell: text_for(results.policy, cell) for cell in results.scored}
-    if digests_of(every.values()) != results.policy_files:
-        raise PolicyError(f"{path}: the files of its policy '{results.policy}' are not those that were scored")
+    if policy is None:
+        try:
+            check_files(results.policy, every.values(), results.policy_files)
+        except MimocError as error:
+            raise PolicyError(f"{path}: {error}") from None
+    elif policy != results.policy or digests_of(every.values()) != results.policy_files:
+        raise PolicyError(f"{path}: '{policy}' is not the policy that was scored, or its files have changed")
     chosen = [cell for cell in chosen_cells(tasks, ages_months) if cell in every]
     if not chosen:
         raise MimocError(f"{path}: has no scores of these tasks and ages; leave out --tasks and --ages")

@@ -8,6 +8,7 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import MimocError, PolicyError
+from mimoc.policies.postures import Postures, write_postures
 from mimoc.studies.bench import running
 from mimoc.studies.bench.results import markdown_tables, read_results
 from mimoc.studies.bench.scores import movements_in, score_cell, wilson_interval
@@ -272,3 +273,73 @@ def test_the_command_enters_verifies_lists_and_tabulates(here, invoke):
     other = invoke("bench", "--verify", "zero.json", "--processes", "1")
     assert (other.code, other.out.splitlines()[-1]) == (1, "zero.json: the same to the bit for 0 of 1 infant")
     assert other.out.startswith("grasp/12: differs in mean_return 3.5, now ")
+
+
+def strange(folder, policy: str, files: dict[str, str] | None = None) -> None:
+    """Write results that name a policy which was never scored."""
+    results = mimoc.run_bench("zero", "zero.json", tasks=["grasp"], ages_months=[12], episodes=1)
+    data = results.model_dump(mode="json") | {"policy": policy, "policy_files": files or {}}
+    (folder / "strange.json").write_text(json.dumps(data))
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"),
+    [
+        ("motion:/", "reads /, outside of this folder; if you trust it, name it yourself with --policy"),
+        ("motion:..", "reads .., outside of this folder; if you trust it, name it yourself with --policy"),
+        ("skill:link.json", "reads link.json, outside of this folder; if you trust it, name it yourself with --policy"),
+        ("motion:recorded", "reads recorded/a.csv, which is not among the files that were scored"),
+        ("spiteful:Policy", "reads spiteful.py, which is not among the files that were scored"),
+        (
+            "spiteful.inner:Policy",
+            "is in a package, whose other modules are not recorded; if you trust it, name it yourself with --policy",
+        ),
+    ],
+)
+def test_verifying_the_results_of_a_stranger_reads_nothing_else_and_imports_nothing(here, tmp_path, policy, reason):
+    (here / "spiteful.py").write_text("from pathlib import Path\nPath('imported').touch()\n")
+    (here / "recorded").mkdir()
+    (here / "recorded" / "a.csv").touch()
+    (here / "link.json").symlink_to("/etc/hostname")
+    strange(here, policy)
+    with pytest.raises(PolicyError) as refused:
+        mimoc.verify_bench("strange.json")
+    assert str(refused.value) == f"strange.json: its policy '{policy}' {reason}"
+    assert not (here / "imported").exists()
+
+
+def test_a_module_is_not_imported_if_it_is_not_the_one_that_was_scored(here):
+    (here / "spiteful.py").write_text("from pathlib import Path\nPath('imported').touch()\n")
+    strange(here, "spiteful:Policy", {"spiteful.py": "sha256:0"})
+    with pytest.raises(PolicyError, match="the files of its policy 'spiteful:Policy' are not those that were scored"):
+        mimoc.verify_bench("strange.json")
+    assert not (here / "imported").exists()
+
+
+def test_a_policy_elsewhere_is_verified_if_the_user_names_it(here, invoke):
+    elsewhere = here.parent / f"{here.name}_skill.json"
+    write_postures(Postures(task="grasp", age_months=12, joints=("robot:left_elbow",), postures=((0.5,),)), elsewhere)
+    mimoc.run_bench(f"skill:{elsewhere}", "skill.json", tasks=["grasp"], ages_months=[12], episodes=1)
+    assert invoke("bench", "--verify", "skill.json", "--processes", "1").code == 2
+    named = invoke("bench", "--verify", "skill.json", "--processes", "1", "--policy", f"skill:{elsewhere}")
+    assert named == (0, "skill.json: the same to the bit for 1 of 1 infant\n", "")
+    other = invoke("bench", "--verify", "skill.json", "--policy", "zero")
+    assert other == (2, "", "skill.json: 'zero' is not the policy that was scored, or its files have changed\n")
+
+
+@pytest.mark.parametrize(
+    ("policy", "cell"),
+    [
+        ("look_at(toy)+reflexes", "`look_at(toy)+reflexes`"),
+        (
+            "x` | <img src=x onerror=alert(1)> |",
+            "<code>x&#96; &#124; &lt;img src=x onerror=alert(1)&gt; &#124;</code>",
+        ),
+        ("[a](http://b)\n# c", "<code>&#91;a](http://b)?# c</code>"),
+    ],
+)
+def test_names_of_policies_are_nothing_but_text_in_tables(here, policy, cell):
+    strange(here, policy)
+    lines = markdown_tables([read_results("strange.json")]).splitlines()
+    assert lines[0] == f"| task | months | {cell} |"
+    assert lines[-1].startswith(f"| {cell} | 1 | ")
