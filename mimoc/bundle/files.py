@@ -204,6 +204,19 @@ def staged_folder(target: Path, *, force: bool = False) -> Iterator[Path]:
         shutil.rmtree(staging, ignore_errors=True)
 
 
+def check_place(target: Path) -> None:
+    """Raise an OutputError if a file or a folder cannot be made there, before anything that takes long."""
+    folder = Path(os.path.realpath(target)).parent
+    while not os.path.lexists(folder):
+        folder = folder.parent
+    trial = folder / unfinished_name(f".{target.name}{_PREFIX}")
+    try:
+        trial.mkdir()
+        trial.rmdir()
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another place") from None
+
+
 def swap_folders(first: Path, second: Path) -> None:
     """Swap two folders of one file system.
 

@@ -34,6 +34,11 @@ TURN = slice(3, 7)
 """Where the quaternion of a free joint is among its numbers: w, x, y, z."""
 FIXED_ORDER = [1, 2, 3, 0]
 """From MuJoCo's order of a quaternion to SciPy's."""
+MOST_S = 7200.0
+"""Of a motion: its states at all control steps are kept."""
+MOST_M_OR_RAD = 1e4
+UNIT = 0.01
+"""How far the length of a quaternion may be from 1."""
 _ADVICE = "write it again with 'mimoc retarget'"
 
 
@@ -186,9 +191,16 @@ def _checked(arrays: Mapping[str, npt.NDArray[Any]]) -> JointMotion:
     """Return the motion in arrays, or raise a ValueError if they do not fit each other."""
     about = _About.model_validate_json(arrays["about"].tobytes())
     motion = JointMotion(about.rate_hz, about.joints, np.asarray(arrays["qpos"], np.float64), about.free)
-    sizes = sum(FREE if joint in motion.free else HINGE for joint in motion.joints)
-    if len(motion.qpos) < 2 or motion.qpos.shape != (len(motion.qpos), sizes) or not 0 < motion.rate_hz < 1e6:
-        raise ValueError("it has other numbers than its joints need")
-    if not np.isfinite(motion.qpos).all() or len({*motion.joints}) != len(motion.joints):
-        raise ValueError("it is not finite, or names a joint twice")
+    sizes = [FREE if joint in motion.free else HINGE for joint in motion.joints]
+    frames, count = len(motion.qpos), sum(sizes)
+    if frames < 2 or motion.qpos.shape != (frames, count) or not 0 < motion.rate_hz < 1e6 or motion.seconds > MOST_S:
+        raise ValueError("it has other numbers than its joints need, or is too long")
+    if not (np.abs(motion.qpos) <= MOST_M_OR_RAD).all() or len({*motion.joints}) != len(motion.joints):
+        raise ValueError("it has a number that is none or too large, or names a joint twice")
+    for end, size in zip(np.cumsum(sizes), sizes, strict=True):
+        if (
+            size == FREE
+            and not (np.abs(np.linalg.norm(motion.qpos[:, end - size :][:, TURN], axis=1) - 1) < UNIT).all()
+        ):
+            raise ValueError("it has a quaternion that is no rotation")
     return motion

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.bundle.files import staged_folder, write_file
+from mimoc.bundle.files import check_place, staged_folder, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
@@ -110,9 +110,10 @@ def check_writable(out: str | Path, force: bool) -> Path:
     """Check that a retargeted recording can be written to a folder; return its path.
 
     Raises:
-        OutputError: If it holds anything that is not to be replaced.
+        OutputError: If it holds anything that is not to be replaced, or cannot be written.
     """
     target = Path(out).expanduser()
+    check_place(target)
     if not os.path.lexists(target):
         return target
     if not target.is_dir():

@@ -53,7 +53,29 @@ def test_a_motion_reads_back_equal(tmp_path):
         assert np.array_equal(again.qpos, motion.qpos)
 
 
-@pytest.mark.parametrize("content", [b"", b"PK", pack_motion(JointMotion(30.0, ("a", "b"), np.zeros((4, 1))))])
+def spoilt(rate_hz: float = 30.0, **values: float) -> bytes:
+    """Return the file of a motion some of whose numbers are others; `turn` are all of its quaternions."""
+    motion = any_motion(1, 5)
+    if "turn" in values:
+        motion.qpos[:, 3:7] = values["turn"]
+    if "angle" in values:
+        motion.qpos[2, 7] = values["angle"]
+    return pack_motion(JointMotion(rate_hz, motion.joints, motion.qpos, motion.free))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"PK",
+        pack_motion(JointMotion(30.0, ("a", "b"), np.zeros((4, 1)))),
+        spoilt(turn=0.0),
+        spoilt(turn=1.0),
+        spoilt(angle=np.nan),
+        spoilt(angle=1e300),
+        spoilt(rate_hz=1e-9),
+    ],
+)
 def test_a_damaged_motion_is_one_line(tmp_path, content):
     (tmp_path / "motion.npz").write_bytes(content)
     with pytest.raises(MimocError, match=r"damaged; give the folder") as caught:

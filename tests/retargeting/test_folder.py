@@ -98,3 +98,15 @@ def test_the_child_can_have_other_senses(motion):
     assert manifest.senses.vestibular is not None
     assert manifest.senses.proprioception is None
     assert manifest.actuation.model == "torque"
+
+
+@pytest.mark.parametrize("place", ["/proc/kim", "file/kim", "missing/file/kim"])
+def test_a_place_that_cannot_be_written_is_refused_before_anything_is_fitted(tmp_path, invoke, place, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    (tmp_path / "missing").mkdir()
+    (tmp_path / "missing" / "file").touch()
+    refused = invoke("retarget", "no_such_points.csv", "-o", place, "--age", "3")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.startswith(f"{place}: cannot be written (")
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "file", "missing"]

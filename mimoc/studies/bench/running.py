@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 from mimoc.base.errors import MimocError, OutputError, PolicyError
-from mimoc.bundle.files import make_folder, remove, write_file
+from mimoc.bundle.files import check_place, make_folder, remove, write_file
 from mimoc.compiler import pipeline
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
@@ -159,6 +159,7 @@ def checked_file(out: str | Path) -> Path:
         raise OutputError(f"{path}: results are JSON; end the name in .json")
     if not path.parent.is_dir():
         raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
+    check_place(path)
     return path
 
 

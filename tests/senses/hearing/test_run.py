@@ -228,3 +228,29 @@ def test_the_layout_names_ears_and_bands():
         assert layout[0] == "left 100 Hz [dB]"
         assert layout[-1] == "right 8000 Hz [dB]"
         assert isinstance(env.data, mujoco.MjData)
+
+
+TONE_PA, PLACE_M = 0.05 * np.sin(np.arange(2400)), (0.0, 1.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("abc", 24_000, PLACE_M), "of a sound pressure, got other data"),
+        (([[1.0, 2.0], [3.0]], 24_000, PLACE_M), "of a sound pressure, got other data"),
+        ((1j * TONE_PA, 24_000, PLACE_M), "of a sound pressure, got other data"),
+        ((TONE_PA[None], 24_000, PLACE_M), r"of a sound pressure, got shape \(1, 2400\)"),
+        ((np.zeros(60_001), 1000, PLACE_M), r"2 to 60,000 samples \(60 s at most\)"),
+        ((np.zeros(3_000_001), 96_000, PLACE_M), "2 to 3,000,000 samples"),
+        ((1e300 * TONE_PA, 24_000, PLACE_M), "at most 100000 Pa"),
+        ((np.nan * TONE_PA, 24_000, PLACE_M), "finite sound pressures"),
+        ((TONE_PA, "fast", PLACE_M), "a sample rate from 1000 to 400000 Hz, got 'fast'"),
+        ((TONE_PA, None, PLACE_M), "a sample rate from 1000 to 400000 Hz, got None"),
+        ((TONE_PA, float("nan"), PLACE_M), "a sample rate"),
+        ((TONE_PA, 24_000, None), "a place of three numbers"),
+        ((TONE_PA, 24_000, (1e300, 0, 0)), "a place of three numbers"),
+    ],
+)
+def test_what_is_no_sound_or_would_take_all_memory_is_refused(arguments, reason):
+    with closing(opened(infant())) as env, pytest.raises(ValueError, match=reason):
+        env.play(*arguments)
