@@ -85,7 +85,7 @@ LAYERS = {
     "bundle": layer("bundle", f"{LANGUAGE} schema", "pydantic mujoco"),
     "fits": layer("fits", "errors units geometry"),
     "body": layer("body", f"{LANGUAGE} schema fits part parts"),
-    "mjcf": layer("mjcf", f"{BASE} grammar language parts body", "jinja2 lxml"),
+    "mjcf": layer("mjcf", f"{BASE} grammar language parts body", "jinja2 lxml platformdirs"),
     "looks": layer("looks", f"{BASE} grammar language body mjcf", "PIL"),
     "build": layer(
         "", f"{LANGUAGE} schema bundle parts body mjcf looks", "trimesh coacd fast_simplification platformdirs"

@@ -87,13 +87,21 @@ class Builder:
     @cached_property
     def files(self) -> Mapping[str, bytes]:
         """The infant's files, by path in the bundle."""
-        arrays = {ARRAYS: pack_arrays(self.arrays)} if self.arrays else {}
-        return {**printing.render_infant(self.infant), **arrays}
+        return {**self._mjcf, **({ARRAYS: pack_arrays(self.arrays)} if self.arrays else {})}
+
+    @cached_property
+    def _mjcf(self) -> Mapping[str, bytes]:
+        """The infant's MJCF and its assets, by path in the bundle."""
+        return printing.render_infant(self.infant)
 
     @cached_property
     def _inhabitant(self) -> bytes:
         """The MJCF of the infant as it is in its scenes."""
-        return printing.render_inhabitant(self.infant) if self.infant.skin else self.files[printing.INFANT]
+        return printing.render_inhabitant(self.infant) if self.infant.skin else self._mjcf[printing.INFANT]
+
+    def mjcf_of(self, furnished: PlacedScene) -> Mapping[str, bytes]:
+        """Return the MJCF and assets of a scene: the part of its bundle that MuJoCo reads."""
+        return {**self._mjcf, **printing.render_world(furnished.scene, self._inhabitant)}
 
     @cached_property
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
@@ -164,7 +172,7 @@ class Builder:
         manifest = self.manifest_of(seed, furnished)
         files = {
             **self.files,
-            **printing.render_world(furnished.scene, self._inhabitant),
+            **self.mjcf_of(furnished),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
             PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),

@@ -9,7 +9,7 @@ from typing import Any
 from mimoc.base.errors import BundleError, Problem, SpecError
 from mimoc.base.rounding import rounded
 from mimoc.bundle.io import Bundle, LazyFiles
-from mimoc.bundle.model import load_model
+from mimoc.bundle.model import load_model, prepare, read_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.child import child_of
@@ -146,10 +146,14 @@ class SpecVariants:
         is_own_scene = scene_seed == self._spec.scene.seed
         instance = _instantiate(self._usable_template(), furnished.scene) if is_own_scene else None
         if instance is None:
-            return Variant(bundle, load_model(bundle)).again
+            model = read_model(built.mjcf_of(furnished), bundle.manifest.scene)
+            prepare(model)
+            return Variant(bundle, model).again
         return lambda: Variant(bundle, instance.model(), instance.set_textures)
 
     def _build_at(self, age_months: float) -> Builder:
+        if age_months == rounded(self._spec.age_months):
+            return self._own
         return self._at(at_age_unchecked(self._spec, age_months), self._own)
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:

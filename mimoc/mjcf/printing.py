@@ -1,12 +1,16 @@
 """From a scene to MJCF text, by templates."""
 
+import pickle
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+import platformdirs
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined
+from jinja2.bccache import Bucket
 from lxml import etree
 
 from mimoc.base.rounding import num
@@ -119,6 +123,27 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        bytecode_cache=CompiledTemplates(str(platformdirs.user_cache_path("mimoc") / "templates")),
     )
     result.filters["num"] = num
     return result
+
+
+class CompiledTemplates(FileSystemBytecodeCache):
+    """Compiled templates in the user's own cache folder; compiling them takes longer than printing an infant.
+
+    A folder that cannot be read or written, or a damaged file, only costs that time.
+    """
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Read a compiled template, if it is there and whole."""
+        try:
+            super().load_bytecode(bucket)
+        except (OSError, EOFError, ValueError, TypeError, pickle.UnpicklingError):
+            bucket.reset()
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Write a compiled template, if the folder can be written."""
+        with suppress(OSError):
+            Path(self.directory).mkdir(mode=0o700, parents=True, exist_ok=True)
+            super().dump_bytecode(bucket)

@@ -84,11 +84,13 @@ def test_an_infant_of_other_parts_is_built_by_itself():
     assert differences(found.model, load_model(mimoc.build(five))) == []
 
 
-def test_a_variant_has_other_scenes_too():
+@pytest.mark.parametrize("age_months", [9.0, 12.0])
+def test_a_variant_has_other_scenes_too(age_months):
     variants = SpecVariants(spec(scene={"kind": "room", "toys": {"count": [2, 2]}}))
-    variants(12, 0)
-    built = mimoc.build(spec(scene={"kind": "room", "toys": {"count": [2, 2]}, "seed": 4}).with_(age_months=12))
-    found = variants(12, 4)
+    variants(age_months, 0)
+    room = spec(scene={"kind": "room", "toys": {"count": [2, 2]}, "seed": 4})
+    built = mimoc.build(at_age(room, age_months))
+    found = variants(age_months, 4)
     assert differences(found.model, load_model(built)) == []
     assert found.bundle.manifest == built.manifest
 
