@@ -15,13 +15,15 @@ STEPS ?= 3000000
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 # More threads would wait for one another on the cores that the workers share.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# What `make test` leaves out: long tests, and those of libraries that it does not install.
+WHOLE := full or extras
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
 SPHINX := $(BIN)/python -m sphinx -b html -E -W --keep-going -q docs
-# Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
+# Markers of what is installed in $(VENV): the packages for the demo, for `make test`, and for all else: training, GPU, docs.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test
-DOCS := $(VENV)/.docs
+FULL := $(VENV)/.full
 INFANT := $(OUT)/nine_months
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -52,35 +54,36 @@ demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant o
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test (or TESTS=tests/body); say how long each part took.
+test: $(TEST) opengl ## Lint and run the tests (or TESTS=tests/body), without PyTorch; say how long each part took.
 	@$(BIN)/python .ci/parts.py \
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
-		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
-		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
 		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 $(TESTS)"
 
-test-all: test ## Run what `make test` runs, and then what takes longer: long laws, all ages, experiments, container and wheel.
-	@$(BIN)/python .ci/parts.py "full: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 -m full $(TESTS)"
+test-all: test $(FULL) ## Run `make test`, then check types, read the documentation, and test training, devices, long laws, container and wheel.
+	@$(BIN)/python .ci/parts.py \
+		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
+		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
+		"full: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 -m '$(WHOLE)' $(TESTS)"
 
-docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
+docs: $(FULL) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
 	@echo "the documentation   out/docs/index.html"
 
-clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).
+clusters: $(FULL) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).
 	@PATH="$$PATH:/usr/sbin:/sbin"; for each in munged slurmctld slurmd sbatch; do command -v $$each >/dev/null || \
 		{ echo "make clusters needs SLURM; install it (Debian: apt-get install slurm-wlm munge)"; exit 1; }; done
 	$(BIN)/pip install --editable '.[slurm,ray,record]'
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pytest tests/clusters
 
-coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
+coverage: $(FULL) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
 	rm -rf out/coverage
-	$(BIN)/pytest $(TWO_WORKERS) -m "full or not full" --cov --cov-report= $(TESTS)
+	$(BIN)/pytest $(TWO_WORKERS) -m "$(WHOLE) or not full" --cov --cov-report= $(TESTS)
 	$(BIN)/coverage html --quiet
 	$(BIN)/coverage report
 
-golden: $(TEST) ## Update the golden files; review the diff before committing it.
-	$(BIN)/pytest -m "full or not full" --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
+golden: $(FULL) ## Update the golden files; review the diff before committing it.
+	$(BIN)/pytest -m "$(WHOLE) or not full" --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
 skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image); see docs/looks.md.
 	$(BIN)/pip install 'scikit-image>=0.22'
@@ -98,32 +101,32 @@ matrix: ## Test several versions of MuJoCo and Python, and the oldest of all els
 consumers: opengl ## Let libraries of others read default bundles, in .consumers (15 GB; minutes after the first time).
 	@$(PYTHON) .ci/consumers.py
 
-fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0), and with calls in any order (LIVES=1000); docs/trust.md.
+fuzz: $(FULL) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0), and with calls in any order (LIVES=1000); docs/trust.md.
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/lives.py --sequences $(LIVES)
 
-soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
+soak: $(FULL) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
 
-skills: $(TEST) ## Search again for the skills that ship with mimoc (an hour or two; resumes); see docs/skills.md.
+skills: $(FULL) ## Search again for the skills that ship with mimoc (an hour or two; resumes); see docs/skills.md.
 	$(ONE_THREAD) $(BIN)/python sculpt/make_skills.py --ship
 
-gpu: $(TEST) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=3000000); docs/gpu.md.
-	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest tests/runtime/device
+gpu: $(FULL) ## On a GPU: test, measure, and learn each skill for a few minutes, with a page at the end (DEVICE=cuda:0, STEPS=3000000); docs/gpu.md.
+	MIMOC_TEST_DEVICE=$(DEVICE) $(BIN)/pytest -m '$(WHOLE)' tests/runtime/device
 	$(BIN)/python benchmarks/gpu.py --device $(DEVICE)
 	$(BIN)/python sculpt/make_skills.py --device $(DEVICE) --steps $(STEPS) -o out/gpu
 
-experiments: $(TEST) opengl ## Run the experiments of seconds again whose pages are of earlier bodies, and let the other pages say so; docs/experiments.
+experiments: $(FULL) opengl ## Run the experiments of seconds again whose pages are of earlier bodies, and let the other pages say so; docs/experiments.
 	$(BIN)/python sculpt/renew_pages.py
 
 poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
 	PYTHONPATH=tests $(BIN)/python -m support.start_poses
 
-bench: $(TEST) ## Run the benchmarks that need no code or recordings of others (minutes).
+bench: $(FULL) ## Run the benchmarks that need no code or recordings of others (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py | xargs grep -LE "PATH_TO_MIMO|RECORDING"); do echo "== $$each"; $(BIN)/python $$each; done
 
-trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
-	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest -m "full or not full" tests/test_trainings_in_docs.py
+trainings: $(FULL) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
+	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest -m "$(WHOLE) or not full" tests/test_trainings_in_docs.py
 
 viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
 	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }
@@ -159,15 +162,16 @@ $(DEMO): pyproject.toml
 	@touch $@
 
 $(TEST): $(DEMO)
-	@echo "Installing the packages for tests and training into $(VENV): PyTorch, pytest, ruff, pyright and more. A CPU build"
-	@echo "of PyTorch needs about 1 GB and a few minutes; if none is available, a CUDA build needs about 6 GB and ten minutes."
-	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
-	$(BIN)/pip install --editable '.[report,toys,train,gpu,test,dev]'
+	@echo "Installing the packages for tests into $(VENV): pytest, Hypothesis, PyArrow, PyAV, ruff and more, about 450 MB."
+	$(BIN)/pip install --editable '.[report,toys,test]'
 	@touch $@
 
-$(DOCS): $(DEMO)
-	@echo "Installing the packages for the documentation into $(VENV): Sphinx, furo, MyST and sphinx-gallery, about 100 MB."
-	$(BIN)/pip install --editable '.[report,docs]'
+$(FULL): $(TEST)
+	@echo "Installing the packages for training, devices, types and documentation into $(VENV): PyTorch, Stable-Baselines3,"
+	@echo "MuJoCo Warp, pyright, Sphinx. A CPU build of PyTorch needs about 1 GB and a few minutes; if none is available, a"
+	@echo "CUDA build needs about 6 GB and ten minutes."
+	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
+	$(BIN)/pip install --editable '.[report,toys,train,gpu,live,test,test-all,docs]'
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.

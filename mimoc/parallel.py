@@ -95,6 +95,6 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
         16
         >>> envs.close()
     """
-    from mimoc.training.world_vec_env import WorldVecEnv
+    from mimoc.training import WorldVecEnv
 
     return WorldVecEnv(worlds)

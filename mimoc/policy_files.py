@@ -29,6 +29,6 @@ def load_policy(path: str | Path) -> PolicyMaker:
     file = read_policy(path)
     if maker := load_network(file):
         return maker
-    from mimoc.training.policies import load_agent
+    from mimoc.training import load_agent
 
     return load_agent(file)

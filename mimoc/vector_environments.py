@@ -125,11 +125,11 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
         16
         >>> envs.close()
     """
-    from mimoc.training.vector_env import RESET_IN_THE_SAME_STEP, monitored
+    from mimoc.training import monitored
 
     if options.get("device", "cpu") != "cpu":
         raise MimocError("Stable-Baselines3 learns from infants on the CPU; leave out device")
-    infants: Any = make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options)
+    infants: Any = make_vec(source, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **options)
     if "max_episode_steps" not in options and None in infants.get_attr("max_steps"):
         warnings.warn(
             "nothing ends the episodes of these infants, so that Stable-Baselines3 logs no returns; give "

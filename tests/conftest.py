@@ -26,6 +26,7 @@ except Exception as error:
     pytest.exit(problem_of_loading_mujoco(error) or f"MuJoCo cannot be imported: {error!r}", returncode=2)
 
 from support import store
+from support.extras import needs_extras
 from support.full import full_but
 
 import mimoc
@@ -50,12 +51,26 @@ def pytest_configure(config: pytest.Config) -> None:
         store.open_folder()
 
 
+LEFT_OUT = "full", "extras"
+"""Marks of tests that run only if they are asked for by `-m`, as `make test-all` does."""
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Import no file whose libraries may be missing, unless its tests are asked for."""
+    return True if needs_extras(collection_path) and "extras" not in config.getoption("markexpr") else None
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is marked `full`, unless it is asked for."""
-    if "full" not in config.getoption("markexpr"):
-        left_out = [item for item in items if item.get_closest_marker("full")]
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not item.get_closest_marker("full")]
+    """Leave out what is marked `full` or `extras`, unless it is asked for."""
+    asked = config.getoption("markexpr")
+    marks = [mark for mark in LEFT_OUT if mark not in asked]
+    for item in items:
+        if needs_extras(item.path):
+            item.add_marker("extras")
+    left_out = {item for item in items if any(map(item.get_closest_marker, marks))}
+    config.hook.pytest_deselected(items=list(left_out))
+    items[:] = [item for item in items if item not in left_out]
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -118,7 +118,7 @@ def _extra(extra: str) -> str:
 def _torch() -> str:
     if find_spec("torch") is None:
         raise AbsentError("comes with mimoc[train]")
-    from mimoc.training.agents import torch_devices
+    from mimoc.training import torch_devices
 
     return f"{version('torch')}, {torch_devices()}"
 

@@ -286,8 +286,8 @@ def _check(step: StepSpec) -> None:
 
         check_experiment(step.name, step.development)
     elif isinstance(step, TrainStep):
+        from mimoc.training import growth_settings  # Needs Stable-Baselines3.
         from mimoc.training.settings import TrainingSettings
-        from mimoc.training.vector_env import growth_settings  # Needs Stable-Baselines3.
 
         growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
         settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper

@@ -1,17 +1,34 @@
-"""Reinforcement learning: resumable training, learning curves, evaluation, and trained policies."""
+"""Reinforcement learning: resumable training, learning curves, evaluation, and trained policies.
 
-from importlib import import_module
+Its names are imported when they are first used: settings, curves and folders of runs need no Stable-Baselines3.
+"""
+
+from typing import TYPE_CHECKING, Any
 
 from mimoc.base.errors import MissingExtraError
+from mimoc.base.lazy import names_of
 
-try:
-    import_module("stable_baselines3")
-except ImportError:
-    raise MissingExtraError("stable_baselines3", "train") from None
+if TYPE_CHECKING:
+    from mimoc.training.agents import torch_devices as torch_devices
+    from mimoc.training.curve import Curve as Curve, CurvePoint as CurvePoint
+    from mimoc.training.evaluation import Episode as Episode, evaluate as evaluate
+    from mimoc.training.policies import (
+        TrainedPolicy as TrainedPolicy,
+        load_agent as load_agent,
+        load_policy as load_policy,
+    )
+    from mimoc.training.trainer import Training as Training, train as train
+    from mimoc.training.vector_env import growth_settings as growth_settings, monitored as monitored
+    from mimoc.training.world_vec_env import WorldVecEnv as WorldVecEnv
 
-from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.evaluation import Episode, evaluate
-from mimoc.training.policies import TrainedPolicy, load_policy
-from mimoc.training.trainer import Training, train
+_get, __dir__, __all__ = names_of(__name__)
 
-__all__ = ["Curve", "Episode", "CurvePoint", "TrainedPolicy", "Training", "evaluate", "load_policy", "train"]
+
+def __getattr__(name: str) -> Any:
+    """Return a name; raise a MissingExtraError if it needs Stable-Baselines3, which is not installed."""
+    try:
+        return _get(name)
+    except ModuleNotFoundError as error:
+        if error.name not in ("stable_baselines3", "torch"):
+            raise
+        raise MissingExtraError("stable_baselines3", "train") from None

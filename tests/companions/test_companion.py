@@ -13,7 +13,6 @@ from mimoc.base.errors import KindError, MimocError
 from mimoc.base.sound import Sound, step_of
 from mimoc.companions.companion import Companions
 from mimoc.noise.noise import NoiseStreams
-from mimoc.runtime.device import signals
 from mimoc.senses.sense import Vector
 
 
@@ -172,6 +171,9 @@ def test_an_object_that_is_no_companion_is_refused(spec):
         mimoc.make(spec, companions={"wind": 3})
 
 
+@pytest.mark.extras
 def test_devices_refuse_companions(env):
+    from mimoc.runtime.device import signals
+
     with pytest.raises(MimocError, match="companion 'gusts' acts on the CPU only"):
         signals.check_infant(env)

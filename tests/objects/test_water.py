@@ -16,7 +16,6 @@ import mimoc
 from mimoc.base.errors import MimocError, SpecError
 from mimoc.bundle.model import load_model
 from mimoc.objects.water.run import Water
-from mimoc.runtime.device import signals
 
 FAR = {"x_cm": 150, "y_cm": 0}
 """A place that the infant, which lies at the origin, does not reach."""
@@ -194,7 +193,10 @@ def test_in_plain_mujoco_water_is_only_seen():
     assert 0 < model.mat_rgba[model.geom("object_bath").matid[0], 3] < 1
 
 
+@pytest.mark.extras
 def test_devices_refuse_water():
+    from mimoc.runtime.device import signals
+
     with (
         make([BATH], start_at="bath") as env,
         pytest.raises(MimocError, match="companion 'water' acts on the CPU only"),

@@ -4,13 +4,13 @@ import copy
 import pickle
 from functools import partial
 from inspect import isfunction
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import ClosedEnvironmentError
 from gymnasium.vector import SyncVectorEnv
-from stable_baselines3.common.monitor import Monitor
 
 import mimoc
 from mimoc.environments import open_infant
@@ -37,9 +37,15 @@ WRAPPED = {
     "vector": lambda bundle, _: SyncVectorEnv([lambda: mimoc.make(bundle, **SIZE)]),
     "recorder": lambda bundle, folder: mimoc.Recorder(mimoc.make(bundle, **SIZE), folder / "recording"),
     "recorder of many": lambda bundle, folder: mimoc.Recorder(mimoc.make_vec(bundle, 2, **SIZE), folder / "recording"),
-    "monitor": lambda bundle, _: Monitor(mimoc.make(bundle, **SIZE)),
+    "monitor": lambda bundle, _: _monitored(mimoc.make(bundle, **SIZE)),
     "growing": lambda bundle, _: mimoc.GrowthWrapper(mimoc.make(bundle, **SIZE), lambda steps: 9 + steps),
 }
+
+
+def _monitored(env: Any) -> Any:
+    from stable_baselines3.common.monitor import Monitor
+
+    return Monitor(env)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -60,7 +66,9 @@ def _is_ours(home: type, method: object) -> bool:
     return home.__module__.startswith("mimoc.") and isfunction(method)
 
 
-@pytest.mark.parametrize("kind", WRAPPED)
+@pytest.mark.parametrize(
+    "kind", [*sorted(WRAPPED.keys() - {"monitor"}), pytest.param("monitor", marks=pytest.mark.extras)]
+)
 def test_it_is_refused_within_any_wrapper_and_closed_twice_in_silence(kind, seeing, tmp_path):
     env = WRAPPED[kind](seeing, tmp_path)
     env.reset(seed=0)
@@ -71,6 +79,7 @@ def test_it_is_refused_within_any_wrapper_and_closed_twice_in_silence(kind, seei
             use()
 
 
+@pytest.mark.extras
 def test_learners_of_stable_baselines_are_refused_too(seeing):
     envs = mimoc.sb3_vec_env(seeing, 2, max_episode_steps=10)
     envs.reset()

@@ -4,11 +4,9 @@ import warnings
 from dataclasses import fields, replace
 from functools import cache
 
-import array_api_compat.torch
 import array_api_strict
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, settings, strategies as st
 from support.store import built
 
@@ -144,11 +142,15 @@ def test_a_grown_infant_keeps_its_style_and_its_movement():
     assert grown == pytest.approx(same, abs=0.02)
 
 
+@pytest.mark.extras
 def test_torch_gives_the_same_within_single_precision():
+    import torch
+    from array_api_compat import torch as array_library
+
     def put(array):
         return torch.as_tensor(np.asarray(array), dtype=None if array.dtype.kind in "ib" else torch.float32)
 
-    expected, given_commands = both(array_api_compat.torch, put)
+    expected, given_commands = both(array_library, put)
     assert given_commands == pytest.approx(expected, abs=1e-4)
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, strategies as some
 from support.examiner import SENSES
 
@@ -136,7 +135,10 @@ def test_reflexes_follow_an_infant_that_grows():
     assert after["protective_sideways"] == 1
 
 
+@pytest.mark.extras
 def test_torch_gives_the_same_as_numpy(built):
+    import torch
+
     with mimoc.InfantEnv(built(age_months=1, senses=SENSES, actuation={"model": "muscle"})) as env:
         xp, put = torch_library(torch.zeros(1))
         alone = Reflexes(batch_of_one(env))
