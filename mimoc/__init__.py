@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from mimoc.parallel import make_parallel as make_parallel, world_vec_env as world_vec_env
     from mimoc.plugins import register as register
     from mimoc.policies.many import policy_vec as policy_vec
-    from mimoc.policy_files import load_policy as load_policy
     from mimoc.recording import record as record
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.measures import measure_recordings as measure_recordings
@@ -58,6 +57,7 @@ if TYPE_CHECKING:
     from mimoc.studies.movement import validate_movement as validate_movement
     from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
     from mimoc.training import evaluate as evaluate, train as train
+    from mimoc.training.loading import load_policy as load_policy
     from mimoc.vector_environments import make_vec as make_vec, rsl_rl_env as rsl_rl_env, sb3_vec_env as sb3_vec_env
     from mimoc.version import __version__ as __version__
     from mimoc.viewer.viewing import View as View, view as view

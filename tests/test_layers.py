@@ -153,7 +153,7 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ plugin vector_environments parallel policy_files registration notebook",
+        "__init__ plugin vector_environments parallel registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device multi rollout policies recording training cohorts "
         "reporting opening viewer studies motion movement retargeting",
         "gymnasium",

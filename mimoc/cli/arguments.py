@@ -110,7 +110,7 @@ def load_counterpart(path: Path, beside: str) -> "InfantSpec":
 
 def load_trained(path: str) -> "PolicyMaker":
     """Return the trained policy in a file; PyTorch is only imported when there is one."""
-    from mimoc.policy_files import load_policy
+    from mimoc.training.loading import load_policy
 
     return load_policy(path)
 

@@ -12,11 +12,8 @@ if TYPE_CHECKING:
     from mimoc.training.agents import torch_devices as torch_devices
     from mimoc.training.curve import Curve as Curve, CurvePoint as CurvePoint
     from mimoc.training.evaluation import Episode as Episode, evaluate as evaluate
-    from mimoc.training.policies import (
-        TrainedPolicy as TrainedPolicy,
-        load_agent as load_agent,
-        load_policy as load_policy,
-    )
+    from mimoc.training.loading import load_policy as load_policy
+    from mimoc.training.policies import TrainedPolicy as TrainedPolicy, load_agent as load_agent
     from mimoc.training.trainer import Training as Training, train as train
     from mimoc.training.vector_env import growth_settings as growth_settings, monitored as monitored
     from mimoc.training.world_vec_env import WorldVecEnv as WorldVecEnv

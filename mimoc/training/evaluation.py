@@ -12,7 +12,7 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, start_again
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
-from mimoc.training.policies import load_policy
+from mimoc.training.loading import load_policy
 
 
 @dataclass(frozen=True, slots=True)

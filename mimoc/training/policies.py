@@ -18,9 +18,8 @@ from mimoc.base.errors import PolicyError
 from mimoc.bundle.arrays import pack_arrays
 from mimoc.policies.archive import DAMAGED
 from mimoc.policies.interface import check_fits, interface_of, spaces_of
-from mimoc.policies.network import load_network
 from mimoc.policies.policy import Policy, PolicyMaker
-from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile, read_policy
+from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
@@ -77,12 +76,6 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Traini
         archive.writestr(SCALE, pack_arrays(statistics(vector_env)))
         archive.writestr(WEIGHTS, pack_arrays(weights_of(agent.policy)), zipfile.ZIP_STORED)
     return content.getvalue()
-
-
-def load_policy(path: str | Path) -> PolicyMaker:
-    """Load a trained policy, with Stable-Baselines3 at hand; see `mimoc.load_policy`."""
-    file = read_policy(path)
-    return load_network(file) or load_agent(file)
 
 
 def load_agent(file: PolicyFile) -> PolicyMaker:

@@ -120,6 +120,7 @@ def test_proprioception_asks_it_for_its_drive(registered):
         assert sensed[torques] == pytest.approx(np.where(commanded, 3 * np.array(gears_nm), 0.0))
 
 
+@pytest.mark.extras
 @pytest.mark.slow
 def test_a_policy_is_trained_with_it(registered, tmp_path):
     with registered(WEAK):

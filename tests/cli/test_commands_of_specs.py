@@ -134,6 +134,7 @@ def test_an_infant_in_a_file_of_another_name_is_refused_with_what_would_do(run):
     )
 
 
+@pytest.mark.extras
 def test_train_takes_a_piped_spec(run):
     code, out, _ = run(COMMANDS["train"].format("-"), SPEC)
     assert code == 0

@@ -87,6 +87,7 @@ def test_a_bad_cohort_file_is_told_all_at_once(what, snapshot):
     assert str(caught.value) == snapshot
 
 
+@pytest.mark.extras
 def test_steps_that_name_what_is_not_there_are_told_before_anything_is_done(tmp_path, snapshot):
     steps = (
         "do: [{run: {policy: rnadom}}, {experiment: grwoth}, {train: {hyper: {n_step: 3}}},\n"

@@ -309,6 +309,7 @@ def _is_running(process: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.extras
 @pytest.mark.slow
 def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, tmp_path):
     hyper = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}

@@ -7,10 +7,11 @@ from fuzz.strange_infants import CANARIES
 from support.full import FULL
 
 SEED = 2026
-IN_FULL = {"honest_cohorts": FULL}
+LATER = {"honest_cohorts": FULL, **dict.fromkeys(("policies", "cohorts", "trainings"), pytest.mark.extras)}
+"""What trains runs with the libraries for it."""
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=IN_FULL.get(name, ())) for name in FUZZERS])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=LATER.get(name, ())) for name in FUZZERS])
 def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
     """It is used, or refused in clear lines, and no file outside of it is opened."""
     made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)

@@ -127,7 +127,7 @@ def test_noise_of_commands_moves_the_body(quiet, key):
 # Laws of each noise, as a term of NumPy's arrays, which one infant and many have, and of torch's, which a device has.
 
 
-@pytest.fixture(scope="module", params=["numpy", "torch"])
+@pytest.fixture(scope="module", params=["numpy", pytest.param("torch", marks=pytest.mark.extras)])
 def library(request):
     """Return an array library, and what moves NumPy's arrays there."""
     if request.param == "numpy":

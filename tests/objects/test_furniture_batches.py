@@ -39,6 +39,7 @@ def test_an_infant_in_a_batch_is_that_of_a_single_environment_to_the_bit():
         env.close()
 
 
+@pytest.mark.extras
 @pytest.mark.slow
 @pytest.mark.usefixtures("kernels_compiled_quickly")
 def test_on_a_device_furniture_bears_what_it_does_on_the_cpu():

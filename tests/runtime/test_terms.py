@@ -25,6 +25,7 @@ def env():
         yield opened.unwrapped
 
 
+@pytest.mark.extras
 @pytest.mark.parametrize("config", KINDS)
 def test_every_term_of_every_kind_keeps_the_contract(config):
     spec = mimoc.load_spec(CONFIGS / f"{config}.yaml")
@@ -47,6 +48,7 @@ class Faulty(Term):
         return self.expression(worlds, self.head, self.most)
 
 
+@pytest.mark.extras
 @pytest.mark.parametrize(
     ("text", "expression"),
     [
@@ -81,6 +83,7 @@ class SelfContacts(Term):
         return worlds.pressing(self.group_of_geom)
 
 
+@pytest.mark.extras
 def test_what_presses_on_what_is_checked_too(env):
     groups = np.arange(env.model.ngeom) % 5
     check_term(SelfContacts(groups), env.model)

@@ -145,6 +145,7 @@ def test_what_did_not_pass_validation_is_refused(case, taker):
     assert problem.startswith(f"<ours>: {message}")
 
 
+@pytest.mark.extras
 def test_a_training_refuses_it_too(tmp_path):
     copied = from_python().model_copy(update={"age_months": 99.0})
     assert refusal(lambda: mimoc.train(copied, tmp_path / "run"))

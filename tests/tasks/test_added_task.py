@@ -138,6 +138,7 @@ def test_the_spec_language_knows_it(lift, task, problem):
     assert problem in str(error.value)
 
 
+@pytest.mark.extras
 def test_a_policy_is_trained_for_it(bundle, tmp_path):
     options = {"steps": 64, "envs": 2, "checkpoint_every": 64, "hyper": TINY, "processes": False}
     training = mimoc.train(bundle, tmp_path / "run", **options)

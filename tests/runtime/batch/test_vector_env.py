@@ -97,6 +97,7 @@ def test_without_mujoco_warp_the_error_says_what_to_install(bundle, monkeypatch)
         mimoc.make_vec(bundle, 2, device="cuda:0")
 
 
+@pytest.mark.extras
 def test_stable_baselines3_learns_on_the_cpu_only(bundle):
     with pytest.raises(MimocError, match="Stable-Baselines3 learns from infants on the CPU; leave out device"):
         mimoc.sb3_vec_env(bundle, 2, device="cuda:0")
