@@ -1,8 +1,5 @@
 import pytest
-import warp as wp
 from support.devices import WARP_DEVICE
-
-from mimoc.runtime.device.signals import find_device
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -13,5 +10,9 @@ def compiled_quickly(kernels_compiled_quickly):
 @pytest.fixture(autouse=True)
 def on_the_device():
     """Let the device be Warp's present one, for tests that make arrays and launch kernels themselves."""
-    with wp.ScopedDevice(find_device(WARP_DEVICE)):
+    import warp
+
+    from mimoc.runtime.device.signals import find_device
+
+    with warp.ScopedDevice(find_device(WARP_DEVICE)):
         yield
