@@ -68,9 +68,28 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if needs_extras(item.path):
             item.add_marker("extras")
+    if not asked or "full" in asked:
+        _mark_most_cases_full(items)
     left_out = {item for item in items if any(map(item.get_closest_marker, marks))}
     config.hook.pytest_deselected(items=list(left_out))
     items[:] = [item for item in items if item not in left_out]
+
+
+CASES = 3
+"""Cases of a test that `make test` runs: the first, the one in the middle and the last."""
+
+
+def _mark_most_cases_full(items: list[pytest.Item]) -> None:
+    """Mark all but a few cases of each test with more of them as `full`."""
+    tests: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if not any(map(item.get_closest_marker, LEFT_OUT)):
+            tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in tests.values():
+        kept = {round(place * (len(cases) - 1) / (CASES - 1)) for place in range(CASES)}
+        for place, case in enumerate(cases):
+            if place not in kept:
+                case.add_marker("full")
 
 
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
