@@ -6,11 +6,11 @@ same age, the strength of each part but the neck is that of its volume times
     (1 - F) / (1 - F_0)
 
 Where the spec does not give the fat, it follows from length and weight: F = F_0 b, with the volume b of trunk and limbs
-relative to a child of the same length with the average child's proportions (D). So .71 of the weight that a newborn has
+relative to a child of the same length with the average child's proportions (D). So .83 of the weight that a newborn has
 above what its length asks for is free of fat, and .48 at 6 months. Perng et al. 2017 (Am J Clin Nutr 106: 559, S) find
 .34 of .46 kg for each SD of newborns' weight, and that at 5 months weight for length goes with fat more than with lean.
 
-A child born early has 3 % more fat at term, and less of that as it catches up (`mimoc.fits.preterm`).
+A child born early has 3 % more fat at term, and no more from 3 months on (`mimoc.fits.preterm`).
 
 A child of rate k is as mature at age t as the average child at k t: strength beyond what size explains, muscle tone,
 ranges of joints, fists and grasp. Size, proportions, delays, noise and acuity follow the age itself (D).
@@ -66,6 +66,6 @@ def _fat_percent(child: Measurements, individual: IndividualSpec, months_early: 
         return individual.fat_percent
     if individual.fat_percentile is not None:
         return fat.percent(NormalDist().inv_cdf(individual.fat_percentile / 100), child.age_months)
-    more = preterm.FAT_AT_TERM_PERCENT * preterm.share(months_early, child.age_months)
+    more = preterm.more_fat_percent(months_early, child.age_months)
     build = child.slenderness**2 if any(getattr(individual, key) is not None for key in SIZES) else 1.0
     return (fat.mean_percent(child.age_months) + more) / build

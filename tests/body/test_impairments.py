@@ -176,6 +176,7 @@ def test_a_child_born_early_is_fatter_at_term():
     usual = mean_percent(0)
     assert grown.lean_gain == pytest.approx((100 - usual - 3) / (100 - usual), abs=1e-4)
     assert grown.lean_keys == ("spec.impairments.gestation_weeks",)
+    assert grow_body(early.with_(age_months=early.months_early + 3.01)).tree.growth.lean_gain == 1
     leaner = early.with_(age_months=3, body={"individual": {"fat_percent": 12}})
     assert grow_body(leaner).tree.growth.lean_keys == ("spec.body.individual.fat_percent",)
 
