@@ -15,7 +15,7 @@ from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.maturation import maturation, relative_volumes
-from mimoc.body.measurements import Height, Targets, Weigh, measure_individual, targets_of
+from mimoc.body.measurements import Height, Targets, Weigh, asked_targets, birth_targets, measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.published import standing_height
@@ -72,7 +72,7 @@ def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
 
 def usual_measures(spec: InfantSpec) -> Targets | None:
     """Return the measures that a spec asks for, or that go with how early its child was born; None are the average."""
-    return targets_of(spec, *_measured(spec, reference_of(spec)))
+    return asked_targets(spec) or birth_targets(spec, *_measured(spec, reference_of(spec)))
 
 
 def _measured(spec: InfantSpec, reference: Reference) -> tuple[Measurements, Weigh, Height]:

@@ -70,17 +70,23 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
     )
 
 
-def targets_of(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Targets | None:
-    """Return the measures of a spec's child: those that it asks for, or else what a child born as early usually has.
-
-    None is a child that has those of the average child of its age. One born early differs from it by a share of the
-    standard deviations of `mimoc.fits.preterm`: z = z(average) + share x z_at_term.
-    """
-    individual, age_months = spec.body.individual, average.age_months
+def asked_targets(spec: InfantSpec) -> Targets | None:
+    """Return the measures that a spec asks for; None if it gives no size."""
+    individual = spec.body.individual
     if individual and any(getattr(individual, key) is not None for key in SIZING - {"sex"}):
-        return targets(individual, age_months)
+        return targets(individual, spec.corrected_age_months)
+    return None
+
+
+def birth_targets(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Targets | None:
+    """Return the measures that children born as early usually have at its age; None of a child born at term.
+
+    They differ from the average child's by a share of the standard deviations of `mimoc.fits.preterm`:
+    z = z(average) + share x z_at_term.
+    """
     if not spec.months_early:
         return None
+    individual, age_months = spec.body.individual, average.age_months
     share = preterm.share(spec.months_early, age_months)
     reference: Reference = (individual and individual.sex) or "mean"
 
@@ -106,11 +112,15 @@ def birth_keys(spec: InfantSpec) -> tuple[str, ...]:
 def measure_individual(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Measurements:
     """Return the measurements of a spec's child, which has those of the average child unless its spec says more.
 
+    What is not given of a child born early follows from what is, by the proportions of children born as early.
+
     Raises:
         IndividualError: If no child matches the requested individual.
     """
-    wanted = targets_of(spec, average, weigh, height)
-    return replace_given(average if wanted is None else individualise(average, wanted, weigh, height), spec)
+    child = average
+    for wanted in (birth_targets(spec, average, weigh, height), asked_targets(spec)):
+        child = child if wanted is None else individualise(child, wanted, weigh, height)
+    return replace_given(child, spec)
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
@@ -172,7 +182,8 @@ def _scaled(average: Measurements, wanted: Targets, girth: float | None, height:
         across = length if girth is None else girth
         head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
         factors = {name: head if name in HEAD else length if name.endswith("_length") else across for name in average}
-        return replace(average.scaled(factors, wanted.why, wanted.keys), slenderness=length / across if across else 1.0)
+        child = average.scaled(factors, wanted.why, wanted.keys)
+        return replace(child, slenderness=average.slenderness * (length / across) if across else 1.0)
 
     length = girth or 1.0
     if wanted.length_m:

@@ -169,6 +169,18 @@ def test_sizes_that_a_spec_gives_count_for_a_child_born_early():
     assert length == pytest.approx(0, abs=0.01)
 
 
+def test_what_a_spec_does_not_give_of_a_child_born_early_has_the_proportions_of_children_born_as_early():
+    """Its head is large for its length, so that one with an average head is shorter than the average child."""
+    early = infant(age_months=2.4, gestation_weeks=30)
+    usual, with_head = (
+        mimoc.build(spec).manifest.child
+        for spec in (early, early.with_(body={"individual": {"sex": "female", "head_percentile": 50}}))
+    )
+    ratio = with_head.head_circumference_cm / usual.head_circumference_cm
+    assert with_head.length_cm / usual.length_cm == pytest.approx(ratio, abs=2e-3)
+    assert with_head.length_cm < 48
+
+
 def test_a_child_born_early_is_fatter_at_term():
     """By 3 % of its weight (Johnson et al. 2012); strength goes with what is lean."""
     early = infant(gestation_weeks=30)

@@ -241,7 +241,8 @@ def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
     missing parts change is not asked for by anything else.
     """
     requests: dict[str, float | None] = {}
-    if wanted := (spec.body.individual or spec.months_early) and usual_measures(spec):
+    wanted = usual_measures(spec) if spec.body.individual or spec.months_early else None
+    if wanted:
         requests = {
             "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
             "weight_kg": wanted.weight_kg,

@@ -1,6 +1,7 @@
 """The paper's figures beside those measured."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -43,7 +44,7 @@ def test_each_experiment_of_the_paper_has_figures_that_say_how_they_are_known(na
 def test_movements_are_less_smooth_where_every_measure_that_the_page_lists_says_so(longer, verdict):
     """The verdict beside the paper's is made from the page's list."""
 
-    def learner(**measures):
+    def learner(**measures) -> Any:
         return SimpleNamespace(mean=measures.get, median=measures.get)
 
     shortest = {"units": 1.0, "path_ratio": 1.0, "arc_length": -1.0, "jerk": -6.0}
