@@ -39,6 +39,12 @@ class AgeRange(Model):
     source: str
     certainty: Certainty
 
+    @property
+    def ages(self) -> tuple[float, ...]:
+        """Youngest, usual and oldest age."""
+        usual = () if self.usual_months is None else (self.usual_months,)
+        return (self.youngest_months, *usual, self.oldest_months)
+
     def window(self, *, of_average: bool) -> tuple[float, float]:
         """Return the ages that a child is judged by, youngest and oldest.
 
@@ -125,7 +131,7 @@ class Milestone:
         """Youngest, usual and oldest age of real infants by which it is judged, as they are plotted."""
         if self.window is None or self.judged_by is None:
             return ()
-        usual = () if self.window.usual_months is None else (self.window.usual_months,)
+        _, *usual, _ = self.window.ages
         return (self.judged_by[0], *usual, self.judged_by[1])
 
     @property
