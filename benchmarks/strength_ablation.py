@@ -31,7 +31,11 @@ from mimoc.studies.milestones.report import WINDOWS
 from mimoc.studies.milestones.search import AGES, SearchResult, search
 
 TRUNK_GROUPS, LEG_GROUPS, ARM_GROUPS = ("neck", "trunk"), ("hip", "knee", "ankle"), ("arm",)
-USUAL = {name: window.usual_months or sum(window.ages) / 2 for name, window in WINDOWS.items() if name != "roll_over"}
+USUAL = {
+    name: window.usual_months or sum(window.window(of_average=True)) / 2
+    for name, window in WINDOWS.items()
+    if name != "roll_over"
+}
 TRIALS = sorted(USUAL, key=lambda name: USUAL[name])
 LAST_MONTHS = 99.0
 """Age at which a milestone that is not reached counts as reached."""
@@ -92,10 +96,7 @@ def find(spec: str, name: str) -> SearchResult:
 def row(variant: str, results: Mapping[str, SearchResult]) -> str:
     """Return a row of the table."""
     ages = {name: result.youngest_months for name, result in results.items()}
-    inside = sum(
-        age is not None and WINDOWS[name].youngest_months <= age <= WINDOWS[name].oldest_months
-        for name, age in ages.items()
-    )
+    inside = sum(WINDOWS[name].verdict(age, of_average=True) == "inside" for name, age in ages.items())
     ranked = [LAST_MONTHS if ages[name] is None else ages[name] for name in TRIALS]
     real = list(map(USUAL.__getitem__, TRIALS))
     order = np.corrcoef(rankdata(ranked), rankdata(real))[0, 1] if len(set(ranked)) > 1 else np.nan

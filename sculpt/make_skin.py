@@ -21,6 +21,7 @@ from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import Frame, frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
+from mimoc.geometry.arrays import read_arrays, together
 from mimoc.looks.skin.deformation import boxes
 from mimoc.looks.skin.surface_distance import height_above, surface_distance
 from mimoc.looks.skin.template_mesh import FOLDER, assembled
@@ -99,16 +100,19 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     above = {part.name: part.parent or "" for part in tree.bodies}
     held = weights.weights(drawn, sculpted, placed, {part: above[part] for part in parts})
     cut = tailoring.cut_out(drawn, curves, placed)
-    arrays = _common(tree, parts, angles, placed) | {"faces": drawn.faces.astype(np.uint16)}
-    arrays |= shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held))
-    arrays |= features.arrays(drawn.verts, held, parts, placed, hands)
-    with np.load(FOLDER / "head.npz") as archive:
-        head = {name: archive[name] for name in archive.files}
-    best, least = arrays, np.inf
+    fixed = together(
+        _common(tree, parts, angles, placed),
+        {"faces": drawn.faces.astype(np.uint16)},
+        shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held)),
+        features.arrays(drawn.verts, held, parts, placed, hands),
+    )
+    head = read_arrays(FOLDER / "head.npz")
+    best, least = fixed, np.inf
     for number in range(ROUNDS):
-        arrays |= _shape(tree, angles, drawn.verts) | _moving(held) | tailoring.arrays(cut)
+        arrays = together(fixed, _shape(tree, angles, drawn.verts), _moving(held), tailoring.arrays(cut))
         skin = assembled(arrays, head)
-        arrays["fullness_100um"], room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
+        pressed, room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
+        fixed["fullness_100um"] = arrays["fullness_100um"] = pressed
         cut = tailoring.thinned(cut, room_mm)
         edges, stretch = stretching.stretches(skin, hands)
         print("round", number, "room", f"{room_mm.min():.2f} mm", "stretched", f"{stretch.max():.2f}", flush=True)
@@ -178,7 +182,7 @@ def _shape(tree: BodyTree, angles: Mapping[str, float], verts: Array) -> dict[st
     offsets_m, _ = surface_distance(posed, list(tree.geoms), near, blend_m, verts_m)
     return {
         "verts_m": verts_m.astype(np.float32),
-        "solids": near.astype(np.uint8),
+        "near": near.astype(np.uint8),
         "offsets_um": np.rint(offsets_m * 1e6).astype(np.int32),
         "blend_m": blend_m.astype(np.float32),
     }

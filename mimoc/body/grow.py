@@ -15,7 +15,7 @@ from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.maturation import maturation, relative_volumes
-from mimoc.body.measurements import measure_individual
+from mimoc.body.measurements import Height, Targets, Weigh, asked_targets, birth_targets, measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.published import standing_height
@@ -67,12 +67,20 @@ def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
     Raises:
         IndividualError: If no child matches the requested individual.
     """
-    anatomy = reference.anatomy
-    return measure_individual(
-        spec,
+    return measure_individual(spec, *_measured(spec, reference))
+
+
+def usual_measures(spec: InfantSpec) -> Targets | None:
+    """Return the measures that a spec asks for, or that go with how early its child was born; None are the average."""
+    return asked_targets(spec) or birth_targets(spec, *_measured(spec, reference_of(spec)))
+
+
+def _measured(spec: InfantSpec, reference: Reference) -> tuple[Measurements, Weigh, Height]:
+    """Return the average child of a spec's age, and what weighs and measures children."""
+    return (
         measure(spec.corrected_age_months, CURVES[spec.development]),
-        weigh=lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(anatomy),
-        height=standing_height if spec.development == "published" else itemgetter(HEIGHT),
+        lambda child: weigh_parts(shape_parts(child, reference), reference).body_kg(reference.anatomy),
+        standing_height if spec.development == "published" else itemgetter(HEIGHT),
     )
 
 
@@ -84,10 +92,11 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
         ContractureError: If a contracture leaves nothing of a joint's range.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
-    composed = composition(child, spec.body.individual)
+    composed = composition(child, spec)
     tree, masses = _grow(child, reference, scales, composed)
     strength, strength_age_months = spec.actuation.strength, spec.actuation.strength_age_months
-    if spec.body.individual or spec.body.measurements or scales or strength or strength_age_months is not None:
+    is_own = spec.body.individual or spec.months_early or spec.body.measurements or scales
+    if is_own or strength or strength_age_months is not None:
         usual = _average(reference, composed.of_size())
         if strength_age_months is not None:
             tree = at_strength_of_age(tree, usual.motors, _average(reference.at(strength_age_months)).motors)

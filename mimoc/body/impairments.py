@@ -96,8 +96,7 @@ def _impaired_motor(
         return motor
     tone = motor.tone
     if newborn_tone < 1:
-        key = f"{KEY}.gestation_weeks" if impairments.gestation_weeks is not None else f"{KEY}.preset"
-        tone = _less(tone, newborn_tone, key)
+        tone = _less(tone, newborn_tone, f"{KEY}.{impairments.birth_key}")
     if motor.joint in tones and tones[motor.joint][1].kind == "hypotonic":
         region, hypotonic = tones[motor.joint]
         tone = _less(tone, hypotonic.amount, _key(impairments, "tone", region))

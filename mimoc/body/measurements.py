@@ -7,8 +7,8 @@ from statistics import NormalDist
 
 from mimoc.base.errors import GeometryError, IndividualError
 from mimoc.base.units import cm_to_m, m_to_cm
-from mimoc.fits import Measured, Measurements, load_tables
-from mimoc.fits.who import Sex
+from mimoc.fits import Measured, Measurements, load_tables, preterm
+from mimoc.fits.who import Reference, Sex
 from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, INDICATORS, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
@@ -25,6 +25,8 @@ BUILDS: Bounds = (0.65, 1.45)
 """Range of girth over length, both relative to the average child's; WHO's percentiles combine to .71 to 1.35."""
 HEADS: Bounds = (0.75, 1.4)
 """Range of head over length, both relative to the average child's; WHO's percentiles combine to .79 to 1.33."""
+SIZING = {"sex", *(key for pair in INDICATORS.items() for key in pair)}
+"""Keys of an individual that its sizes follow from."""
 HEAD = ("head_circumference", "head_breadth", "head_length")
 EDGE = 1e-3
 """Precision of the limit of possible factors."""
@@ -39,6 +41,10 @@ class Targets:
     length_m: float | None
     weight_kg: float | None
     head_m: float | None
+    keys: tuple[str, ...] = ()
+    """Keys of the spec that ask for them."""
+    why: str = "for this child"
+    """What the origin of each measurement says of its factor."""
 
 
 def targets(individual: IndividualSpec, age_months: float) -> Targets:
@@ -60,18 +66,61 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
         length_m=None if length_cm is None else cm_to_m(length_cm),
         weight_kg=wanted("weight_kg", individual.weight_kg, individual.weight_percentile),
         head_m=None if head_cm is None else cm_to_m(head_cm),
+        keys=tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None and key in SIZING),
     )
+
+
+def asked_targets(spec: InfantSpec) -> Targets | None:
+    """Return the measures that a spec asks for; None if it gives no size."""
+    individual = spec.body.individual
+    if individual and any(getattr(individual, key) is not None for key in SIZING - {"sex"}):
+        return targets(individual, spec.corrected_age_months)
+    return None
+
+
+def birth_targets(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Targets | None:
+    """Return the measures that children born as early usually have at its age; None of a child born at term.
+
+    They differ from the average child's by a share of the standard deviations of `mimoc.fits.preterm`:
+    z = z(average) + share x z_at_term.
+    """
+    if not spec.months_early:
+        return None
+    individual, age_months = spec.body.individual, average.age_months
+    share = preterm.share(spec.months_early, age_months)
+    reference: Reference = (individual and individual.sex) or "mean"
+
+    def smaller(indicator: str, usual: float) -> float:
+        standard = load_tables().who[indicator]
+        z = standard.z_score(usual, age_months, reference) + share * preterm.Z_AT_TERM[indicator]
+        return standard.value(z, age_months, reference)
+
+    return Targets(
+        length_m=cm_to_m(smaller("length_cm", m_to_cm(height(average)))),
+        weight_kg=smaller("weight_kg", weigh(average)),
+        head_m=cm_to_m(smaller("head_circumference_cm", m_to_cm(average["head_circumference"]))),
+        keys=birth_keys(spec),
+        why="as children born as early usually have it (Johnson et al. 2011, S; how they catch up, D)",
+    )
+
+
+def birth_keys(spec: InfantSpec) -> tuple[str, ...]:
+    """Return the key of a spec that says how early its child was born, if one does."""
+    return (f"spec.impairments.{spec.impairments.birth_key}",) if spec.impairments and spec.months_early else ()
 
 
 def measure_individual(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Measurements:
     """Return the measurements of a spec's child, which has those of the average child unless its spec says more.
 
+    What is not given of a child born early follows from what is, by the proportions of children born as early.
+
     Raises:
         IndividualError: If no child matches the requested individual.
     """
-    individual = spec.body.individual
-    sized = individual and any(getattr(individual, key) is not None for pair in INDICATORS.items() for key in pair)
-    return replace_given(individualise(average, individual, weigh, height) if individual and sized else average, spec)
+    child = average
+    for wanted in (birth_targets(spec, average, weigh, height), asked_targets(spec)):
+        child = child if wanted is None else individualise(child, wanted, weigh, height)
+    return replace_given(child, spec)
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
@@ -85,8 +134,8 @@ def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
     return measurements.replaced(given) if given else measurements
 
 
-def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh, height: Height) -> Measurements:
-    """Return the measurements of an individual child.
+def individualise(measurements: Measurements, wanted: Targets, weigh: Weigh, height: Height) -> Measurements:
+    """Return the measurements of a child that has some measures, from those of the average child of its age.
 
     Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
     given follow from the others: length from weight, or else from the head; girths from weight, or else from length;
@@ -95,9 +144,6 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     Raises:
         IndividualError: If no child matches; the message gives the possible range.
     """
-    wanted = targets(individual, measurements.age_months)
-    sizing = {"sex", *(key for pair in INDICATORS.items() for key in pair)}
-    keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None and key in sizing)
     length = _factor(wanted.length_m, height(measurements), SIZES, LENGTHS_CM, "this age is not {} long")
     of_size = f"{m_to_cm(wanted.length_m):.1f} cm" if wanted.length_m else "this age"
     heads = _times(HEADS, length or 1.0)
@@ -107,8 +153,8 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
 
     def thick(girth: float | None) -> Measurements:
         """Return the measurements with this factor on girths; None is the factor on lengths."""
-        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, height)
-        return replace(_scaled(alone, wanted, girth, keys, height), paper=paper)
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, height)
+        return replace(_scaled(alone, wanted, girth, height), paper=paper)
 
     if wanted.weight_kg is None:
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
@@ -126,9 +172,7 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     return thick(_solve(lambda girth: weigh(thick(girth)), wanted.weight_kg, bounds, of_size))
 
 
-def _scaled(
-    average: Measurements, wanted: Targets, girth: float | None, keys: tuple[str, ...], height: Height
-) -> Measurements:
+def _scaled(average: Measurements, wanted: Targets, girth: float | None, height: Height) -> Measurements:
     """Return the measurements of a child of the requested length and head, with the given factor on its girths.
 
     The factor on lengths is what the head, and where the height also follows girths these, leave of the height.
@@ -138,7 +182,8 @@ def _scaled(
         across = length if girth is None else girth
         head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
         factors = {name: head if name in HEAD else length if name.endswith("_length") else across for name in average}
-        return replace(average.scaled(factors, "for this child", keys), slenderness=length / across if across else 1.0)
+        child = average.scaled(factors, wanted.why, wanted.keys)
+        return replace(child, slenderness=average.slenderness * (length / across) if across else 1.0)
 
     length = girth or 1.0
     if wanted.length_m:

@@ -131,11 +131,13 @@ def print_milestones(report: MilestoneReport) -> None:
         trial = milestone.trial
         out.print(f"{trial.name}: {trial.title}{_source(milestone.window)}")
     out.print("from: the youngest age at which, and at all older ages tried, the infant succeeds")
+    if any(item.of_average and item.window and item.window.sd_months for item in report.milestones):
+        out.print("real infants: of WHO's milestones, mean ± 1 SD, since this is the average child")
     if early := report.milestones[0].months_early if report.milestones else 0.0:
         out.print(
             f"born {early:.1f} months early: ages are since birth, and judged by the corrected age, {early:.1f} less"
         )
-    out.print("age: fitted if a number of the law was chosen for it, so that it is reproduced; otherwise predicted")
+    out.print("age: fitted if a number of the law was chosen to reproduce it, which the verdict says; else predicted")
     if failing := [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
     else:
@@ -152,7 +154,7 @@ def _milestone_rows(milestone: Milestone, others: Sequence[Milestone]) -> Iterat
         yield (
             f"{milestone.trial.name}{f', {side}' if len(sides) > 1 else ''}",
             *(_from_months(result.youngest_months) for result in results),
-            f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
+            "{:g}-{:g}".format(*milestone.judged_by) if milestone.judged_by else "",
             "" if window is None or window.usual_months is None else f"{window.usual_months:g}",
             Text(verdict, style={"inside": "green", "no verdict": ""}.get(verdict, "red")),
             milestone.trial.basis,
@@ -213,7 +215,7 @@ def print_movement(report: MovementReport) -> None:
         out.print(reason)
     if report.held_out:
         inside = sum(not row.failed for row in report.held_out)
-        title = f"held out: {inside} of {len(report.held_out)} inside"
+        title = f"held out, facts that were read and have a direction: {inside} of {len(report.held_out)} inside"
         out.print(_held_out(report.held_out, title))
     out.print("*: outside the window of real infants; -: does not happen; in brackets: the window is an assumption")
     failing = [name for name, rows in report.by_measure.items() if any(row.failed for row in rows)]

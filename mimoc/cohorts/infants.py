@@ -149,7 +149,7 @@ def _data(
     """
     body = origin.body if child is None else origin.body.model_copy(update={"individual": child})
     age = next((value for key, value, _ in choice.values if key == "age_months"), origin.age_months)
-    grown = at_another_age(body, origin.age_months, plain(age))
+    grown = at_another_age(body, origin.age_months, plain(age), origin.months_early)
     data = changed(base, {"body": grown}) if grown else dict(base)
     for key, value, _ in choice.values:
         data = _with(data, key.split("."), value)

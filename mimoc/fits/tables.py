@@ -134,7 +134,7 @@ def _read(reader: Callable[[Path], Table], path: Path) -> Table:
 
 def _read_anthrokids(path: Path) -> dict[str, tuple[GroupMean, ...]]:
     groups: dict[str, list[GroupMean]] = {}
-    for line, row in _rows(path):
+    for line, row in _rows(path, "measurement", "first_month"):
         mean = GroupMean(int(row["first_month"]), int(row["last_month"]), _finite(row["mean"]), line)
         groups.setdefault(row["measurement"], []).append(mean)
     return {name: tuple(sorted(means, key=lambda mean: mean.first_month)) for name, means in groups.items()}
@@ -142,7 +142,7 @@ def _read_anthrokids(path: Path) -> dict[str, tuple[GroupMean, ...]]:
 
 def _read_published(path: Path) -> dict[str, LogCurve]:
     curves = {}
-    for _, row in _rows(path):
+    for _, row in _rows(path, "measurement"):
         per_cm = MM_PER_CM if row["unit"] == "mm" else 1.0
         a, b, c = (_finite(row[coefficient]) for coefficient in "abc")
         curves[row["measurement"]] = LogCurve(a / per_cm, b, c / per_cm)
@@ -160,7 +160,7 @@ def _read_who(path: Path) -> GrowthStandard:
 def _read_postures(path: Path) -> Postures:
     ages: tuple[str, ...] = ()
     postures: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
-    for _, row in _rows(path):
+    for _, row in _rows(path, "development", "hands", "chest_joint", "pose", "joint"):
         ages = tuple(row)[5:]
         angles = tuple(_finite(row[age]) for age in ages)
         postures.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
@@ -176,7 +176,15 @@ def _finite(text: str) -> float:
     return number
 
 
-def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """Yield the line number and the fields of each row."""
+def _rows(path: Path, *keys: str) -> Iterator[tuple[int, dict[str, str]]]:
+    """Yield the line number and the fields of each row, of which no two may have the same values under *keys*."""
+    lines: dict[tuple[str, ...], int] = {}
     with path.open(encoding="utf-8", newline="") as file:
-        yield from enumerate(csv.DictReader(file), start=2)
+        reader = csv.DictReader(file)
+        if len(set(names := reader.fieldnames or ())) < len(names):
+            raise ValueError("two columns have the same name")
+        for line, row in enumerate(reader, start=2):
+            key = tuple(row[name] for name in keys)
+            if (first := lines.setdefault(key, line)) != line:
+                raise ValueError(f"lines {first} and {line} are both of {', '.join(key)}")
+            yield line, row

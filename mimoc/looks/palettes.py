@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.geometry.arrays import read_arrays
 from mimoc.looks.colours import INKS, Colour
 from mimoc.looks.pictures import FOLDER, read_picture
 
@@ -25,9 +26,10 @@ MIXTURES = "mixtures.npz"
 @cache
 def mixtures() -> Mapping[str, npt.NDArray[np.uint8]]:
     """Return the amounts of inks in the palette of each picture that is recoloured, shape (colours, inks)."""
-    with np.load(FOLDER / MIXTURES) as file:
-        columns = [file["inks"].tolist().index(ink) for ink in INKS]
-        return MappingProxyType({name: file[name][:, columns] for name in file.files if name != "inks"})
+    arrays = read_arrays(FOLDER / MIXTURES)
+    inks = arrays.pop("inks").tolist()
+    columns = [inks.index(ink) for ink in INKS]
+    return MappingProxyType({name: amounts[:, columns] for name, amounts in arrays.items()})
 
 
 def coloured_picture(name: str, inks: Mapping[str, Colour]) -> bytes:

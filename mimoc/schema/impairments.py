@@ -145,8 +145,9 @@ class ImpairmentsSpec(Model):
     )
     """How far both eyes see to a side of their line of sight; where nothing is said, as far as their pictures reach."""
     gestation_weeks: Annotated[Real, Field(ge=22, le=42, json_schema_extra={"unit": "weeks"})] | None = None
-    """Weeks of gestation at birth. Body, strength and senses of a child who was born before term are those of its
-    corrected age, from 40 weeks on; before 37 weeks, it has less flexor tone as well."""
+    """Weeks of gestation at birth. Strength, joints and senses of a child who was born before 37 weeks are those of its
+    corrected age, from 40 weeks on. At term it is smaller, fatter and less flexed than others; it catches up to 24
+    months, unless `individual` gives its size."""
 
     @property
     def complete(self) -> "ImpairmentsSpec":
@@ -162,6 +163,11 @@ class ImpairmentsSpec(Model):
             else:
                 data.setdefault(key, value)
         return data
+
+    @property
+    def birth_key(self) -> str:
+        """The key that says at how many weeks the child was born, if any does."""
+        return "gestation_weeks" if self.gestation_weeks is not None else "preset"
 
     @property
     def months_early(self) -> float:

@@ -9,10 +9,13 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
+from mimoc.body.grow import grow_body
 from mimoc.body.impairments import REFLEX, THRESHOLD_RAD_S
 from mimoc.compiler.child import child_of
 from mimoc.compiler.explain import entries_of
 from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.fits import load_tables
+from mimoc.fits.fat import mean_percent
 from mimoc.schema.regions import REGIONS, place_of
 from mimoc.studies.milestones.infant import Conditions, compile_at, slackened
 from mimoc.studies.movement.trials.pendulum import THIGHS_LEVEL_DEG, swing
@@ -98,6 +101,7 @@ def test_the_earlier_a_child_is_born_the_less_newborn_tone_it_has_at_term(weeks)
     born = tree(age_months=early + 1e-9, gestation_weeks=weeks)
     tone, usual = (
         next(motor.tone.stiffness_nm_per_rad for motor in body.motors if motor.name == "act:left_knee")
+        / body.joints["robot:left_knee"].stiffness_nm_per_rad  # Which is less in smaller children.
         for body in (born, tree(age_months=1e-9))
     )
     expected = 1 - 0.5 * min(max(37 - weeks, 0) / 12, 1)
@@ -111,10 +115,82 @@ def test_a_preterm_child_has_the_body_and_the_senses_of_its_corrected_age():
     term = mimoc.build(spec).manifest
     assert early.child.age_months == 9
     assert early.child.months_early == pytest.approx(8 * 7 / 30.4375)
-    assert early.child.length_cm == pytest.approx(term.child.length_cm)
-    assert early.child.weight_kg == pytest.approx(term.child.weight_kg)
     assert early.senses.vision.acuity_cpd == pytest.approx(term.senses.vision.acuity_cpd)
     assert early.delays == term.delays
+
+
+SIZES = ("length_cm", "weight_kg", "head_circumference_cm")
+
+
+def z_scores(spec) -> dict[str, float]:
+    child = mimoc.build(spec).manifest.child
+    who = load_tables().who
+    return {key: who[key].z_score(getattr(child, key), child.corrected_age_months, "mean") for key in SIZES}
+
+
+def smaller_by(weeks: float, since_term: float, **keys) -> list[float]:
+    """Return by how many standard deviations a child born early is smaller than one born at term."""
+    early = infant(gestation_weeks=weeks)
+    born, term = (
+        z_scores(spec.with_(age_months=age, **keys))
+        for spec, age in ((early, early.months_early + since_term), (infant(), since_term))
+    )
+    return [born[key] - term[key] for key in SIZES]
+
+
+def test_a_child_born_early_is_smaller_at_term_and_catches_up_to_24_months():
+    """Born at 30 weeks: 3.8 cm, 570 g and a head of 1 cm less (Johnson et al. 2011): 2, 1.3 and .8 SD."""
+    assert smaller_by(30, 1e-6) == pytest.approx([-2.0, -1.3, -0.8], abs=0.02)
+    assert smaller_by(30, 10.85) == pytest.approx([-0.5, -0.325, -0.2], abs=0.02)
+    assert smaller_by(30, 24 - 10 / (30.4375 / 7)) == pytest.approx([0, 0, 0], abs=0.01)
+
+
+def test_the_earlier_a_child_is_born_the_smaller_it_is_at_term():
+    lengths = [smaller_by(weeks, 0.01)[0] for weeks in (22, 26, 30, 34, 36.9)]
+    assert lengths == sorted(lengths)
+    assert lengths[0] > -3
+    assert lengths[-1] == pytest.approx(0, abs=0.05)
+
+
+@pytest.mark.parametrize("weeks", [37, 40, 42])
+def test_a_child_born_at_term_has_the_same_bytes(weeks):
+    files, usual = (
+        mimoc.build(spec).files for spec in (infant(age_months=1, gestation_weeks=weeks), infant(age_months=1))
+    )
+    assert files["infant.xml"] == usual["infant.xml"]
+
+
+def test_sizes_that_a_spec_gives_count_for_a_child_born_early():
+    born = infant(age_months=6, gestation_weeks=30).with_(
+        body={"individual": {"sex": "female", "length_percentile": 50, "weight_percentile": 50}}
+    )
+    child = mimoc.build(born).manifest.child
+    length = load_tables().who["length_cm"].z_score(child.length_cm, child.corrected_age_months, "female")
+    assert length == pytest.approx(0, abs=0.01)
+
+
+def test_what_a_spec_does_not_give_of_a_child_born_early_has_the_proportions_of_children_born_as_early():
+    """Its head is large for its length, so that one with an average head is shorter than the average child."""
+    early = infant(age_months=2.4, gestation_weeks=30)
+    usual, with_head = (
+        mimoc.build(spec).manifest.child
+        for spec in (early, early.with_(body={"individual": {"sex": "female", "head_percentile": 50}}))
+    )
+    ratio = with_head.head_circumference_cm / usual.head_circumference_cm
+    assert with_head.length_cm / usual.length_cm == pytest.approx(ratio, abs=2e-3)
+    assert with_head.length_cm < 48
+
+
+def test_a_child_born_early_is_fatter_at_term():
+    """By 3 % of its weight (Johnson et al. 2012); strength goes with what is lean."""
+    early = infant(gestation_weeks=30)
+    grown = grow_body(early.with_(age_months=early.months_early + 1e-9)).tree.growth
+    usual = mean_percent(0)
+    assert grown.lean_gain == pytest.approx((100 - usual - 3) / (100 - usual), abs=1e-4)
+    assert grown.lean_keys == ("spec.impairments.gestation_weeks",)
+    assert grow_body(early.with_(age_months=early.months_early + 3.01)).tree.growth.lean_gain == 1
+    leaner = early.with_(age_months=3, body={"individual": {"fat_percent": 12}})
+    assert grow_body(leaner).tree.growth.lean_keys == ("spec.body.individual.fat_percent",)
 
 
 def test_growing_counts_from_birth():
@@ -211,5 +287,8 @@ def test_what_eyes_lose_has_no_effect_without_vision():
 
 def test_how_early_a_child_was_born_is_explained():
     for impairments, key in (({"gestation_weeks": 32}, "gestation_weeks"), ({"preset": "preterm"}, "preset")):
-        entry = entries_of(mimoc.build(infant(**impairments)))["child.months_early"]
-        assert entry["from"] == [f"spec.impairments.{key}"]
+        entries = entries_of(mimoc.build(infant(**impairments)))
+        assert entries["child.months_early"]["from"] == [f"spec.impairments.{key}"]
+        size = entries["measurements.crown_sole_length_cm"]
+        assert f"spec.impairments.{key}" in size["from"]
+        assert "Johnson et al. 2011" in size["rule"]

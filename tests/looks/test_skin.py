@@ -1,6 +1,9 @@
 """The skin: one mesh for each kind of hands, carried to every child by its solids."""
 
+import io
 import json
+import warnings
+import zipfile
 from dataclasses import replace
 from functools import cache
 
@@ -11,9 +14,16 @@ from hypothesis import given, settings
 from support.posed_skins import edges_of, lengths, posed
 from support.skin_bodies import child, children
 
-from mimoc.body.kinematics import frames_in_world
+from mimoc.base.errors import DataError, GeometryError
+from mimoc.body.head_surface import head_radius
+from mimoc.body.kinematics import frames_in_world, pose
 from mimoc.body.poses import POSES, poses_of, resting_state
-from mimoc.looks.skin.deformation import skin_of
+from mimoc.geometry.arrays import read_arrays, together
+from mimoc.looks.skin import deformation
+from mimoc.looks.skin.deformation import layers_of, skin_of
+from mimoc.looks.skin.garments import BARE
+from mimoc.looks.skin.surface_distance import surface_distance
+from mimoc.looks.skin.template_mesh import FOLDER, assembled, template_mesh
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
@@ -69,6 +79,69 @@ def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
         trousers_m = lowest_m.pop("trousers") + (TURNED_M if name == "supine" else 0.0)
         shirt_m = lowest_m.pop("shirt") + (BELLY_M if name == "prone" else 0.0)
         assert min(*lowest_m.values(), shirt_m, trousers_m) > -BELOW_FLOOR_M, name
+
+
+def heights_off_m(tree, sculpted) -> float:
+    """Return how far vertices are, on average, from their sculpted heights above the child's own solids."""
+    verts_m = layers_of(replace(tree, clothes=BARE), replace(sculpted, fullness_m=0 * sculpted.fullness_m))[0].verts_m
+    mesh, placed = sculpted.mesh, pose(tree, sculpted.angles_rad)
+    height_m, _ = surface_distance(placed, sculpted.solids, mesh.near, mesh.blend_m, verts_m)
+    size = head_radius(tree.geoms["head"]) / sculpted.head_radius_m
+    return np.abs(height_m - size * mesh.offsets_m).mean()
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_solids_of_the_skin_are_those_of_the_child_that_it_was_sculpted_on(hands):
+    reference = child(9, hands)
+    assert template_mesh(hands).solids == (*reference.geoms,)
+    assert heights_off_m(reference, template_mesh(hands)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("age_months", "individual"),
+    [
+        (24, {"length_percentile": 50}),
+        (9, {"length_percentile": 99, "weight_percentile": 1}),
+        (9, {"length_percentile": 1, "weight_percentile": 99}),
+    ],
+)
+def test_skin_follows_the_solids_of_each_child(age_months, individual, monkeypatch):
+    tree, sculpted = child(age_months, individual={"sex": "female", **individual}), template_mesh("mitten")
+    fitted_m = heights_off_m(tree, sculpted)
+    monkeypatch.setattr(deformation, "ROUNDS", 0)
+    assert fitted_m < 0.7 * heights_off_m(tree, sculpted)
+
+
+def test_skin_of_which_no_solid_is_the_childs_is_an_error():
+    other = replace(template_mesh("mitten"), solids=tuple(f"no_{name}" for name in template_mesh("mitten").solids))
+    with pytest.raises(GeometryError, match="no solid that is called as one of the skin's, such as 'no_lb'"):
+        layers_of(child(), other)
+
+
+def test_skin_whose_vertices_lie_on_solids_without_names_is_an_error():
+    arrays, head = (read_arrays(FOLDER / f"{name}.npz") for name in ("mitten", "head"))
+    with pytest.raises(DataError, match="'near' refers to"):
+        assembled(arrays | {"solids": arrays["solids"][:9]}, head)
+    with pytest.raises(DataError, match="'solids' is no list of different names"):
+        assembled(arrays | {"solids": arrays["near"]}, head)
+
+
+def test_two_arrays_of_one_name_are_an_error(tmp_path):
+    """NumPy reads the last of the two, without a word."""
+    with zipfile.ZipFile(tmp_path / "twice.npz", "w") as archive, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # The archive itself is what is tested.
+        for number in range(2):
+            archive.writestr("solids.npy", encoded(np.full(3, number)))
+    with pytest.raises(DataError, match=r"twice.npz: more than one array is called 'solids'"):
+        read_arrays(tmp_path / "twice.npz")
+    with pytest.raises(DataError, match="more than one array is called 'solids'"):
+        together({"solids": np.zeros(1)}, {"verts": np.zeros(1)}, {"solids": np.zeros(1)})
+
+
+def encoded(array: np.ndarray) -> bytes:
+    content = io.BytesIO()
+    np.save(content, array)
+    return content.getvalue()
 
 
 @settings(max_examples=8)

@@ -11,8 +11,8 @@ import mujoco
 from mimoc import fits
 from mimoc.base.rounding import rounded
 from mimoc.base.units import m_to_cm
+from mimoc.body.grow import usual_measures
 from mimoc.body.kinematics import Stature, stature
-from mimoc.body.measurements import targets
 from mimoc.bundle.primitives import PRIMITIVES, solid_extents
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.validation.measuring import (
@@ -241,8 +241,8 @@ def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
     missing parts change is not asked for by anything else.
     """
     requests: dict[str, float | None] = {}
-    if spec.body.individual:
-        wanted = targets(spec.body.individual, spec.corrected_age_months)
+    wanted = usual_measures(spec) if spec.body.individual or spec.months_early else None
+    if wanted:
         requests = {
             "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
             "weight_kg": wanted.weight_kg,

@@ -12,7 +12,7 @@ from mimoc.body.tree import BodyTree
 from mimoc.geometry.face_steps import Steps, on_grid, steps_between
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
-from mimoc.geometry.triangles import normals_of
+from mimoc.geometry.triangles import normals_of, smoothed
 from mimoc.looks.skin.garments import OUTFITS, Piece, dressed
 from mimoc.looks.skin.hair import hair_over
 from mimoc.looks.skin.head import deform_head
@@ -24,6 +24,8 @@ ROUNDS = 2
 """Steps of Newton's method towards the sculpted heights above the solids."""
 FARTHEST = 0.06
 """Largest of these steps, in head radii."""
+SMOOTHINGS = 8
+"""How often these moves are smoothed over the mesh, lest the gaps between the solids of a thin child show (D)."""
 GONE = 0.98
 """Share of missing bodies in a vertex above which it is left out."""
 
@@ -173,12 +175,13 @@ class _Carrying:
         """Return vertices at their sculpted heights above the child's solids."""
         wanted, most = mesh.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
         solids, blend_m = self.sculpted.solids, mesh.blend_m * sizes
+        moved_m = verts_m
         for _ in range(ROUNDS):
-            height, slope = surface_distance(self.posed, solids, mesh.solids, blend_m, verts_m)
+            height, slope = surface_distance(self.posed, solids, mesh.near, blend_m, moved_m)
             steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
             move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
-            verts_m = verts_m + move[:, None] * slope
-        return verts_m
+            moved_m = moved_m + move[:, None] * slope
+        return verts_m + smoothed(moved_m - verts_m, mesh.faces, SMOOTHINGS)
 
 
 def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:

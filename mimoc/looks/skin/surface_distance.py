@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import GeometryError
 from mimoc.body.kinematics import Posed
 from mimoc.body.tree import Geom
 from mimoc.geometry.rotations import FloatArray
@@ -28,8 +29,13 @@ def surface_distance(
 
     Returns:
         Heights, shape (n,), and slopes, shape (n, 3); those of a point near which nothing is left are 0.
+
+    Raises:
+        GeometryError: If the body has none of these solids.
     """
     number = {geom.name: index for index, geom in enumerate(posed.geoms)}
+    if number.keys().isdisjoint(solids):
+        raise GeometryError(f"skin: the body has no solid that is called as one of the skin's, such as '{solids[0]}'")
     owner = np.array([number.get(name, -1) for name in solids])[near.ravel()]
     turns, sizes = np.array(posed.rotations)[owner], np.array([_three(geom) for geom in posed.geoms])[owner]
     from_centres = np.repeat(points, near.shape[1], axis=0) - np.array(posed.centres)[owner]

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import DataError
+from mimoc.geometry.arrays import Arrays, read_arrays
 from mimoc.geometry.rotations import FloatArray
 
 IntArray = npt.NDArray[np.intp]
@@ -38,7 +40,7 @@ class SculptedMesh:
     """Bodies that move each vertex, as indices of `Sculpture.parts`, shape (n, 4)."""
     weights: FloatArray
     """How much each of them does, shape (n, 4); each row sums to 1."""
-    solids: IntArray
+    near: IntArray
     """The solids near each vertex, as indices of `Sculpture.solids`, shape (n, 4)."""
     offsets_m: FloatArray
     """Height of each vertex above these, blended, shape (n,)."""
@@ -132,13 +134,16 @@ class Sculpture:
 @cache
 def template_mesh(hands: str) -> Sculpture:
     """Return the skin for a kind of hands: `mitten` or `five_finger`."""
-    with np.load(FOLDER / f"{hands}.npz") as archive, np.load(FOLDER / "head.npz") as head:
-        return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
+    return assembled(read_arrays(FOLDER / f"{hands}.npz"), read_arrays(FOLDER / "head.npz"))
 
 
-def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
-    """Return a sculpture from its arrays, by their names in the files."""
-    parts = tuple(map(str, arrays["parts"]))
+def assembled(arrays: Arrays, head: Arrays) -> Sculpture:
+    """Return a sculpture from its arrays, by their names in the files.
+
+    Raises:
+        DataError: If vertices refer to bodies or solids that are not named.
+    """
+    parts, solids = _names(arrays, "parts", "bones"), _names(arrays, "solids", "near")
     mesh = {field.name: _fixed(arrays[field.name]) for field in fields(SculptedMesh) if field.name != "offsets_m"}
     return Sculpture(
         parts=parts,
@@ -146,7 +151,7 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
             {part: str(name) for part, name in zip(parts, arrays["parents"], strict=True) if name}
         ),
         **{name: _fixed(arrays[name]) for name in ("origins_m", "turns", "low_m", "high_m")},
-        solids=tuple(map(str, arrays["solids"])),
+        solids=solids,
         angles_rad=MappingProxyType(dict(zip(map(str, arrays["joints"]), arrays["angles_rad"].tolist(), strict=True))),
         head_radius_m=float(arrays["head_radius_m"]),
         mesh=SculptedMesh(
@@ -161,7 +166,17 @@ def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDA
     )
 
 
-def _garment(arrays: Mapping[str, npt.NDArray[Any]], index: int) -> Garment:
+def _names(arrays: Arrays, names: str, indices: str) -> tuple[str, ...]:
+    """Return the names in one array, to which vertices refer by their indices in another."""
+    found, highest = arrays[names], int(arrays[indices].max())
+    if found.dtype.kind != "U" or found.ndim != 1 or len(set(found.tolist())) < len(found):
+        raise DataError(f"skin: '{names}' is no list of different names; run `make skin`")
+    if highest >= len(found):
+        raise DataError(f"skin: '{indices}' refers to number {highest} of {len(found)} '{names}'; run `make skin`")
+    return tuple(found.tolist())
+
+
+def _garment(arrays: Arrays, index: int) -> Garment:
     across = np.column_stack((arrays["pattern"], arrays["shades"][index] / 255))
     return Garment(
         is_covered=(arrays["covers"] >> index & 1).astype(bool),
@@ -170,7 +185,7 @@ def _garment(arrays: Mapping[str, npt.NDArray[Any]], index: int) -> Garment:
     )
 
 
-def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
+def _head(arrays: Arrays) -> SculptedHead:
     names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
     expressions = [name.removeprefix("moves/") for name in arrays if name.startswith("moves/")]
     return SculptedHead(

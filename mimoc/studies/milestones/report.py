@@ -32,6 +32,8 @@ class AgeRange(Model):
     oldest_months: float
     usual_months: float | None
     """The mean, or the age that a source gives; None if it gives none."""
+    sd_months: float | None = None
+    """Standard deviation of the ages of infants; None if the source gives none."""
     span: str
     """What these ages are, such as percentiles."""
     source: str
@@ -39,19 +41,30 @@ class AgeRange(Model):
 
     @property
     def ages(self) -> tuple[float, ...]:
-        """Youngest, usual and oldest age, as they are plotted."""
+        """Youngest, usual and oldest age."""
         usual = () if self.usual_months is None else (self.usual_months,)
         return (self.youngest_months, *usual, self.oldest_months)
 
-    def verdict(self, age_months: float | None) -> Verdict:
+    def window(self, *, of_average: bool) -> tuple[float, float]:
+        """Return the ages that a child is judged by, youngest and oldest.
+
+        An average child is judged by the mean ± 1 SD where both are known, since nearly any age is within the 1st and
+        99th percentile; others are judged by the whole range.
+        """
+        if of_average and self.usual_months is not None and self.sd_months is not None:
+            return rounded(self.usual_months - self.sd_months), rounded(self.usual_months + self.sd_months)
+        return self.youngest_months, self.oldest_months
+
+    def verdict(self, age_months: float | None, *, of_average: bool = False) -> Verdict:
         """Return how the age at which an infant reaches it compares; None is never. Nobody is judged by assumptions."""
+        youngest_months, oldest_months = self.window(of_average=of_average)
         if self.certainty == ASSUMPTION:
             return "no verdict"
         if age_months is None:
             return "not reached"
-        if age_months < self.youngest_months:
+        if age_months < youngest_months:
             return "too early"
-        return "inside" if age_months <= self.oldest_months else "too late"
+        return "inside" if age_months <= oldest_months else "too late"
 
 
 def read_age_ranges(path: Path) -> dict[str, AgeRange]:
@@ -81,6 +94,8 @@ class Milestone:
     """Whether it is compared with real infants, or only reported."""
     months_early: float = 0.0
     """How long before term the child was born, by which its ages are corrected."""
+    of_average: bool = False
+    """Whether the child is average, so that it is judged by the mean ± 1 SD of real infants where that is known."""
 
     @property
     def side(self) -> str:
@@ -108,7 +123,21 @@ class Milestone:
         if not self.judged or self.window is None:
             return "no verdict"
         age_months = result.youngest_months
-        return self.window.verdict(None if age_months is None else age_months - self.months_early)
+        corrected_months = None if age_months is None else age_months - self.months_early
+        return self.window.verdict(corrected_months, of_average=self.of_average)
+
+    @property
+    def plotted_months(self) -> tuple[float, ...]:
+        """Youngest, usual and oldest age of real infants by which it is judged, as they are plotted."""
+        if self.window is None or self.judged_by is None:
+            return ()
+        _, *usual, _ = self.window.ages
+        return (self.judged_by[0], *usual, self.judged_by[1])
+
+    @property
+    def judged_by(self) -> tuple[float, float] | None:
+        """The youngest and the oldest age that are inside; None if no ages of real infants are known."""
+        return self.window.window(of_average=self.of_average) if self.window else None
 
     def to_data(self) -> dict[str, Any]:
         """Return everything as plain data."""
@@ -120,6 +149,7 @@ class Milestone:
             "worse_side": self.side or None,
             "sides": {side: self._data_of(result) for side, result in self.sides.items() if side},
             "window": self.window.model_dump() if self.window else None,
+            "judged_by_months": self.judged_by,
         }
 
     def _badness(self, side: str) -> tuple[bool, float]:
@@ -161,7 +191,7 @@ class MilestoneReport:
             AgeRow(
                 item.trial.title,
                 {label: one.milestones[place].result.youngest_months for label, one in reports.items()},
-                item.window.ages if item.window else (),
+                item.plotted_months,
             )
             for place, item in enumerate(self.milestones)
         ]
@@ -231,12 +261,20 @@ def validate_milestones(
                 WINDOWS.get(name),
                 name not in further,
                 child.months_early,
+                is_average(child),
             )
             for name, by_side in asked.items()
         ]
         return MilestoneReport(child.development, child.actuation.model, usual, milestones)
 
     return replace(report(infant), beside={name: report(other) for name, other in others.items()})
+
+
+def is_average(spec: InfantSpec) -> bool:
+    """Return whether a child differs from the average one in nothing that a spec can say of body and strength."""
+    body, actuation = spec.body, spec.actuation
+    own = body.individual, body.measurements, body.parts, body.remove, body.extra, spec.impairments, actuation.strength
+    return not any(own) and actuation.strength_age_months is None
 
 
 def _searches(trial: Trial, infant: InfantSpec) -> Mapping[str, str]:

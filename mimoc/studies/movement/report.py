@@ -18,7 +18,7 @@ from mimoc.schema.base import Model
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
-from mimoc.studies.certainty import ASSUMPTION, Basis, Certainty
+from mimoc.studies.certainty import ASSUMPTION, READ, Basis, Certainty
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
 from mimoc.studies.movement.trial import Subject, Values, missing
@@ -44,6 +44,11 @@ class Window(Model):
     def holds_at(self, age_months: float) -> bool:
         """Return whether it is about infants of some age."""
         return self.youngest_months <= age_months <= self.oldest_months
+
+    @property
+    def is_read_direction(self) -> bool:
+        """Whether it is a fact that was read, and says which way a value has to go: it has one end."""
+        return self.certainty in READ and (self.low is None) != (self.high is None)
 
     def has(self, value: float) -> bool:
         """Return whether a value is inside."""
@@ -154,9 +159,12 @@ class MovementReport:
 
     @property
     def held_out(self) -> Sequence[Row]:
-        """The rows with a verdict of the trials by which nothing of the law was chosen: its predictions."""
+        """The predictions that count: rows with a verdict of the trials by which nothing of the law was chosen.
+
+        Only those about facts that were read and have a direction: nearly any value is inside two SD either way.
+        """
         judged = (row for row in self.rows if row.verdict in ("inside", "outside", "not reached"))
-        return [row for row in judged if TRIALS[row.trial].held_out]
+        return [row for row in judged if TRIALS[row.trial].held_out and row.window and row.window.is_read_direction]
 
     @property
     def by_measure(self) -> Mapping[str, Sequence[Row]]:

@@ -1,8 +1,11 @@
 """The paper's figures beside those measured."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
-from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS
+from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, delays
 from mimoc.studies.experiments.figures import Figure, figure_rows, figures_of
 
 
@@ -28,6 +31,24 @@ def test_each_experiment_of_the_paper_has_figures_that_say_how_they_are_known(na
     assert len({figure.quantity for figure in figures}) == len(figures) > 0
     assert all(figure.certainty in "SDM" and figure.source for figure in figures)
     assert not list(figure_rows(name, {}))
+
+
+@pytest.mark.parametrize(
+    ("longer", "verdict"),
+    [
+        ({"units": 2.0, "path_ratio": 2.0, "arc_length": -2.0, "jerk": -7.0}, "yes"),
+        ({"units": 1.0, "path_ratio": 2.0, "arc_length": -1.0, "jerk": -7.0}, "by path length and jerk only"),
+        ({"units": 1.0, "path_ratio": 1.0, "arc_length": -1.0, "jerk": -6.0}, "no"),
+    ],
+)
+def test_movements_are_less_smooth_where_every_measure_that_the_page_lists_says_so(longer, verdict):
+    """The verdict beside the paper's is made from the page's list."""
+
+    def learner(**measures) -> Any:
+        return SimpleNamespace(mean=measures.get, median=measures.get)
+
+    shortest = {"units": 1.0, "path_ratio": 1.0, "arc_length": -1.0, "jerk": -6.0}
+    assert delays._less_smooth({"0 ms": [learner(**shortest)], "200 ms": [learner(**longer)]}) == verdict
 
 
 def test_experiments_of_the_paper_are_experiments():

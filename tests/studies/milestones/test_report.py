@@ -2,6 +2,7 @@
 
 import pytest
 
+import mimoc
 from mimoc.cli.tables import print_milestones
 from mimoc.cohorts.milestones import WHO
 from mimoc.render.plots.file import draw
@@ -15,6 +16,7 @@ from mimoc.studies.milestones import (
     Outcome,
     validate_milestones,
 )
+from mimoc.studies.milestones.report import is_average
 from mimoc.studies.milestones.search import SearchResult
 
 
@@ -36,6 +38,49 @@ def test_an_age_is_judged_by_the_window_of_real_infants(age_months, verdict):
     judged = report(age_months, 0.0)
     assert [each.verdict for each in judged.milestones] == [verdict, "no verdict"]
     assert judged.passed == (verdict == "inside")
+
+
+@pytest.mark.parametrize(
+    ("name", "age_months", "verdict"),
+    [
+        ("stand", 8.5, "too early"),
+        ("stand", 9.1, "inside"),
+        ("stand", 12.9, "inside"),
+        ("stand", 13.0, "too late"),
+        ("hands_and_knees", 6.0, "too early"),
+        ("sit", 4.9, "inside"),
+        ("sit", 7.5, "too late"),
+        ("arm_out", 5.0, "inside"),
+        ("arm_out", 5.5, "too late"),
+    ],
+)
+def test_the_average_child_is_judged_by_mean_and_sd_where_these_are_known(name, age_months, verdict):
+    assert WINDOWS[name].verdict(age_months, of_average=True) == verdict
+    milestone = Milestone(TRIALS[name], {"": SearchResult(age_months)}, WINDOWS[name], True, of_average=True)
+    assert (milestone.verdict, milestone.failed) == (verdict, verdict != "inside")
+
+
+def test_only_a_child_of_which_the_spec_says_nothing_is_average():
+    child = mimoc.InfantSpec(mimoc=1, name="kim", age_months=9)
+    assert is_average(child)
+    assert is_average(child.with_(actuation={"model": "muscle"}, development="published"))
+    for own in (
+        {"body": {"individual": {"sex": "female", "length_percentile": 3}}},
+        {"body": {"remove": ["left_hand"]}},
+        {"impairments": {"gestation_weeks": 30}},
+        {"actuation": {"strength": {"arms": 0.5}}},
+    ):
+        assert not is_average(child.with_(**own))
+
+
+def test_the_table_of_the_average_child_has_mean_and_sd(capsys):
+    milestone = Milestone(TRIALS["stand"], {"": SearchResult(8.5)}, WINDOWS["stand"], True, of_average=True)
+    print_milestones(MilestoneReport("maturing", "torque", Conditions(), [milestone]))
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "9.1-12.9" in printed
+    assert "mean ± 1 SD" in printed
+    assert "failed: outside the window of real infants: stand" in printed
+    assert milestone.to_data()["judged_by_months"] == (9.1, 12.9)
 
 
 def test_the_table_names_what_is_outside_and_the_sources(capsys):
@@ -72,6 +117,6 @@ def test_a_newborn_does_not_get_up_nor_lift_its_head_from_its_back(name):
 
 def test_cohorts_are_compared_with_the_means_of_the_windows():
     """The summary of a cohort has WHO's standard deviations besides; it may not import studies."""
-    for trial, (_, mean_months, _) in WHO.items():
+    for trial, (_, mean_months, sd_months) in WHO.items():
         window = WINDOWS.get(trial)
-        assert window is None or window.usual_months == mean_months, trial
+        assert window is None or (window.usual_months, window.sd_months) == (mean_months, sd_months), trial

@@ -55,15 +55,18 @@ def test_a_value_outside_is_off_by_what_it_is_beyond_its_window(measure, age_mon
     assert row(measure, age_months, value).error == error
 
 
-def test_what_is_held_out_is_what_has_a_verdict_in_trials_that_are_predicted_alone():
+def test_what_is_counted_as_held_out_was_predicted_alone_and_is_a_fact_that_was_read_and_has_a_direction():
+    """Not of what numbers were chosen for, two-sided windows, what was derived or recorded, nor assumptions."""
     rows = [
         row("shank_swings", 3.0, 1.0),
         row("speed_hand", 0.0, 9.0),
-        row("speed_hand", 6.0, 1.0),
+        row("roll_deg", 6.0, 70.0),
+        row("leg_weight_less", 1.5, 0.9),
+        row("posture_upright_change", 3.0, 0.45),
         row("reach_s", 4.0, 12.0),
     ]
     report = MovementReport("maturing", "torque", rows)
-    assert report.held_out == rows[1:3]
+    assert report.held_out == rows[3:5]
     assert report.to_data()["held_out"] == {"inside": 1, "tried": 2}
     measures = {measure.name for trial in TRIALS.values() if trial.held_out for measure in trial.measures}
     assert {window.used for name, window in WINDOWS if name in measures} == {"predicted"}
@@ -172,6 +175,7 @@ REPORT = MovementReport(
         row("kick_share", 0.0, 0.9),
         row("grip_out_n", 0.0, None, "this infant has no left_hand"),
         row("speed_hand", 3.0, 4.65),
+        row("posture_upright_change", 3.0, 0.48),
     ],
 )
 
@@ -179,12 +183,15 @@ REPORT = MovementReport(
 def test_the_table_names_what_is_outside_the_sources_and_what_was_not_tried(capsys):
     print_movement(REPORT)
     printed = capsys.readouterr().out
-    assert "failed: outside the window of real infants: shank_swings, kick_s, speed_hand" in " ".join(printed.split())
+    assert (
+        "failed: outside the window of real infants: shank_swings, kick_s, speed_hand, posture_upright_change"
+        in " ".join(printed.split())
+    )
     assert "grip was not tried: this infant has no left_hand" in printed
     assert "1.5*" in printed
     assert "(0.9)" in printed
     assert "Trujillo-Priego & Smith 2017" in printed
-    assert "held out: 0 of 1 inside" in printed
+    assert "held out, facts that were read and have a direction: 0 of 1 inside" in " ".join(printed.split())
     assert "+0.5" in printed
     assert "(read; predicted)" in " ".join(printed.split())
 
