@@ -62,7 +62,8 @@ def fit_log_curve(ages_months: Sequence[float], values: Sequence[float]) -> LogC
 def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weights: Sequence[float]) -> LogCurve:
     """Return the least-squares curve with a steady part through *values* that does not fall up to `LAST_MONTH`.
 
-    Where growth never slows down, that is the curve by the law of the paper, nearly a straight line.
+    Where growth never slows down, that is the curve by the law of the paper, nearly a straight line; where values fall,
+    their mean.
 
     Args:
         ages_months: Shape (n,), n >= 5, none below zero.
@@ -71,7 +72,10 @@ def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weigh
     """
     points = _Points(*(np.array(column, float) for column in (ages_months, values, weights)), is_steady=True)
     b = _best_shift(points, B_MAX_COUNT_MONTHS)
-    return fit_log_curve(ages_months, values) if math.isnan(b) else _curve(points, b)
+    if not math.isnan(b):
+        return _curve(points, b)
+    bent = fit_log_curve(ages_months, values)
+    return bent if bent.a >= 0 else LogCurve(0.0, B_MIN_MONTHS, significant(float(points.mean(points.y)[0]), DIGITS))
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,6 +90,11 @@ def test_no_curve_with_a_steady_part_falls_before_two_years(a, b_months, noise):
     assert all(after >= before - 1e-9 for before, after in pairwise(heights))
 
 
+def test_values_that_fall_give_their_mean():
+    found = fit_count_curve(AGES_MONTHS, [20 - 0.1 * age for age in AGES_MONTHS], EVEN)
+    assert [found(0), found(24)] == pytest.approx([20 - 0.1 * np.mean(AGES_MONTHS)] * 2)
+
+
 def test_a_point_of_little_weight_moves_the_curve_little():
     values = [10 + 2 * np.log(age + 1) for age in AGES_MONTHS[:-1]] + [40.0]
     light, heavy = (fit_count_curve(AGES_MONTHS, values, [*EVEN[:-1], weight]) for weight in (1e-6, 1.0))
