@@ -26,3 +26,9 @@ class ReadOptions:
     view: View = "front"
     """What the camera sees of an infant: its `front`; its `back` where it lies on its belly; `mirrored` if the picture
     is, or y counts upwards; `swapped` if left and right are exchanged."""
+    min_score: float | None = None
+    """Confidence below which a point is taken not to be seen; None is what the format's own programs go by."""
+
+    def least_score(self, usual: float) -> float:
+        """Return the confidence below which a point is taken not to be seen, by what is usual in a format."""
+        return usual if self.min_score is None else self.min_score

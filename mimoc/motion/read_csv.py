@@ -5,8 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
+from mimoc.motion.checks import drop_unsure
 from mimoc.motion.frame_files import read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
@@ -17,6 +19,13 @@ SUFFIXES = ".csv", ".tsv"
 _POINTS = "point", "bodypart", "keypoint", "name", "marker", "label", "joint"
 _DEEPLABCUT = ["scorer", "bodyparts", "coords"]
 """First cells of its first three rows."""
+MIN_SCORE = 0.3
+"""That of COCO's formats, where a table does not say what wrote it."""
+MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
+"""Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (what its `drawing_utils` draw), by what they
+call confidence."""
+_HEADERS = 4
+"""Rows that may name columns."""
 
 Cells = Sequence[Sequence[str]]
 
@@ -33,6 +42,12 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         UnusableFileError: If it is not a table of points, or damaged.
     """
     rows = read_cells(read_whole_file(path))
+    header = ",".join(cell for row in rows[:_HEADERS] for cell in row).lower()
+    usual = next((score for word, score in MIN_SCORES.items() if word in header), MIN_SCORE)
+    return drop_unsure(_table(path, rows, options), options.least_score(usual))
+
+
+def _table(path: Path, rows: Cells, options: ReadOptions) -> PointRecording:
     header = [cell.strip() for cell in rows[0]]
     lower = [cell.lower() for cell in header]
     if [row[0] for row in rows[:3]] == _DEEPLABCUT:
@@ -111,7 +126,7 @@ def _recording(name: str, labels: Sequence[str], values: Mapping[str, FloatArray
     axes = ("x", "y", "z") if "z" in known else ("x", "y")
     positions = np.stack([known.get(axis, unknown) for axis in axes], axis=-1)
     confidence = np.nan_to_num(known.get("confidence", np.ones(shape)), nan=0.0)
-    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0)
+    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0) & ~_empty(positions)
     return PointRecording(
         name,
         when.rate_hz,
@@ -121,6 +136,12 @@ def _recording(name: str, labels: Sequence[str], values: Mapping[str, FloatArray
         depth_m=known.get("depth_m") if len(axes) == 2 else None,
         notes=when.notes,
     )
+
+
+def _empty(positions: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return where zeros stand for a point that is not seen, shape (t, k); one that is always there is the origin."""
+    zero = ~positions.any(axis=-1)
+    return zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0)
 
 
 def _placed(values: FloatArray, places: Sequence[int]) -> FloatArray:

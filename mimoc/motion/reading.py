@@ -10,7 +10,7 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing
+from mimoc.motion.checks import check_numbers, check_points, check_timing, drop_unsure
 from mimoc.motion.labels import name_points
 from mimoc.motion.options import VIEWS, ReadOptions, View
 from mimoc.motion.point_recording import Camera, PointRecording
@@ -26,6 +26,7 @@ def read_points(
     infant: int | str | None = None,
     names: Mapping[str, str] | None = None,
     view: View = "front",
+    min_score: float | None = None,
 ) -> PointRecording:
     """Read points on a filmed infant that a pose estimator, a depth camera or motion capture has written.
 
@@ -39,6 +40,8 @@ def read_points(
         names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, where needed.
         view: What the camera sees: the infant's `front`, its `back`, a `mirrored` picture (or y upwards); `swapped` is
             left and right exchanged. The last two are put right.
+        min_score: Confidence, from 0 to 1, below which points are taken not to be seen. None is what the format's own
+            programs go by: OpenPose .05, COCO and tables .3, MediaPipe .5, DeepLabCut .6.
 
     Returns:
         The recording; its `notes` say what was assumed and what is missing.
@@ -56,7 +59,9 @@ def read_points(
     load_plugins()
     check_name("view", view, VIEWS)
     place = Path(path).expanduser()
-    options = ReadOptions(rate_hz, camera, infant, names or {}, view)
+    if min_score is not None and not 0 <= min_score <= 1:
+        raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
+    options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score)
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
@@ -78,7 +83,8 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
 
 def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
     """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
-    named = name_points(check_numbers(recording), options.names)
+    known = drop_unsure(check_numbers(recording), options.least_score(0.0))
+    named = name_points(known, options.names)
     camera = None if named.unit == "m" else options.camera or named.camera
     return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view)
 
