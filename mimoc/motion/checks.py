@@ -20,6 +20,7 @@ from mimoc.motion.sides import (
     share_opposed,
     swapped,
 )
+from mimoc.motion.wild import drop_wild
 
 RATES_HZ = 1.0, 1000.0
 """Of cameras and motion capture."""
@@ -136,7 +137,7 @@ def check_points(recording: PointRecording, view: View) -> PointRecording:
     """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
     _check_trunk(recording)
     _check_unit(recording)
-    whole = repair_exchanges(recording)
+    whole = drop_wild(repair_exchanges(recording), APART)
     if view == "mirrored":
         whole = mirrored(whole)
     elif view == "swapped":
