@@ -207,7 +207,9 @@ def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
     if not alike:
         return guess
     share = len({*people.places[np.isin(people.tracks.numbers, alike)].tolist()}) / len({*people.places.tolist()})
-    return f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large: say which is the infant"
+    return (
+        f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large: say which is the infant"
+    )
 
 
 def _name_of(people: _People, mine: npt.NDArray[np.bool_]) -> str:

@@ -131,7 +131,9 @@ def _consecutive(places: Indices) -> tuple[Indices, Indices]:
     first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
     if (last - first).sum() > _MOST_PAIRS:
         most = np.bincount(places).max()
-        raise UnusableFileError(f"has up to {most:,} persons in a frame, which are too many; keep those near the infant")
+        raise UnusableFileError(
+            f"has up to {most:,} persons in a frame, which are too many; keep those near the infant"
+        )
     return _pairs(np.arange(len(places)), first, last)
 
 

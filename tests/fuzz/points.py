@@ -28,6 +28,7 @@ OPTIONS = MappingProxyType(
         "infant": (None, None, 0, 1, "1", -1, "x" * 99, "\n"),
         "names": (None, None, {"head": "nose"}, {"\0": "head"}),
         "view": VIEWS,
+        "min_score": (None, None, 0, 0.5, 1, -1, float("nan")),
     }
 )
 CELLS = "", "nan", "inf", "-1e308", "1e999", "x", '"', ",", ";", "\n", "0x10", "1,2", "9" * 400, "neck_x"
