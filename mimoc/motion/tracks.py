@@ -4,9 +4,9 @@ Two detections, of which the second is later by the gap *t* [s], may be of one p
 
     d <= r min(0.3 + 4 t, 1.5),    s <= 1.45
 
-where *r* is the radius of the smaller body (mean distance of its points from their median), *d* the median distance that
-the points that both have are apart, and *s* the ratio of the larger radius to the smaller over these. Links are taken one after the
-other, the one with the smallest d / r + t / 2 first, so that nobody is two persons, nor two are one:
+where *r* is the radius of the smaller body (mean distance of its points from their median), *d* the median distance
+that points of both have moved, and *s* how many times as large the larger radius is as the smaller, over these points.
+Links are taken one after the other, the one with the smallest d / r + t / 2 first; nobody is linked twice:
 
     frame     0   1   2   3   4   5   6
     infant    a---a           a---a---a     the same place: joined over a gap
@@ -53,7 +53,7 @@ _MOST_ROUNDS = 20
 _MOST_PAIRS = 4_000_000
 """In consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
 _REMEMBERED_S, _REMEMBERED = 0.15, 4
-"""How long, and how many further frames at most, before and after a gap are compared across it, by medians of points."""
+"""Seconds, and at most so many further frames, before and after a gap that are compared across it, by their medians."""
 _CHUNK = 20_000
 """Pairs that are compared at once, which bounds memory."""
 

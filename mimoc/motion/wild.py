@@ -50,10 +50,10 @@ def _farthest(recording: PointRecording) -> float:
 
 def _jumping(recording: PointRecording) -> Mask:
     """Return which points, shape (t, k), are too far both from where they were before and from where they are next."""
-    wild = np.zeros(recording.positions.shape[:2], bool)
+    wild = np.zeros(recording.confidence.shape, bool)
     limit = _farthest(recording) * recording.trunk
-    for index in range(wild.shape[1]):
-        places = recording.positions[:, index]
+    for index, name in enumerate(recording.names):
+        places = recording.path(name)
         frames = np.flatnonzero(np.isfinite(places).all(axis=1))
         if len(frames) > 2:
             steps = np.linalg.norm(np.diff(places[frames], axis=0), axis=1)
@@ -63,9 +63,9 @@ def _jumping(recording: PointRecording) -> Mask:
 
 
 def _out_of_reach(recording: PointRecording, apart: Pairs) -> Mask:
-    """Return which points, shape (t, k), are out of reach of their neighbours; of two, the one that more neighbours miss.
+    """Return which points, shape (t, k), jump out of reach of neighbours; of two, the one that more of these miss.
 
-    Only where they jump there: points that always are too far apart have wrong names.
+    Points that are always too far apart have wrong names instead.
     """
     index = {name: number for number, name in enumerate(recording.names)}
     far: dict[tuple[int, int], Mask] = {}
@@ -75,7 +75,7 @@ def _out_of_reach(recording: PointRecording, apart: Pairs) -> Mask:
             is_far = _distances(recording, *pair) > most
             if _is_sudden(recording, pair, is_far):
                 far[pair] = is_far
-    wild = np.zeros(recording.positions.shape[:2], bool)
+    wild = np.zeros(recording.confidence.shape, bool)
     while far:
         suspected = np.zeros(wild.shape)
         for (first, second), is_far in far.items():

@@ -214,7 +214,7 @@ def test_one_person_who_is_always_seen_needs_no_note(infant, tmp_path):
 def test_another_who_is_as_near_makes_a_link_doubtful():
     """Somebody goes on where two others might have come from."""
     body = np.array([[0.0, 0.0], [0, 10], [10, 0], [10, 10]])
-    points = np.stack([body, body + [4, 0], body + [2, 0]])
+    points = body + np.array([[[0, 0]], [[4, 0]], [[2, 0]]])
     tracks = find_tracks(Detections(np.array([0, 0, 1]), points, np.full(3, -1), 25.0))
     assert tracks.doubtful(int(tracks.numbers[2])).tolist() == [False, False, True]
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -50,7 +51,7 @@ def beside(recording: PointRecording, scale: float = 1.0, radii: float = 2.5, *,
     return replace(recording, positions=(positions - middle) * scale + middle + [radii * radius, 0])
 
 
-def missed(recording: PointRecording, frames: object) -> PointRecording:
+def missed(recording: PointRecording, frames: Any) -> PointRecording:
     """Return it without any point in some frames, given by an index."""
     positions = recording.positions.copy()
     positions[frames] = np.nan
