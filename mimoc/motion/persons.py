@@ -10,12 +10,13 @@ import numpy as np
 
 from mimoc.base.errors import counted, suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
+from mimoc.motion.checks import RATES_HZ
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks
 
 _RATE_HZ = 25.0
-"""Frames per second by which persons are followed before anybody says it."""
+"""Frames per second by which persons are followed where nobody says it, or what no camera takes, which is refused."""
 _LONG = 0.5
 """Share of the frames of whoever is seen for longest, from which on somebody may be the infant."""
 _ALIKE = 0.6
@@ -143,6 +144,8 @@ def place_points(
     names = sorted({who.identity for _, _, who in several} - {""})
     index = {name: number for number, name in enumerate(names)}
     identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several])[there], places)
+    said_hz = options.rate_hz or _RATE_HZ
+    rate_hz = said_hz if RATES_HZ[0] <= said_hz <= RATES_HZ[1] else _RATE_HZ
     box = np.fmax.reduce(placed, axis=1) - np.fmin.reduce(placed, axis=1)
     people = _People(
         names,
@@ -150,7 +153,7 @@ def place_points(
         np.array([number for _, number, _ in several])[there],
         places,
         np.linalg.norm(box, axis=-1),
-        find_tracks(Detections(places, placed, identities, options.rate_hz or _RATE_HZ)),
+        find_tracks(Detections(places, placed, identities, rate_hz)),
     )
     infant = None if options.infant is None else identity(options.infant) or str(options.infant)
     track, notes = _choose(people, frames, infant)

@@ -219,6 +219,13 @@ def test_another_who_is_as_near_makes_a_link_doubtful():
     assert tracks.doubtful(int(tracks.numbers[2])).tolist() == [False, False, True]
 
 
+@pytest.mark.parametrize("rate_hz", [0, -30, 1e300, float("nan"), float("inf")])
+def test_a_frame_rate_of_no_camera_is_refused_as_that(rate_hz, infant, tmp_path):
+    folder = write_openpose(missed(infant, [4]), tmp_path / "a", (beside(infant),))
+    with pytest.raises(RecordingError, match="frames a second; give a frame rate from 1 to 1000"):
+        mimoc.read_points(folder, rate_hz=rate_hz)
+
+
 def test_crowds_are_refused():
     crowd = np.zeros((4004, 1, 2))
     with pytest.raises(UnusableFileError, match="has up to 2,002 persons in a frame, which are too many"):
