@@ -13,7 +13,7 @@ from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.checks import RATES_HZ
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import FloatArray
-from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks
+from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks, seen_twice
 
 _RATE_HZ = 25.0
 """Frames per second by which persons are followed where nobody says it, or what no camera takes, which is refused."""
@@ -83,6 +83,11 @@ class _People(NamedTuple):
         """Number of frames in which anybody is."""
         return len(np.unique(self.places))
 
+    def first_of_several(self, frames: Sequence[Frame], places: Indices) -> Frame | None:
+        """Return the first frame with several persons among those at some places; None if there is none."""
+        several = np.intersect1d(np.flatnonzero(np.bincount(self.places) > 1), places)
+        return next((frame for frame in frames if frame.place == several[0]), None) if len(several) else None
+
     @property
     def known(self) -> list[str]:
         """Names by which persons can be told apart."""
@@ -139,26 +144,28 @@ def place_points(
     there = np.flatnonzero(sure.any(axis=1))
     if not len(there):
         raise UnusableFileError(f"has no point with a confidence of {least:g} or more; give a lower one: min_score=0")
-    placed = np.where(sure[..., None], numbers[..., :2].clip(-1e9, 1e9), np.nan)[there]
-    places = np.array([frame.place for frame, _, _ in several])[there]
+    placed = np.where(sure[..., None], numbers[..., :2].clip(-1e9, 1e9), np.nan)
+    places = np.array([frame.place for frame, _, _ in several])
     names = sorted({who.identity for _, _, who in several} - {""})
     index = {name: number for number, name in enumerate(names)}
-    identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several])[there], places)
+    identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several]), places)
     said_hz = options.rate_hz or _RATE_HZ
     rate_hz = said_hz if RATES_HZ[0] <= said_hz <= RATES_HZ[1] else _RATE_HZ
-    box = np.fmax.reduce(placed, axis=1) - np.fmin.reduce(placed, axis=1)
+    once = ~seen_twice(Detections(places[there], placed[there], identities[there], rate_hz))
+    there = there[once]
+    box = np.fmax.reduce(placed[there], axis=1) - np.fmin.reduce(placed[there], axis=1)
     people = _People(
         names,
-        identities,
+        identities[there],
         np.array([number for _, number, _ in several])[there],
-        places,
+        places[there],
         np.linalg.norm(box, axis=-1),
-        find_tracks(Detections(places, placed, identities, rate_hz)),
+        find_tracks(Detections(places[there], placed[there], identities[there], rate_hz)),
     )
     infant = None if options.infant is None else identity(options.infant) or str(options.infant)
     track, notes = _choose(people, frames, infant)
     mine = people.tracks.numbers == track
-    chosen, at = there[mine], places[mine]
+    chosen, at = there[mine], people.places[mine]
     shape = frames[-1].place + 1, points
     positions, confidence = np.full((*shape, 2), np.nan), np.zeros(shape)
     positions[at] = np.where(seen[..., None], numbers[..., :2], np.nan)[chosen]
@@ -187,7 +194,7 @@ def _choose(people: _People, frames: Sequence[Frame], infant: str | None) -> tup
             near = suggestion(infant, [one_line(name) for name in known])
             raise UnusableFileError(f"has no person '{one_line(infant)}'; {near}")
         return int(np.argmax(np.bincount(numbers[people.identities == people.names.index(infant)]))), ()
-    first = next((frame for frame in frames if len(frame.persons) > 1), None)
+    first = people.first_of_several(frames, people.places)
     if first is None:
         if infant != "0":
             raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(infant)}'; leave it out")
@@ -210,8 +217,7 @@ def _largest(people: _People) -> int:
 def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
     """Return who is taken for the infant, and in what share of frames that is doubtful."""
     numbers, known = people.tracks.numbers, people.known
-    there = {*people.places[numbers == track].tolist()}
-    first = next((frame for frame in frames if len(frame.persons) > 1 and frame.place in there), None)
+    first = people.first_of_several(frames, people.places[numbers == track])
     if len(known) == 1:
         guess = f"the infant is taken to be '{one_line(known[0])}', the only person who is tracked"
     elif known:

@@ -53,7 +53,7 @@ _MOST_OVER_GAPS = 500_000
 _MOST_ROUNDS = 20
 """Of joining over gaps: most films need two or three."""
 _MOST_PAIRS = 4_000_000
-"""In consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
+"""In the same or consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
 _REMEMBERED_S, _REMEMBERED = 0.15, 4
 """Seconds, and at most so many further frames, before and after a gap that are compared across it, by their medians."""
 _CHUNK = 20_000
@@ -128,14 +128,20 @@ def find_tracks(people: Detections) -> Tracks:
     return Tracks(numbers, previous, Links(*(np.concatenate(parts) for parts in zip(*possible, strict=True))))
 
 
+def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
+    """Return which detections, shape (n,), are of a body of which another in the same frame has more points."""
+    number = np.arange(len(people.places))
+    pairs = _pairs(number, number + 1, np.searchsorted(people.places, people.places, "right"))
+    one, other, _ = _feasible(people, *pairs, people.points, people.points)
+    points = np.isfinite(people.points[..., 0]).sum(axis=1)
+    twice = np.zeros(len(number), dtype=bool)
+    twice[np.where(points[other] > points[one], one, other)] = True
+    return twice
+
+
 def _consecutive(places: Indices) -> tuple[Indices, Indices]:
     """Return all pairs of detections of which the second is in the frame after the first's."""
     first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
-    if (last - first).sum() > _MOST_PAIRS:
-        most = np.bincount(places).max()
-        raise UnusableFileError(
-            f"has up to {most:,} persons in a frame, which are too many; keep those near the infant"
-        )
     return _pairs(np.arange(len(places)), first, last)
 
 
@@ -150,6 +156,8 @@ def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices
 def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indices]:
     """Return each item with each number of its own range, from first to before last."""
     counts = last - first
+    if counts.sum() > _MOST_PAIRS:
+        raise UnusableFileError("has more persons in its frames than can be told apart; keep those near the infant")
     offsets = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.repeat(items, counts), np.repeat(first, counts) + offsets
 

@@ -11,7 +11,7 @@ import mimoc
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.persons import identity
-from mimoc.motion.tracks import Detections, find_tracks
+from mimoc.motion.tracks import Detections, find_tracks, seen_twice
 
 LOST = "nobody who is seen can be the infant, being too far from where it was, or of another size"
 
@@ -107,6 +107,19 @@ def test_points_that_are_seen_in_turn_are_one_person(infant, tmp_path):
     read = mimoc.read_points(write_openpose(seen, tmp_path / "a", (beside(infant, still=True),)), rate_hz=30, infant=1)
     known = read.select(["nose", "left_hip", "left_ankle"])
     assert np.allclose(known.positions, seen.select(known.names).positions, rtol=0, atol=1e-2, equal_nan=True)
+
+
+def test_a_body_that_is_seen_twice_is_one_person(infant, tmp_path):
+    """Where it was in the frame before, as a whole or in part, and elsewhere a little beside."""
+    whole = replace(infant, positions=np.roll(infant.positions, 1, axis=0) + 1)
+    part = missed(whole, chance(0.5))
+    part.positions[:, 15:] = np.nan
+    folder = write_openpose(missed(infant, chance(0.05, 3)), tmp_path / "a", (missed(whole, chance(0.9, 5)), part))
+    read = mimoc.read_points(folder, rate_hz=30)
+    seen = np.isfinite(read.path("nose")[:, 0])
+    assert seen.sum() > 140
+    assert np.abs(read.path("nose") - infant.path("nose"))[seen].max() < 0.2 * infant.trunk
+    assert not any("doubtful" in note for note in read.notes)
 
 
 def test_false_persons_are_nobody(infant, tmp_path):
@@ -227,6 +240,8 @@ def test_a_frame_rate_of_no_camera_is_refused_as_that(rate_hz, infant, tmp_path)
 
 
 def test_crowds_are_refused():
-    crowd = np.zeros((4004, 1, 2))
-    with pytest.raises(UnusableFileError, match="has up to 2,002 persons in a frame, which are too many"):
-        find_tracks(Detections(np.repeat([0, 1], 2002), crowd, np.full(4004, -1), 25.0))
+    crowd = Detections(np.repeat([0, 1], 2002), np.zeros((4004, 1, 2)), np.full(4004, -1), 25.0)
+    with pytest.raises(UnusableFileError, match="has more persons in its frames than can be told apart; keep those"):
+        find_tracks(crowd)
+    with pytest.raises(UnusableFileError, match="has more persons"):
+        seen_twice(crowd._replace(places=np.zeros(4004, dtype=int)))
