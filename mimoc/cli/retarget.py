@@ -78,7 +78,7 @@ def retarget(
     result = altered(fitted, senses.split(",") if senses else None, actuation)
     with console.progress("writing") as show:
         write_retargeted(result, out, force=force, progress=show)
-    _print(result)
+    print_account(result)
     print(printable(out))
     if is_unfinished(result):
         print(printable(f"stopped; {out} has the best motion so far"), file=sys.stderr)
@@ -112,7 +112,7 @@ def is_unfinished(result: "Retargeted") -> bool:
     return NOTE in result.account.notes
 
 
-def _print(result: "Retargeted") -> None:
+def print_account(result: "Retargeted") -> None:
     """Print what came of a fit, and what is not known."""
     account, child = result.account, result.bundle.manifest.child
     share, worst = 100 * account.error_median / account.trunk, 100 * account.error_p95 / account.trunk
