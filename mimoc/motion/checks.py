@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.frame_files import MOST_FRAMES
-from mimoc.motion.options import View
-from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.options import UPS, Up, View
+from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.motion.sides import (
+    facing,
     mirrored,
     repair_exchanges,
     share_from_behind,
@@ -28,6 +29,8 @@ NEEDED = "neck", "left_hip", "right_hip"
 TRUNK_M = 0.08, 0.6
 """Between the trunk of the smallest preterm infant and that of an adult: what is outside is not in metres."""
 _LEAST_TRUNK_PX = 5.0
+_MOSTLY_INSIDE = 0.9
+"""Share of points within a picture; estimators put some beside it."""
 _LEAST_SEEN = 0.1
 """Share of frames in which the trunk must be seen."""
 _FAR = 1e5
@@ -35,6 +38,8 @@ _FAR = 1e5
 _MOSTLY = 0.9
 """Share of frames in which sides are wrong that makes them wrong throughout."""
 _SOMETIMES = 0.1
+_LEAST_FACING = 0.5
+"""Cosine of the angle from the vertical up to which the trunk of an infant that lies faces upwards."""
 _SHOWN_GAP = 0.01
 """Share of frames in which a point is missing that is worth a note."""
 _PERCENTILE = 95
@@ -92,6 +97,20 @@ def check_numbers(recording: PointRecording) -> PointRecording:
     return replace(recording, positions=np.where(seen[..., None], recording.positions, np.nan), confidence=confidence)
 
 
+def are_shares(positions: FloatArray) -> bool:
+    """Return whether positions, shape (t, k, 2) or (t, k, 3), are shares of a picture: x and y from 0 to 1."""
+    places = positions[..., :2][np.isfinite(positions[..., :2]).all(axis=-1)]
+    return bool(places.size) and float(((places >= 0) & (places <= 1)).all(axis=-1).mean()) >= _MOSTLY_INSIDE
+
+
+def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> PointRecording:
+    """Return a recording whose positions, if they are shares of a picture of that size, are pixels."""
+    if picture_px is None or recording.unit == "m" or not are_shares(recording.positions):
+        return recording
+    note = f"positions are shares of a picture of {picture_px[0]} x {picture_px[1]} pixels"
+    return replace(recording, positions=recording.positions * picture_px, notes=(*recording.notes, note))
+
+
 def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
     """Return a recording with its frame rate, which a user may give, or raise an UnusableFileError."""
     notes = recording.notes
@@ -111,7 +130,7 @@ def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecor
     return replace(recording, rate_hz=rate, notes=notes)
 
 
-def check_points(recording: PointRecording, view: View) -> PointRecording:
+def check_points(recording: PointRecording, view: View, up: Up | None = None) -> PointRecording:
     """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
     _check_trunk(recording)
     _check_unit(recording)
@@ -122,6 +141,7 @@ def check_points(recording: PointRecording, view: View) -> PointRecording:
         whole = swapped(whole)
     _check_proportions(whole)
     notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
+    _check_facing(whole, view, up)
     return _without_unseen(replace(whole, notes=notes))
 
 
@@ -140,7 +160,10 @@ def _check_trunk(recording: PointRecording) -> None:
 def _check_unit(recording: PointRecording) -> None:
     trunk = recording.trunk
     if recording.unit == "px" and trunk < _LEAST_TRUNK_PX:
-        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export pixels, not shares of the picture")
+        raise UnusableFileError(
+            f"has a trunk {trunk:.2g} px long; give the size of the picture, picture_px=(1920, 1080), or export "
+            "pixels, not shares of the picture"
+        )
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
@@ -180,6 +203,40 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
             "counts upwards view='mirrored', if left and right are exchanged view='swapped'"
         )
     return (f"the infant is seen from behind, or left and right are exchanged, in {share:.0%} of frames",)
+
+
+def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
+    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong.
+
+    Args:
+        recording: Its z axis is taken to point upwards.
+        view: What was said of the infant: `back` if it lies on its belly; otherwise, it lies on its back.
+        up: Which axis of the file was said to point upwards, if one was.
+    """
+    if recording.unit == "px":
+        return
+    faces = facing(recording)
+    faces = faces[np.isfinite(faces).all(axis=1)] * (-1 if view == "back" else 1)
+    if not len(faces):
+        return
+    opposite = next(axis for axis in UPS if axis != (up or "z") and axis[-1] == (up or "z")[-1])
+    if (faces[:, 2] < -_LEAST_FACING).mean() > _MOSTLY:
+        if view == "back":
+            raise UnusableFileError(
+                f"lies face up, and not on its belly, as view='back' says: give view='front', or up='{opposite}' if "
+                "that axis points upwards"
+            )
+        raise UnusableFileError(
+            f"lies face down: give view='back' if it lies on its belly, or up='{opposite}' if that axis points upwards"
+        )
+    if up is None and (np.abs(faces[:, 2]) < _LEAST_FACING).mean() > _MOSTLY:
+        middle = np.median(faces, axis=0)
+        axis = int(np.argmax(np.abs(middle)))
+        likely = ("" if middle[axis] > 0 else "-") + "xyz"[axis]
+        raise UnusableFileError(
+            f"does not lie on its {'belly' if view == 'back' else 'back'}: give up='{likely}' if that axis points "
+            "upwards, or up='z' if it sits, stands or lies on its side"
+        )
 
 
 def _restless(recording: PointRecording) -> tuple[str, ...]:

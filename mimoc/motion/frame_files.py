@@ -34,6 +34,7 @@ _MOST_DIGITS = 19
 _LEAST_STAMP, _STAMP_JITTER, _MOST_STAMPS = 5, 0.25, 0.7
 """Time stamps rise by this much a frame or more; most of their steps, by this share, are as long as the median."""
 _NUMBER = re.compile("[0-9]+")
+_ENDING = re.compile(r"\.[A-Za-z][A-Za-z0-9]*$")
 _CLOCK = re.compile(
     r"(?<![0-9])((?:19|20)[0-9]{2})[-_.]?([0-9]{2})[-_.]?([0-9]{2})[-_ T.]+"
     r"([0-9]{2})[-_.:h]?([0-9]{2})[-_.:m]?([0-9]{2})(?:[-_.,]([0-9]{3}|[0-9]{6}))?(?![0-9])"
@@ -97,6 +98,12 @@ def frame_numbers(names: Sequence[str]) -> list[int] | None:
     varied = [column for column in columns if len({*column}) > 1] or columns[-1:]
     unique = [column for column in varied if len({*column}) == len(column)]
     return [*min(reversed(unique), key=lambda column: max(column) - min(column), default=varied[-1])]
+
+
+def numbers_of_files(names: Sequence[str]) -> list[int] | None:
+    """Return `frame_numbers` by the names of files without suffixes, or of their folders if files are all alike."""
+    stems = [_ENDING.sub("", re.split(r"[/\\]", name)[-1]) for name in names]
+    return frame_numbers(stems if len({*stems}) > 1 else names)
 
 
 def frame_places(numbers: Sequence[int], names: Sequence[str]) -> tuple[tuple[int, ...], tuple[str, ...]]:

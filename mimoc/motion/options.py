@@ -8,6 +8,8 @@ from mimoc.motion.point_recording import Camera
 
 View = Literal["front", "back", "mirrored", "swapped"]
 VIEWS: tuple[View, ...] = get_args(View)
+Up = Literal["x", "y", "z", "-x", "-y", "-z"]
+UPS: tuple[Up, ...] = get_args(Up)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,3 +28,7 @@ class ReadOptions:
     view: View = "front"
     """What the camera sees of an infant: its `front`; its `back` where it lies on its belly; `mirrored` if the picture
     is, or y counts upwards; `swapped` if left and right are exchanged."""
+    picture_px: tuple[int, int] | None = None
+    """Width and height of the picture, for points that are shares of it; None if the camera says it, or the files."""
+    up: Up | None = None
+    """Which axis of places in space points upwards; None is z, where the format does not say it."""

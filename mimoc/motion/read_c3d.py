@@ -54,7 +54,7 @@ def recognise(path: Path) -> bool:
 
 
 def read(path: Path, options: ReadOptions) -> PointRecording:
-    """Return its markers, [m]; z is taken to point upwards, unless the options say another axis.
+    """Return its markers, [m]; z is taken to point upwards, unless another axis is said to.
 
     Raises:
         UnusableFileError: If it is damaged, or of a kind that nobody writes any more.

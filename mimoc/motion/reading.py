@@ -10,10 +10,11 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing
+from mimoc.motion.checks import check_numbers, check_points, check_timing, in_pixels
 from mimoc.motion.labels import name_points
-from mimoc.motion.options import VIEWS, ReadOptions, View
+from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
+from mimoc.motion.sides import turned
 from mimoc.plugins import load_plugins
 
 
@@ -26,6 +27,8 @@ def read_points(
     infant: int | str | None = None,
     names: Mapping[str, str] | None = None,
     view: View = "front",
+    picture_px: tuple[int, int] | None = None,
+    up: Up | None = None,
 ) -> PointRecording:
     """Read points on a filmed infant that a pose estimator, a depth camera or motion capture has written.
 
@@ -39,6 +42,8 @@ def read_points(
         names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, where needed.
         view: What the camera sees: the infant's `front`, its `back`, a `mirrored` picture (or y upwards); `swapped` is
             left and right exchanged. The last two are put right.
+        picture_px: Width and height of the picture, if points are shares of it; by default, those of the camera.
+        up: The axis of places in space that points upwards; None takes z, and asks if the infant then does not lie.
 
     Returns:
         The recording; its `notes` say what was assumed and what is missing.
@@ -55,8 +60,11 @@ def read_points(
     """
     load_plugins()
     check_name("view", view, VIEWS)
+    if up is not None:
+        check_name("axis", up, UPS)
     place = Path(path).expanduser()
-    options = ReadOptions(rate_hz, camera, infant, names or {}, view)
+    picture_px = picture_px or (camera.size_px if camera else None)
+    options = ReadOptions(rate_hz, camera, infant, names or {}, view, picture_px, up)
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
@@ -78,9 +86,10 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
 
 def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
     """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
-    named = name_points(check_numbers(recording), options.names)
+    placed = turned(in_pixels(check_numbers(recording), options.picture_px), options.up)
+    named = name_points(placed, options.names)
     camera = None if named.unit == "m" else options.camera or named.camera
-    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view)
+    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
 
 
 def _recognised(place: Path) -> MotionFormat:
