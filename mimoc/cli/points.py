@@ -14,6 +14,16 @@ Rate = Annotated[
     typer.Option("--rate", metavar="HZ", min=0.1, help="Frames per second of points, if their files lack it."),
 ]
 Infant = Annotated[str | None, typer.Option(metavar="ID", help="Which person is the infant; default: the largest.")]
+MinScore = Annotated[
+    float | None,
+    typer.Option(
+        "--min-score",
+        metavar="0-1",
+        min=0,
+        max=1,
+        help="Confidence below which points are taken not to be seen; default: what their format's own programs use.",
+    ),
+]
 ViewName = Annotated[
     str,
     typer.Option(
@@ -30,6 +40,7 @@ Names = Annotated[
 ]
 _OPTIONS = (
     (r"\brate_hz=(\S+)", r"--rate \1"),
+    (r"\bmin_score=(\S+)", r"--min-score \1"),
     (r"\bview='(\w+)'", r"--view \1"),
     (r"\bnames=\{'label': '(\w+)'\}", r"--name label=\1"),
 )

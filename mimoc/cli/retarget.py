@@ -9,7 +9,7 @@ import typer
 from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import load_spec
-from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
+from mimoc.cli.points import Infant, MinScore, Names, Rate, ViewName, names_of, options_in_messages
 from mimoc.cli.terminal import printable
 from mimoc.motion import FORMATS
 
@@ -51,6 +51,7 @@ def retarget(
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
+    min_score: MinScore = None,
     senses: Annotated[
         str | None, typer.Option(help="Senses of the child, with commas between, such as proprioception,touch,vision.")
     ] = None,
@@ -69,7 +70,7 @@ def retarget(
 
     check_writable(out, force)
     start = load_spec(spec) if spec else None
-    who = {"infant": infant, "view": view, "names": names_of(name)}
+    who = {"infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
     with options_in_messages():
         points = read_points(recording, format=format, rate_hz=rate, camera=camera_of(camera), **who)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS

@@ -111,6 +111,27 @@ def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> 
     return replace(recording, positions=recording.positions * picture_px, notes=(*recording.notes, note))
 
 
+def drop_unsure(recording: PointRecording, least: float) -> PointRecording:
+    """Return a recording without points of less than a confidence, and a note of how many they are.
+
+    Raises:
+        UnusableFileError: If hardly any are left.
+    """
+    seen = ~_missing(recording)
+    unsure = seen & ~(recording.confidence >= least)
+    share = float(unsure.sum() / max(seen.sum(), 1))
+    if not share:
+        return recording
+    if share > _MOSTLY:
+        raise UnusableFileError(
+            f"has a confidence below {least:g} at {share:.0%} of its points; if they can be trusted: min_score=0"
+        )
+    note = f"{100 * share:.2g} % of points have a confidence below {least:g}, and are taken not to be seen"
+    positions = np.where(unsure[..., None], np.nan, recording.positions)
+    confidence = np.where(unsure, 0.0, recording.confidence)
+    return replace(recording, positions=positions, confidence=confidence, notes=(*recording.notes, note))
+
+
 def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
     """Return a recording with its frame rate, which a user may give, or raise an UnusableFileError."""
     notes = recording.notes

@@ -138,13 +138,17 @@ def _layout(content: bytes, order: str, parameters: Mapping[str, npt.NDArray[Any
 
 
 def _numbers(content: bytes, order: str, layout: _Layout) -> npt.NDArray[np.float64]:
-    """Return x, y, z and the residual of each marker, shape (t, k, 4); negative residuals are markers not seen."""
+    """Return x, y, z and the residual of each marker, shape (t, k, 4); negative residuals are markers not seen.
+
+    Four zeros are, too: some programs write them in place of a residual of -1.
+    """
     kind = np.dtype(order + ("f4" if layout.scale < 0 else "i2"))
     width = 4 * layout.markers + layout.analog
     rows = np.frombuffer(content, kind, layout.frames * width, layout.start).reshape(layout.frames, width)
     numbers = rows[:, : 4 * layout.markers].reshape(layout.frames, layout.markers, 4).astype(np.float64)
     if layout.scale > 0:
         numbers[..., :3] *= layout.scale
+    numbers[~numbers.any(axis=-1), 3] = -1
     return numbers
 
 

@@ -9,10 +9,11 @@ from typing import Any
 
 from mimoc.base.errors import counted
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.motion.checks import drop_unsure
 from mimoc.motion.frame_files import first_bytes, frame_places, read_frame_files, read_whole_file
 from mimoc.motion.json_frames import objects, parse, parse_frames
 from mimoc.motion.options import ReadOptions
-from mimoc.motion.persons import Frame, Person, person, place_points
+from mimoc.motion.persons import Frame, Person, identity, person, place_points
 from mimoc.motion.point_recording import PointRecording
 
 COCO_17 = (
@@ -38,6 +39,8 @@ LAYOUTS = {
     133: (*COCO_17, *_FEET, *(f"whole_body_{number}" for number in range(23, 133))),
 }
 """Labels by number of points: COCO, with feet, Halpe, and COCO-WholeBody."""
+MIN_SCORE = 0.3
+"""MMPose draws points from this on (default of its `kpt_thr`)."""
 _IDENTITIES = "track_id", "idx", "person_id", "instance_id"
 _FRAMES = "image_id", "frame_id", "frame"
 
@@ -59,8 +62,10 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     if not labels or width % 3:
         known = ", ".join(map(str, LAYOUTS))
         raise UnusableFileError(f"has {counted(width, 'number')} a person; mimoc knows {known} points of 3 numbers")
-    positions, confidence, note = place_points(frames, options.infant, len(labels))
-    return PointRecording(path.stem, math.nan, labels, positions, confidence, notes=(*notes, note) if note else notes)
+    least = options.least_score(MIN_SCORE)
+    positions, confidence, more = place_points(frames, options, len(labels), least)
+    recording = PointRecording(path.stem, math.nan, labels, positions, confidence, notes=(*notes, *more))
+    return drop_unsure(recording, least)
 
 
 def _from_folder(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...]]:
@@ -145,7 +150,7 @@ def _persons(entries: Iterable[Mapping[str, Any]], where: str) -> list[Person]:
 
 
 def _identity(entry: Mapping[str, Any]) -> str:
-    return next((str(entry[key]) for key in _IDENTITIES if isinstance(entry.get(key), (int, str))), "")
+    return next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), "")
 
 
 def _flat(entry: Mapping[str, Any], where: str) -> Sequence[float]:

@@ -5,10 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.errors import suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
-from mimoc.motion.checks import are_shares
+from mimoc.motion.checks import are_shares, drop_unsure
 from mimoc.motion.frame_files import numbers_of_files, read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
@@ -30,6 +31,13 @@ _DEEPLABCUT = "scorer", "individuals", "bodyparts", "coords"
 _NO_INDIVIDUAL = "single"
 """What DeepLabCut calls the points that belong to no individual."""
 _MOST_NAMED = 8
+MIN_SCORE = 0.3
+"""That of COCO's formats, where a table does not say what wrote it."""
+MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
+"""Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (what its `drawing_utils` draw), by what they
+call confidence."""
+_HEADERS = 4
+"""Rows that may name columns."""
 
 Cells = Sequence[Sequence[str]]
 
@@ -46,16 +54,10 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         UnusableFileError: If it is not a table of points, or damaged.
     """
     rows = read_cells(read_whole_file(path))
-    recording = points_in(path.stem, rows, options)
-    if recording.unit == "px" or unit_of(rows[0]) in METRES or not are_shares(recording.positions):
-        return recording
-    if options.picture_px is None:
-        raise UnusableFileError(
-            "has x and y from 0 to 1: name columns of metres neck_x_m; give the size of the picture, "
-            "picture_px=(1920, 1080); or export pixels, not shares of the picture"
-        )
-    notes = *recording.notes, "z is left out: x and y are shares of the picture"
-    return replace(recording, positions=recording.positions[..., :2], notes=notes)
+    recording = _flat(points_in(path.stem, rows, options), unit_of(rows[0]), options)
+    header = ",".join(cell for row in rows[:_HEADERS] for cell in row).lower()
+    usual = next((score for word, score in MIN_SCORES.items() if word in header), MIN_SCORE)
+    return drop_unsure(recording, options.least_score(usual))
 
 
 def points_in(name: str, rows: Cells, options: ReadOptions) -> PointRecording:
@@ -94,6 +96,19 @@ def points_of(name: str, header: Sequence[str], numbers: FloatArray) -> PointRec
         for what in COLUMNS.values()
     }
     return _recording(name, labels, values, timing([cell.lower() for cell in header], numbers), unit_of(header))
+
+
+def _flat(recording: PointRecording, unit: str, options: ReadOptions) -> PointRecording:
+    """Return a recording without its third axis if the other two are shares of a picture."""
+    if recording.unit == "px" or unit in METRES or not are_shares(recording.positions):
+        return recording
+    if options.picture_px is None:
+        raise UnusableFileError(
+            "has x and y from 0 to 1: name columns of metres neck_x_m; give the size of the picture, "
+            "picture_px=(1920, 1080); or export pixels, not shares of the picture"
+        )
+    notes = *recording.notes, "z is left out: x and y are shares of the picture"
+    return replace(recording, positions=recording.positions[..., :2], notes=notes)
 
 
 def _wide(name: str, header: Sequence[str], rows: Cells) -> PointRecording:
@@ -216,7 +231,7 @@ def _recording(
     axes = ("x", "y", "z") if "z" in known and unit != "px" else ("x", "y")
     positions = np.stack([known.get(axis, np.full(shape, np.nan)) for axis in axes], axis=-1) * METRES.get(unit, 1.0)
     confidence = np.nan_to_num(known.get("confidence", np.ones(shape)), nan=0.0).clip(0, 1)
-    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0)
+    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0) & ~_empty(positions)
     depth_m = known.get("depth_m") if len(axes) == 2 else None
     return PointRecording(
         name,
@@ -227,3 +242,9 @@ def _recording(
         depth_m=None if depth_m is None else on_frames(depth_m, when.places),
         notes=when.notes,
     )
+
+
+def _empty(positions: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return where zeros stand for a point that is not seen, shape (t, k); one that is always there is the origin."""
+    zero = ~positions.any(axis=-1)
+    return zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0)

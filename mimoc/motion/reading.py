@@ -10,7 +10,7 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing, in_pixels
+from mimoc.motion.checks import check_numbers, check_points, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
 from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
@@ -27,6 +27,7 @@ def read_points(
     infant: int | str | None = None,
     names: Mapping[str, str] | None = None,
     view: View = "front",
+    min_score: float | None = None,
     picture_px: tuple[int, int] | None = None,
     up: Up | None = None,
 ) -> PointRecording:
@@ -42,6 +43,8 @@ def read_points(
         names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, where needed.
         view: What the camera sees: the infant's `front`, its `back`, a `mirrored` picture (or y upwards); `swapped` is
             left and right exchanged. The last two are put right.
+        min_score: Confidence, from 0 to 1, below which points are taken not to be seen. None is what the format's own
+            programs go by: OpenPose .05, COCO and tables .3, MediaPipe .5, DeepLabCut .6.
         picture_px: Width and height of the picture, if points are shares of it; by default, those of the camera.
         up: The axis of places in space that points upwards; None takes z, and asks if the infant then does not lie.
 
@@ -63,8 +66,10 @@ def read_points(
     if up is not None:
         check_name("axis", up, UPS)
     place = Path(path).expanduser()
+    if min_score is not None and not 0 <= min_score <= 1:
+        raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
     picture_px = picture_px or (camera.size_px if camera else None)
-    options = ReadOptions(rate_hz, camera, infant, names or {}, view, picture_px, up)
+    options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
@@ -86,8 +91,8 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
 
 def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
     """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
-    placed = turned(in_pixels(check_numbers(recording), options.picture_px), options.up)
-    named = name_points(placed, options.names)
+    known = drop_unsure(check_numbers(recording), options.least_score(0.0))
+    named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
     camera = None if named.unit == "m" else options.camera or named.camera
     return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
 

@@ -1,0 +1,208 @@
+"""Who is the same person from frame to frame: as far as one can move in the time, and of one size.
+
+Two detections, of which the second is later by the gap *t* [s], may be of one person if
+
+    d <= r min(0.3 + 4 t, 1.5),    1 / 1.4 <= s <= 1.4
+
+where *r* is the radius of the smaller body (mean distance of its points from their mean), *d* the median distance that
+the points that both have are apart, and *s* the ratio of their radii over these points. Links are taken one after the
+other, the one with the smallest d / r + t / 2 first, so that nobody is two persons, nor two are one:
+
+    frame     0   1   2   3   4   5   6
+    infant    a---a           a---a---a     the same place: joined over a gap
+    adult     b---b---b---b---b---b---b     never joined to a: a is there at the same time, and b is elsewhere
+
+A person who is not found again near enough, or of that size, begins a track of its own.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.motion.point_recording import FloatArray
+
+Indices = npt.NDArray[np.intp]
+
+_AT_ONCE = 0.3
+"""What may change from a frame to the next at any frame rate, in radii. Kicking infants of three months moved .1 at 25
+frames a second, and .44 within a second."""
+_SPEED = 4.0
+"""Radii a second, the radius of an infant being about .17 m: .7 m/s, as when it is picked up."""
+_FARTHEST = 1.5
+"""Radii, about .25 m. Adults who sit beside an infant are 2 away, and more."""
+_GROWS = 1.4
+"""Ratio of radii. Those of kicking infants changed by up to 1.3 within a second."""
+_PER_SECOND = 0.5
+"""Cost of a gap, in radii a second."""
+_KNOWN = 1.0
+"""What two detections of one identity cost less, and two of different ones more."""
+_LEAST_SHARED = 3
+"""Points that two detections must both have for a comparison point by point."""
+_AS_GOOD = 2.0, 0.2
+"""Another link is nearly as good if it costs up to twice as much, and .2 more."""
+_NEXT = 30
+"""Tracks that begin next after the end of one, of which one may go on with it."""
+_MOST_ROUNDS = 20
+"""Of joining over gaps: most films need two or three."""
+_MOST_PAIRS = 4_000_000
+"""In consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
+_CHUNK = 20_000
+"""Pairs that are compared at once, which bounds memory."""
+
+
+class Detections(NamedTuple):
+    """Everybody in each frame, n in all, in the order of time."""
+
+    places: Indices
+    """Index of the frame of each, shape (n,)."""
+    points: FloatArray
+    """Shape (n, k, 2), [px]; NaN where a point is not seen; of each, at least one is."""
+    identities: Indices
+    """Number of the identity that a tracker gave, shape (n,); -1 for none."""
+    rate_hz: float
+
+
+class Links(NamedTuple):
+    """Pairs of detections, the second of each later."""
+
+    before: Indices
+    after: Indices
+    costs: FloatArray
+
+
+class Tracks(NamedTuple):
+    """Detections by person."""
+
+    numbers: Indices
+    """Which track each detection belongs to, shape (n,)."""
+    previous: Indices
+    """Index of the one before it in its track, shape (n,); -1 for none."""
+    possible: Links
+    """All links that are near enough, with those that were taken."""
+
+    def doubtful(self, track: int) -> npt.NDArray[np.bool_]:
+        """Return which detections, shape (n,), of a track might nearly as well be somebody else."""
+        mine = self.numbers == track
+        linked = np.flatnonzero(mine & (self.previous >= 0))
+        following = np.full(len(mine), -1)
+        following[self.previous[linked]] = linked
+        before, after, costs = self.possible
+        cost = np.full(len(mine), np.inf)
+        is_taken = self.previous[after] == before
+        cost[after[is_taken]] = costs[is_taken]
+        elsewhere, from_others = mine[before] & ~mine[after], mine[after] & ~mine[before]
+        links = np.concatenate([following[before[elsewhere]], after[from_others]])
+        rivals = np.concatenate([costs[elsewhere], costs[from_others]])
+        factor, more = _AS_GOOD
+        close = (links >= 0) & (self.previous[links] >= 0) & (rivals <= factor * np.maximum(cost[links], 0) + more)
+        doubts = np.zeros(len(mine), bool)
+        doubts[links[close]] = True
+        return doubts
+
+
+def find_tracks(people: Detections) -> Tracks:
+    """Return who is who: consecutive frames first, then over gaps, the shortest and surest first."""
+    number = len(people.places)
+    previous, following = np.full(number, -1), np.full(number, -1)
+    possible = [_feasible(people, *_consecutive(people.places))]
+    _take(possible[0], previous, following)
+    for _ in range(_MOST_ROUNDS):
+        possible.append(_feasible(people, *_over_gaps(people.places, previous, following)))
+        if not _take(possible[-1], previous, following):
+            break
+    numbers = np.empty(number, dtype=np.intp)
+    for index, earlier in enumerate(previous.tolist()):
+        numbers[index] = index if earlier < 0 else numbers[earlier]
+    return Tracks(numbers, previous, Links(*(np.concatenate(parts) for parts in zip(*possible, strict=True))))
+
+
+def _consecutive(places: Indices) -> tuple[Indices, Indices]:
+    """Return all pairs of detections of which the second is in the frame after the first's."""
+    first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
+    if (last - first).sum() > _MOST_PAIRS:
+        most = np.bincount(places).max()
+        raise UnusableFileError(
+            f"has up to {most:,} persons in a frame, which are too many; keep those near the infant"
+        )
+    return _pairs(np.arange(len(places)), first, last)
+
+
+def _over_gaps(places: Indices, previous: Indices, following: Indices) -> tuple[Indices, Indices]:
+    """Return pairs of the end of a track and the begins of those that come next."""
+    ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
+    first = np.searchsorted(places[begins], places[ends], "right")
+    before, after = _pairs(ends, first, np.minimum(first + _NEXT, len(begins)))
+    return before, begins[after]
+
+
+def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indices]:
+    """Return each item with each number of its own range, from first to before last."""
+    counts = last - first
+    offsets = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.repeat(items, counts), np.repeat(first, counts) + offsets
+
+
+def _feasible(people: Detections, before: Indices, after: Indices) -> Links:
+    """Return those of some pairs that may be one person, with their costs."""
+    chunks = [slice(start, start + _CHUNK) for start in range(0, len(before), _CHUNK)] or [slice(0)]
+    radii = _body_radii(people.points)
+    kept = [Links(*_of_one_person(people, radii, before[chunk], after[chunk])) for chunk in chunks]
+    return Links(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
+
+
+def _body_radii(points: FloatArray) -> FloatArray:
+    """Return the radius of each body; of one that is hardly seen, at least half of what is usual."""
+    radii = _radii(points)
+    return np.maximum(radii, np.median(radii) / 2)
+
+
+def _of_one_person(people: Detections, radii: FloatArray, before: Indices, after: Indices) -> Iterator[npt.NDArray]:
+    one, other = people.points[before], people.points[after]
+    gaps_s = (people.places[after] - people.places[before]) / people.rate_hz
+    radius = np.minimum(radii[before], radii[after])
+    shared = np.isfinite(one[..., 0]) & np.isfinite(other[..., 0])
+    comparable = shared.sum(axis=1) >= _LEAST_SHARED
+    both = np.where(shared[..., None], one, np.nan), np.where(shared[..., None], other, np.nan)
+    apart = np.linalg.norm(one - other, axis=-1)
+    moved = np.where(comparable, _medians(apart), np.linalg.norm(_means(one) - _means(other), axis=-1)) / radius
+    growth = np.where(comparable, np.abs(np.log(_radii(both[1]) / _radii(both[0]))), 0.0)
+    identities = people.identities[before], people.identities[after]
+    is_known = (identities[0] >= 0) & (identities[1] >= 0)
+    known = np.where(is_known, np.where(identities[0] == identities[1], -_KNOWN, _KNOWN), 0.0)
+    near = moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST)
+    chosen = near & ~(growth > np.log(_GROWS))
+    yield from (before[chosen], after[chosen], (moved + _PER_SECOND * gaps_s + known)[chosen])
+
+
+def _means(points: FloatArray) -> FloatArray:
+    """Return the means of points that are seen, shape (m, 2)."""
+    seen = np.isfinite(points[..., :1])
+    return np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+
+
+def _radii(points: FloatArray) -> FloatArray:
+    """Return mean distances of points, shape (m, k, 2), from their mean."""
+    far = np.linalg.norm(points - _means(points)[:, None], axis=-1)
+    seen = np.isfinite(far)
+    return np.where(seen, far, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+
+
+def _medians(values: FloatArray) -> FloatArray:
+    """Return medians of rows, shape (m, k), of what is not NaN; the lower one of two."""
+    ordered = np.sort(values, axis=1)  # NaN last.
+    middle = np.maximum(np.isfinite(values).sum(axis=1) - 1, 0) // 2
+    return np.take_along_axis(ordered, middle[:, None], axis=1)[:, 0]
+
+
+def _take(links: Links, previous: Indices, following: Indices) -> bool:
+    """Take links, the cheapest first, between detections that have none yet; return whether there was any."""
+    order = np.argsort(links.costs, kind="stable")
+    taken = False
+    for before, after in zip(links.before[order].tolist(), links.after[order].tolist(), strict=True):
+        if following[before] < 0 and previous[after] < 0:
+            following[before], previous[after] = after, before
+            taken = True
+    return taken
