@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.frame_files import MOST_FRAMES
-from mimoc.motion.options import UPS, Up, View
+from mimoc.motion.options import Up, View
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.motion.sides import (
@@ -157,7 +157,8 @@ def check_points(recording: PointRecording, view: View, up: Up | None = None) ->
     _check_unit(recording)
     whole = repair_exchanges(recording)
     if view == "mirrored":
-        whole = mirrored(whole)
+        is_z = whole.unit == "m" and _share_of(facing(mirrored(whole))[:, 2] < -_LEAST_FACING) > _MOSTLY
+        whole = mirrored(whole, 2 if is_z else 0)
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
@@ -236,28 +237,28 @@ def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
     """
     if recording.unit == "px":
         return
-    faces = facing(recording)
-    faces = faces[np.isfinite(faces).all(axis=1)] * (-1 if view == "back" else 1)
-    if not len(faces):
-        return
-    opposite = next(axis for axis in UPS if axis != (up or "z") and axis[-1] == (up or "z")[-1])
-    if (faces[:, 2] < -_LEAST_FACING).mean() > _MOSTLY:
-        if view == "back":
-            raise UnusableFileError(
-                f"lies face up, and not on its belly, as view='back' says: give view='front', or up='{opposite}' if "
-                "that axis points upwards"
-            )
+    faces = facing(recording) * (-1 if view == "back" else 1)
+    how, otherwise, pose = ("up", "front", "back") if view == "back" else ("down", "back", "belly")
+    axis = up or "z"
+    if _share_of(faces[:, 2] < -_LEAST_FACING) > _MOSTLY:
+        opposite = axis[1:] if axis.startswith("-") else f"-{axis}"
         raise UnusableFileError(
-            f"lies face down: give view='back' if it lies on its belly, or up='{opposite}' if that axis points upwards"
+            f"lies face {how}: give view='{otherwise}' if it lies on its {pose}, or up='{opposite}' if that axis "
+            "points upwards"
         )
-    if up is None and (np.abs(faces[:, 2]) < _LEAST_FACING).mean() > _MOSTLY:
+    if up is None and _share_of(np.abs(faces[:, 2]) < _LEAST_FACING) > _MOSTLY:
         middle = np.median(faces, axis=0)
-        axis = int(np.argmax(np.abs(middle)))
-        likely = ("" if middle[axis] > 0 else "-") + "xyz"[axis]
+        likely = int(np.argmax(np.abs(middle)))
+        sign = "" if middle[likely] > 0 else "-"
         raise UnusableFileError(
-            f"does not lie on its {'belly' if view == 'back' else 'back'}: give up='{likely}' if that axis points "
-            "upwards, or up='z' if it sits, stands or lies on its side"
+            f"lies neither on its back nor on its belly: give up='{sign}{'xyz'[likely]}' if that axis points upwards, "
+            "or up='z' if it sits, stands or lies on its side"
         )
+
+
+def _share_of(frames: npt.NDArray[np.bool_]) -> float:
+    """Return the share of frames in which something is so; 0 of none."""
+    return float(frames.mean()) if frames.size else 0.0
 
 
 def _restless(recording: PointRecording) -> tuple[str, ...]:

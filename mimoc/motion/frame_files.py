@@ -91,7 +91,7 @@ def frame_numbers(names: Sequence[str]) -> list[int] | None:
     """
     clocks = {clock.groups()[:-1] for name in names for clock in _CLOCK.finditer(name)}
     found = [_numbers(_CLOCK.sub(_microseconds, name) if len(clocks) > 1 else name) for name in names]
-    if not all(found):
+    if not found or not all(found):
         return None
     is_alike = len({len(numbers) for numbers in found}) == 1
     columns = [*zip(*found, strict=True)] if is_alike else [tuple(numbers[-1] for numbers in found)]

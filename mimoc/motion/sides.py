@@ -73,12 +73,12 @@ def swapped(recording: PointRecording) -> PointRecording:
     return replace(recording, names=tuple(names)).select(known)
 
 
-def mirrored(recording: PointRecording) -> PointRecording:
-    """Return a recording whose x axis points the other way; pixels stay in the picture, as far as it is known."""
+def mirrored(recording: PointRecording, axis: int = 0) -> PointRecording:
+    """Return a recording of which an axis points the other way; pixels stay in the picture, as far as it is known."""
     positions = recording.positions.copy()
-    x = positions[..., 0]
+    x = positions[..., axis]
     middle = recording.camera.centre_px[0] if recording.camera else float(np.nanmin(x) + np.nanmax(x)) / 2
-    positions[..., 0] = (2 * middle if recording.unit == "px" else 0.0) - x
+    positions[..., axis] = (2 * middle if recording.unit == "px" else 0.0) - x
     return replace(recording, positions=positions)
 
 
@@ -130,8 +130,12 @@ def share_of_knees_backwards(recording: PointRecording) -> float:
 
 
 def facing(recording: PointRecording) -> FloatArray:
-    """Return where the front of the trunk faces in space, unit vectors of shape (t, 3): its left x its way up."""
-    return _unit(np.cross(_across(recording), recording.path("neck") - recording.hips))
+    """Return where the front of a trunk in space faces, in each frame in which it is seen: unit vectors, shape (n, 3).
+
+    It is *left* x *up the trunk*.
+    """
+    faces = _unit(np.cross(_across(recording), recording.path("neck") - recording.hips))
+    return faces[np.isfinite(faces).all(axis=1)]
 
 
 def turned(recording: PointRecording, up: Up | None) -> PointRecording:

@@ -307,7 +307,10 @@ def test_two_recordings_in_one_folder(body_25, tmp_path):
     ("text", "reason"),
     [
         ("", "has no rows below its first line, which names the columns; check what was exported"),
-        ("scorer,n\nindividuals,a", "has several individuals; export the infant alone"),
+        (
+            "scorer,n\nindividuals,a",
+            "has a row 'scorer', but no rows 'bodyparts' and 'coords' below it; export it again",
+        ),
         ("a,b\n1,2", "has no points in columns such as neck_x and neck_y (a; b); name its columns so"),
         ("neck_x,neck_y\n1", "row 2 has 1 cell, not 2 as the first; export it again"),
         ("neck_x,neck_x,neck_y\n1,2,3", "has the column neck_x twice; keep one infant, and each column once"),
