@@ -240,12 +240,16 @@ def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
     faces = facing(recording) * (-1 if view == "back" else 1)
     how, otherwise, pose = ("up", "front", "back") if view == "back" else ("down", "back", "belly")
     axis = up or "z"
+    opposite = axis[1:] if axis.startswith("-") else f"-{axis}"
     if _share_of(faces[:, 2] < -_LEAST_FACING) > _MOSTLY:
-        opposite = axis[1:] if axis.startswith("-") else f"-{axis}"
         raise UnusableFileError(
             f"lies face {how}: give view='{otherwise}' if it lies on its {pose}, or up='{opposite}' if that axis "
             "points upwards"
         )
+    trunks = recording.path("neck") - recording.hips
+    trunks = trunks[np.isfinite(trunks).all(axis=1)] / recording.trunk
+    if up is not None and _share_of(trunks[:, 2] < -_LEAST_FACING) > _MOSTLY:
+        raise UnusableFileError(f"hangs head down: give up='{opposite}' if that axis points upwards")
     if up is None and _share_of(np.abs(faces[:, 2]) < _LEAST_FACING) > _MOSTLY:
         middle = np.median(faces, axis=0)
         likely = int(np.argmax(np.abs(middle)))

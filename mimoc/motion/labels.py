@@ -15,7 +15,7 @@ _PARTS = {
     **{part: (part.replace("_", ""),) for part in ON_SIDES},
     "hand": ("hand", "knuckle", "fingers", "midhand"),
     "foot": ("foot", "toes"),
-    "big_toe": ("bigtoe", "hallux"),
+    "big_toe": ("bigtoe", "hallux", "footindex"),
     "small_toe": ("smalltoe", "littletoe"),
 }
 _MIDDLE = {"mid_hip": ("midhip", "pelvis", "hipcenter", "hipcentre"), "neck": ("neck", "thorax")}
