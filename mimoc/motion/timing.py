@@ -136,7 +136,7 @@ def _times(header: Sequence[str], numbers: FloatArray) -> _Times | None:
         raise UnusableFileError("has times that do not rise from row to row; check the column of times")
     if not math.isnan(unit_s) or not len(steps):
         return _Times(values, 1 / unit_s)
-    usual = float(np.median(steps[steps > 0]))
+    usual = _usual(steps[steps > 0])
     if usual == 1 and (values == np.round(values)).all():
         return _Times(values, 0.0)
     sizes = {word: seconds_in(word) or 1.0 for word in _LIKELY_UNITS}
@@ -153,6 +153,11 @@ def _unit_of_times(cell: str) -> float | None:
     return seconds_in(first) if first.startswith(("sec", "msec", "milli", "micro", "nano")) and not others else None
 
 
+def _usual(steps: FloatArray) -> float:
+    """Return the median of steps: of two in the middle, the lower."""
+    return float(np.percentile(steps, 50, method="lower"))
+
+
 def _by_frames(rows: IntArray, frames: FloatArray) -> Timing:
     if not (np.abs(frames) < _LARGEST_FRAME).all() or (np.diff(frames) < 0).any():
         raise UnusableFileError("has frames without a number, or in no order; sort it by frames")
@@ -167,7 +172,7 @@ def _by_times(times: _Times, frames: FloatArray | None) -> Timing:
     notes = *times.notes, *([f"left out: {counted(twice, 'row')} at the time of the row before"] if twice else [])
     since_s = (times.values[rows] - times.values[0]) / times.second
     steps_s = np.diff(since_s)
-    usual_s = float(np.median(steps_s))
+    usual_s = _usual(steps_s)
     if since_s[-1] / usual_s >= MOST_FRAMES:
         raise UnusableFileError(f"has times of more than {MOST_FRAMES:,} frames; check the column of times, or cut it")
     single_s = steps_s[np.round(steps_s / usual_s) == 1].mean()
