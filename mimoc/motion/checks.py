@@ -21,6 +21,7 @@ from mimoc.motion.sides import (
     share_opposed,
     swapped,
 )
+from mimoc.motion.wild import drop_wild
 
 RATES_HZ = 1.0, 1000.0
 """Of cameras and motion capture."""
@@ -157,7 +158,7 @@ def check_points(recording: PointRecording, view: View, up: Up | None = None) ->
     """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
     _check_trunk(recording)
     _check_unit(recording)
-    whole = repair_exchanges(recording)
+    whole = drop_wild(repair_exchanges(recording), APART)
     if view == "mirrored":
         is_z = whole.unit == "m" and _share_of(facing(mirrored(whole))[:, 2] < -_LEAST_FACING) > _MOSTLY
         whole = mirrored(whole, 2 if is_z else 0)
@@ -256,9 +257,10 @@ def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
         middle = np.median(faces, axis=0)
         likely = int(np.argmax(np.abs(middle)))
         sign = "" if middle[likely] > 0 else "-"
+        pose = "belly" if view == "back" else "back"
         raise UnusableFileError(
-            f"does not lie on its {'belly' if view == 'back' else 'back'}: give up='{sign}{'xyz'[likely]}' if that axis "
-            "points upwards, or up='z' if it sits, stands or lies on its side"
+            f"does not lie on its {pose}: give up='{sign}{'xyz'[likely]}' if that axis points upwards, or up='z' if it "
+            "sits, stands or lies on its side"
         )
 
 

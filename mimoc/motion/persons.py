@@ -17,7 +17,7 @@ from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks
 
 _RATE_HZ = 25.0
 """Frames per second by which persons are followed before anybody says it."""
-_LONG = 0.25
+_LONG = 0.5
 """Share of the frames of whoever is seen for longest, from which on somebody may be the infant."""
 _ALIKE = 0.6
 """How many times as large as the infant somebody else must be to be taken for it by others."""
@@ -200,14 +200,16 @@ def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
         who = f"the largest of {len(first.persons)} persons in {one_line(first.where)}"
         guess = f"the infant is taken to be {who}, and is followed from there"
     else:
-        guess = "the infant is taken to be the largest of several persons"
+        guess = "the infant is taken to be who is seen for longest, or the largest of those"
     tracks, times = np.unique(people.tracks.numbers[~mine], return_counts=True)
     least = _ALIKE * people.size(track)
     alike = [one for one in tracks[times >= _SELDOM * mine.sum()].tolist() if people.size(one) >= least]
     if not alike:
         return guess
     share = len({*people.places[np.isin(people.tracks.numbers, alike)].tolist()}) / len({*people.places.tolist()})
-    return f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large, or larger"
+    return (
+        f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large: say which is the infant"
+    )
 
 
 def _name_of(people: _People, mine: npt.NDArray[np.bool_]) -> str:
@@ -230,7 +232,8 @@ def _account(people: _People, track: int) -> Iterator[str]:
             yield f"'{one_line(name)}' is not where the infant can be in {share:.0%} of its frames, which are left out"
     frames = len({*people.places.tolist()})
     if lost := frames - int(mine.sum()):
-        yield f"in {lost:,} of {frames:,} frames with persons none is where the infant can be, and of its size"
+        why = "too far from where it was, or of another size"
+        yield f"in {lost:,} of {frames:,} frames nobody who is seen can be the infant, being {why}"
     if share := people.tracks.doubtful(track).sum() / mine.sum():
         yield f"who the infant is is doubtful in {share:.1%} of its frames, where another is nearly as close"
 

@@ -34,8 +34,8 @@ _MOST_NAMED = 8
 MIN_SCORE = 0.3
 """That of COCO's formats, where a table does not say what wrote it."""
 MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
-"""Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (what its `drawing_utils` draw), by what they
-call confidence."""
+"""Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (from which on its `drawing_utils` draw), by
+what they call confidence."""
 _HEADERS = 4
 """Rows that may name columns."""
 
@@ -246,5 +246,5 @@ def _recording(
 
 def _empty(positions: FloatArray) -> npt.NDArray[np.bool_]:
     """Return where zeros stand for a point that is not seen, shape (t, k); one that is always there is the origin."""
-    zero = ~positions.any(axis=-1)
+    zero = np.asarray(~positions.any(axis=-1))
     return zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0)

@@ -2,11 +2,11 @@
 
 Two detections, of which the second is later by the gap *t* [s], may be of one person if
 
-    d <= r min(0.3 + 4 t, 1.5),    1 / 1.4 <= s <= 1.4
+    d <= r min(0.3 + 4 t, 1.5),    s <= 1.45
 
-where *r* is the radius of the smaller body (mean distance of its points from their mean), *d* the median distance that
-the points that both have are apart, and *s* the ratio of their radii over these points. Links are taken one after the
-other, the one with the smallest d / r + t / 2 first, so that nobody is two persons, nor two are one:
+where *r* is the radius of the smaller body (mean distance of its points from their median), *d* the median distance
+that points of both have moved, and *s* how many times as large the larger radius is as the smaller, over these points.
+Links are taken one after the other, the one with the smallest d / r + t / 2 first; nobody is linked twice:
 
     frame     0   1   2   3   4   5   6
     infant    a---a           a---a---a     the same place: joined over a gap
@@ -15,7 +15,6 @@ other, the one with the smallest d / r + t / 2 first, so that nobody is two pers
 A person who is not found again near enough, or of that size, begins a track of its own.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -33,14 +32,18 @@ _SPEED = 4.0
 """Radii a second, the radius of an infant being about .17 m: .7 m/s, as when it is picked up."""
 _FARTHEST = 1.5
 """Radii, about .25 m. Adults who sit beside an infant are 2 away, and more."""
-_GROWS = 1.4
-"""Ratio of radii. Those of kicking infants changed by up to 1.3 within a second."""
+_GROWS = 1.45
+"""Ratio of radii. Those of kicking infants changed by up to 1.3 within a second, as legs are drawn up."""
+_WILD = 2.5
+"""Median distances from the middle of a body from which on a point does not make it larger."""
 _PER_SECOND = 0.5
 """Cost of a gap, in radii a second."""
 _KNOWN = 1.0
 """What two detections of one identity cost less, and two of different ones more."""
 _LEAST_SHARED = 3
 """Points that two detections must both have for a comparison point by point."""
+_LEAST_SIZE = 0.4
+"""Radii over which these points must be spread to tell the size of a body; those of a face do not."""
 _AS_GOOD = 2.0, 0.2
 """Another link is nearly as good if it costs up to twice as much, and .2 more."""
 _NEXT = 30
@@ -49,6 +52,8 @@ _MOST_ROUNDS = 20
 """Of joining over gaps: most films need two or three."""
 _MOST_PAIRS = 4_000_000
 """In consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
+_REMEMBERED_S, _REMEMBERED = 0.15, 4
+"""Seconds, and at most so many further frames, before and after a gap that are compared across it, by their medians."""
 _CHUNK = 20_000
 """Pairs that are compared at once, which bounds memory."""
 
@@ -107,10 +112,12 @@ def find_tracks(people: Detections) -> Tracks:
     """Return who is who: consecutive frames first, then over gaps, the shortest and surest first."""
     number = len(people.places)
     previous, following = np.full(number, -1), np.full(number, -1)
-    possible = [_feasible(people, *_consecutive(people.places))]
+    possible = [_feasible(people, *_consecutive(people.places), people.points, people.points)]
     _take(possible[0], previous, following)
     for _ in range(_MOST_ROUNDS):
-        possible.append(_feasible(people, *_over_gaps(people.places, previous, following)))
+        ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
+        until, since = _steady(people, previous, ends), _steady(people, following, begins)
+        possible.append(_feasible(people, *_over_gaps(people.places, ends, begins), until, since))
         if not _take(possible[-1], previous, following):
             break
     numbers = np.empty(number, dtype=np.intp)
@@ -130,9 +137,8 @@ def _consecutive(places: Indices) -> tuple[Indices, Indices]:
     return _pairs(np.arange(len(places)), first, last)
 
 
-def _over_gaps(places: Indices, previous: Indices, following: Indices) -> tuple[Indices, Indices]:
+def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:
     """Return pairs of the end of a track and the begins of those that come next."""
-    ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
     first = np.searchsorted(places[begins], places[ends], "right")
     before, after = _pairs(ends, first, np.minimum(first + _NEXT, len(begins)))
     return before, begins[after]
@@ -145,56 +151,80 @@ def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indi
     return np.repeat(items, counts), np.repeat(first, counts) + offsets
 
 
-def _feasible(people: Detections, before: Indices, after: Indices) -> Links:
-    """Return those of some pairs that may be one person, with their costs."""
+def _steady(people: Detections, neighbours: Indices, items: Indices) -> FloatArray:
+    """Return points in which some detections are replaced by the medians of a few frames of their tracks.
+
+    Args:
+        people: Everybody.
+        neighbours: Index of the detection before or after each in its track, shape (n,); -1 for none.
+        items: Which detections.
+    """
+    known = np.append(people.points, np.full((1, *people.points.shape[1:]), np.nan), axis=0)
+    neighbours = np.append(neighbours, -1)
+    near = [items]
+    for _ in range(round(min(_REMEMBERED_S * people.rate_hz, _REMEMBERED))):
+        near.append(neighbours[near[-1]])
+    points = people.points.copy()
+    points[items] = _medians(known[np.stack(near, axis=1)])
+    return points
+
+
+def _feasible(people: Detections, before: Indices, after: Indices, until: FloatArray, since: FloatArray) -> Links:
+    """Return those of some pairs that may be one person, with their costs.
+
+    Args:
+        people: Everybody.
+        before: Index of the first of each pair.
+        after: Index of the second.
+        until: Points of the first ones, shape (n, k, 2), with those that were seen shortly before.
+        since: Points of the second ones, with those that are seen shortly after.
+    """
     chunks = [slice(start, start + _CHUNK) for start in range(0, len(before), _CHUNK)] or [slice(0)]
-    radii = _body_radii(people.points)
-    kept = [Links(*_of_one_person(people, radii, before[chunk], after[chunk])) for chunk in chunks]
+    radii = _radii(people.points)
+    radii = np.maximum(radii, np.median(radii) / 2)  # Of bodies that are hardly seen.
+    kept = [_of_one_person(people, radii, before[chunk], after[chunk], until, since) for chunk in chunks]
     return Links(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
 
 
-def _body_radii(points: FloatArray) -> FloatArray:
-    """Return the radius of each body; of one that is hardly seen, at least half of what is usual."""
-    radii = _radii(points)
-    return np.maximum(radii, np.median(radii) / 2)
-
-
-def _of_one_person(people: Detections, radii: FloatArray, before: Indices, after: Indices) -> Iterator[npt.NDArray]:
-    one, other = people.points[before], people.points[after]
+def _of_one_person(
+    people: Detections, radii: FloatArray, before: Indices, after: Indices, until: FloatArray, since: FloatArray
+) -> Links:
+    one, other = until[before], since[after]
     gaps_s = (people.places[after] - people.places[before]) / people.rate_hz
     radius = np.minimum(radii[before], radii[after])
-    shared = np.isfinite(one[..., 0]) & np.isfinite(other[..., 0])
-    comparable = shared.sum(axis=1) >= _LEAST_SHARED
-    both = np.where(shared[..., None], one, np.nan), np.where(shared[..., None], other, np.nan)
-    apart = np.linalg.norm(one - other, axis=-1)
-    moved = np.where(comparable, _medians(apart), np.linalg.norm(_means(one) - _means(other), axis=-1)) / radius
-    growth = np.where(comparable, np.abs(np.log(_radii(both[1]) / _radii(both[0]))), 0.0)
-    identities = people.identities[before], people.identities[after]
-    is_known = (identities[0] >= 0) & (identities[1] >= 0)
-    known = np.where(is_known, np.where(identities[0] == identities[1], -_KNOWN, _KNOWN), 0.0)
-    near = moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST)
-    chosen = near & ~(growth > np.log(_GROWS))
-    yield from (before[chosen], after[chosen], (moved + _PER_SECOND * gaps_s + known)[chosen])
-
-
-def _means(points: FloatArray) -> FloatArray:
-    """Return the means of points that are seen, shape (m, 2)."""
-    seen = np.isfinite(points[..., :1])
-    return np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    shared = np.where(np.isfinite(one) & np.isfinite(other), 1.0, np.nan)
+    comparable = np.isfinite(shared[..., 0]).sum(axis=1) >= _LEAST_SHARED
+    apart = np.where(comparable, _medians(_lengths(one - other)), _lengths(_medians(one) - _medians(other)))
+    sizes = _radii(shared * one), _radii(shared * other)
+    measurable = comparable & (np.minimum(*sizes) > _LEAST_SIZE * radius)
+    growth = np.where(measurable, np.maximum(sizes[0] / sizes[1], sizes[1] / sizes[0]), 1.0)
+    moved = apart / radius
+    possible = (moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST)) & (growth <= _GROWS)
+    names = people.identities[before], people.identities[after]
+    known = np.where(np.minimum(*names) >= 0, np.where(names[0] == names[1], -_KNOWN, _KNOWN), 0.0)
+    return Links(before[possible], after[possible], (moved + _PER_SECOND * gaps_s + known)[possible])
 
 
 def _radii(points: FloatArray) -> FloatArray:
-    """Return mean distances of points, shape (m, k, 2), from their mean."""
-    far = np.linalg.norm(points - _means(points)[:, None], axis=-1)
+    """Return the mean distance of points, shape (m, k, 2), from their median, shape (m,).
+
+    Wild points count as if they were not farther than a few times the median.
+    """
+    far = _lengths(points - _medians(points)[:, None])
+    far = np.minimum(far, _WILD * _medians(far)[:, None])
     seen = np.isfinite(far)
     return np.where(seen, far, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
 
 
+def _lengths(vectors: FloatArray) -> FloatArray:
+    return np.hypot(vectors[..., 0], vectors[..., 1])
+
+
 def _medians(values: FloatArray) -> FloatArray:
-    """Return medians of rows, shape (m, k), of what is not NaN; the lower one of two."""
+    """Return medians along the second axis of what is not NaN, the lower one of two; NaN of nothing."""
     ordered = np.sort(values, axis=1)  # NaN last.
-    middle = np.maximum(np.isfinite(values).sum(axis=1) - 1, 0) // 2
-    return np.take_along_axis(ordered, middle[:, None], axis=1)[:, 0]
+    middle = np.maximum(np.isfinite(values).sum(axis=1, keepdims=True) - 1, 0) // 2
+    return np.take_along_axis(ordered, middle, axis=1)[:, 0]
 
 
 def _take(links: Links, previous: Indices, following: Indices) -> bool:

@@ -30,6 +30,7 @@ OPTIONS = MappingProxyType(
         "view": VIEWS,
         "picture_px": (None, (1, 1), (10**6, 3)),
         "up": UPS,
+        "min_score": (None, None, 0, 0.5, 1, -1, float("nan")),
     }
 )
 CELLS = "", "nan", "inf", "-1e308", "1e999", "x", '"', ",", ";", "\n", "0x10", "1,2", "9" * 400, "neck_x"

@@ -1,10 +1,11 @@
 """Infants that are filmed while they kick, and files as pose estimators, MINI-RGBD and motion capture write them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -44,6 +45,21 @@ def kicking(frames: int, seed: int = 0) -> FloatArray:
     return qpos
 
 
+def beside(recording: PointRecording, scale: float = 1.0, radii: float = 2.5, *, still: bool = False) -> PointRecording:
+    """Return somebody else, who moves as it does or not at all, beside it by some radii of its body."""
+    positions = recording.positions[:1].repeat(recording.frames, axis=0) if still else recording.positions
+    middle = np.nanmean(positions, axis=(0, 1))
+    radius = np.nanmean(np.linalg.norm(positions - middle, axis=-1))
+    return replace(recording, positions=(positions - middle) * scale + middle + [radii * radius, 0])
+
+
+def missed(recording: PointRecording, frames: Any) -> PointRecording:
+    """Return it without any point in some frames, given by an index."""
+    positions = recording.positions.copy()
+    positions[frames] = np.nan
+    return replace(recording, positions=positions)
+
+
 def without_neck(recording: PointRecording) -> PointRecording:
     """Return what pose estimators see: what they call a neck is the middle of the shoulders, or nothing."""
     return recording.select([name for name in recording.names if name != "neck"])
@@ -64,13 +80,27 @@ def in_space(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: 
     return PointRecording("kicking", 30.0, names, places_m, np.ones(places_m.shape[:2]))
 
 
-def write_openpose(recording: PointRecording, folder: Path, others: tuple[PointRecording, ...] = ()) -> Path:
-    """Write BODY_25 as OpenPose does, a file for each frame, with other persons before the infant."""
+def write_openpose(
+    recording: PointRecording,
+    folder: Path,
+    others: tuple[PointRecording, ...] = (),
+    identities: tuple[int | Sequence[int], ...] = (),
+) -> Path:
+    """Write BODY_25 as OpenPose does, a file for each frame, with other persons before the infant.
+
+    Whoever is not seen in a frame is left out. Identities are of each, in all frames or by frame.
+    """
     folder.mkdir()
-    tables = [_table(person, BODY_25_POINTS) for person in (*others, recording)]
+    persons = *others, recording
+    tables = [_table(person, BODY_25_POINTS) for person in persons]
+    who = [np.broadcast_to(one, recording.frames).tolist() for one in identities or [-1] * len(persons)]
     empty = {f"{part}_keypoints_{dimension}": [] for part in ("face", "hand_left") for dimension in ("2d", "3d")}
     for frame in range(recording.frames):
-        people = [{"person_id": [-1], "pose_keypoints_2d": table[frame], **empty} for table in tables]
+        people = [
+            {"person_id": [name[frame]], "pose_keypoints_2d": table[frame], **empty}
+            for table, name in zip(tables, who, strict=True)
+            if any(table[frame])
+        ]
         content = json.dumps({"version": 1.3, "people": people}, separators=(",", ":"))
         (folder / f"film_{frame:012d}_keypoints.json").write_text(content)
     return folder
