@@ -146,12 +146,17 @@ def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecor
     if rate_hz is None and not known:
         raise UnusableFileError("has no frame rate; say how many frames a second the camera took: rate_hz=30")
     rate = recording.rate_hz if rate_hz is None else float(rate_hz)
-    if not RATES_HZ[0] <= rate <= RATES_HZ[1]:
-        least, most = RATES_HZ
-        raise UnusableFileError(f"has {rate:g} frames a second; give a frame rate from {least:g} to {most:g}")
+    check_rate(rate)
     if rate_hz is not None and known and abs(rate / recording.rate_hz - 1) > 0.01:
         notes = (*notes, f"its own frame rate is {recording.rate_hz:.4g}, and not {rate:g} frames/s, as was given")
     return replace(recording, rate_hz=rate, notes=notes)
+
+
+def check_rate(rate_hz: float) -> None:
+    """Raise an UnusableFileError if a frame rate is none of a camera or of motion capture."""
+    least, most = RATES_HZ
+    if not least <= rate_hz <= most:
+        raise UnusableFileError(f"has {rate_hz:g} frames a second; give a frame rate from {least:g} to {most:g}")
 
 
 def check_points(recording: PointRecording, view: View, up: Up | None = None) -> PointRecording:

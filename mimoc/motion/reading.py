@@ -10,7 +10,7 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing, drop_unsure, in_pixels
+from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
 from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
@@ -85,6 +85,8 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
     kind = FORMATS.find(name) if name else None
     if not place.exists():
         raise UnusableFileError("there is no such file or folder; check the path")
+    if options.rate_hz is not None:
+        check_rate(options.rate_hz)
     read = function_of((kind or _recognised(place)).read, "read")
     return read(place.resolve() if place.is_dir() else place, options)
 

@@ -55,7 +55,7 @@ def prepare(folder: Path) -> list[Path]:
         filmed.write_mediapipe(seen, folder / "shares.json"),
         filmed.write_mediapipe(around, folder / "world.csv"),
         filmed.write_mediapipe(around, folder / "world.json"),
-        filmed.write_deeplabcut({"0": seen, "1": seen}, folder / "individuals.csv"),
+        filmed.write_deeplabcut({"0": seen}, folder / "individuals.csv"),
         filmed.write_categories({"adult": seen, "infant": seen}, folder / "categories.json"),
         filmed.write_mmpose(seen, folder / "named.json"),
         filmed.write_times(seen, np.cumsum([0.0, *[33, 17, 33] * 4][:FRAMES]), folder / "uneven.csv", "time_ms"),
@@ -76,7 +76,7 @@ def attempt(prepared: list[Path], generator: np.random.Generator, folder: Path) 
         read.filled()
     mimoc.write_points(read, folder / "again.npz")
     mimoc.write_points(read, folder / "again.csv")
-    mimoc.read_points(folder / "again.npz", view="back")
+    mimoc.read_points(folder / "again.npz", view="back" if read.unit == "px" else "front", up="z")
 
 
 def change(generator: np.random.Generator, place: Path, outside: Path) -> None:
