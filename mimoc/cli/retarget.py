@@ -93,7 +93,7 @@ def retarget(
     result = altered(fitted, senses.split(",") if senses else None, actuation)
     with console.progress("writing") as show:
         write_retargeted(result, out, force=force, progress=show)
-    print_account(result)
+    _print(result)
     print(printable(out))
     if is_unfinished(result):
         print(printable(f"stopped; {out} has the best motion so far"), file=sys.stderr)
@@ -127,7 +127,7 @@ def is_unfinished(result: "Retargeted") -> bool:
     return NOTE in result.account.notes
 
 
-def print_account(result: "Retargeted") -> None:
+def _print(result: "Retargeted") -> None:
     """Print what came of a fit, and what is not known."""
     account, child = result.account, result.bundle.manifest.child
     share, worst = 100 * account.error_median / account.trunk, 100 * account.error_p95 / account.trunk
