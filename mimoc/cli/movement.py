@@ -10,7 +10,18 @@ import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.cli.arguments import Beside, load_counterpart
 from mimoc.cli.pictures import parse_seeds
-from mimoc.cli.points import Infant, MinScore, Names, Rate, ViewName, names_of, options_in_messages
+from mimoc.cli.points import (
+    Infant,
+    MinScore,
+    Names,
+    Picture,
+    Rate,
+    UpAxis,
+    ViewName,
+    names_of,
+    options_in_messages,
+    picture_of,
+)
 from mimoc.cli.run import POLICY_NAMES
 from mimoc.cli.terminal import printable
 
@@ -50,6 +61,8 @@ def movement(
     view: ViewName = "front",
     name: Names = None,
     min_score: MinScore = None,
+    picture: Picture = None,
+    up: UpAxis = None,
     beside: Beside = None,
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
@@ -68,6 +81,7 @@ def movement(
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
+    reading |= {"picture_px": picture_of(picture), "up": up}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
     if beside and not policy:
         raise MimocError("--beside is for an infant that is simulated; name a spec or a bundle, and its --policy")

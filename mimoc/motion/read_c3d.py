@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.units import LENGTHS, metres_in
 
 _BLOCK = 512
 _KEY = 0x50
@@ -25,8 +26,8 @@ _KEY = 0x50
 _BYTE_ORDERS = {84: "<", 86: ">"}
 """Of Intel and of MIPS, by the number of a processor."""
 _DEC = 85
-_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "": 0.001}
-"""By unit; without one, millimetres are usual."""
+_USUAL_UNIT = "mm"
+"""Of files that name none."""
 _DAMAGED = "is damaged, or no C3D file; export it again"
 _KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}
 _MOST_MARKERS = 2000
@@ -53,7 +54,7 @@ def recognise(path: Path) -> bool:
 
 
 def read(path: Path, options: ReadOptions) -> PointRecording:
-    """Return its markers, [m]; which axis points upwards the file does not say, and z is taken to.
+    """Return its markers, [m]; z is taken to point upwards, unless another axis is said to.
 
     Raises:
         UnusableFileError: If it is damaged, or of a kind that nobody writes any more.
@@ -65,14 +66,15 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         numbers = _numbers(content, order, layout)
     except (struct.error, IndexError, KeyError, ValueError, TypeError, OverflowError):
         raise UnusableFileError(_DAMAGED) from None
-    unit = "".join(_texts(parameters, "UNITS")[:1]).strip().lower()
-    if unit not in _METRES:
-        raise UnusableFileError("has positions in an unknown unit; export it in mm or m")
+    unit = "".join(_texts(parameters, "UNITS")[:1]).strip(" \0") or _USUAL_UNIT
+    metres = metres_in(unit)
+    if metres is None:
+        raise UnusableFileError(f"has positions in the unknown unit '{one_line(unit)}'; export it in one of {LENGTHS}")
     labels = [label.strip() for label in _texts(parameters, "LABELS")][: layout.markers]
     labels += [f"marker_{index}" for index in range(len(labels), layout.markers)]
     seen = (numbers[..., 3] >= 0) & np.isfinite(numbers[..., :3]).all(axis=-1)
-    positions = np.where(seen[..., None], numbers[..., :3] * _METRES[unit], np.nan)
-    notes = ("the z axis is taken to point upwards",)
+    positions = np.where(seen[..., None], numbers[..., :3] * metres, np.nan)
+    notes = () if options.up else ("the z axis is taken to point upwards",)
     return PointRecording(path.stem, layout.rate_hz, tuple(labels), positions, seen.astype(np.float64), notes=notes)
 
 

@@ -10,10 +10,11 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing, drop_unsure
+from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
-from mimoc.motion.options import VIEWS, ReadOptions, View
+from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
+from mimoc.motion.sides import turned
 from mimoc.plugins import load_plugins
 
 
@@ -27,6 +28,8 @@ def read_points(
     names: Mapping[str, str] | None = None,
     view: View = "front",
     min_score: float | None = None,
+    picture_px: tuple[int, int] | None = None,
+    up: Up | None = None,
 ) -> PointRecording:
     """Read points on a filmed infant that a pose estimator, a depth camera or motion capture has written.
 
@@ -42,6 +45,8 @@ def read_points(
             left and right exchanged. The last two are put right.
         min_score: Confidence, from 0 to 1, below which points are taken not to be seen. None is what the format's own
             programs go by: OpenPose .05, COCO and tables .3, MediaPipe .5, DeepLabCut .6.
+        picture_px: Width and height of the picture, if points are shares of it; by default, those of the camera.
+        up: The axis of places in space that points upwards; None takes z, and asks if the infant then does not lie.
 
     Returns:
         The recording; its `notes` say what was assumed and what is missing.
@@ -58,10 +63,13 @@ def read_points(
     """
     load_plugins()
     check_name("view", view, VIEWS)
+    if up is not None:
+        check_name("axis", up, UPS)
     place = Path(path).expanduser()
     if min_score is not None and not 0 <= min_score <= 1:
         raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
-    options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score)
+    picture_px = picture_px or (camera.size_px if camera else None)
+    options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
@@ -77,6 +85,8 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
     kind = FORMATS.find(name) if name else None
     if not place.exists():
         raise UnusableFileError("there is no such file or folder; check the path")
+    if options.rate_hz is not None:
+        check_rate(options.rate_hz)
     read = function_of((kind or _recognised(place)).read, "read")
     return read(place.resolve() if place.is_dir() else place, options)
 
@@ -84,9 +94,9 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
 def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
     """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
     known = drop_unsure(check_numbers(recording), options.least_score(0.0))
-    named = name_points(known, options.names)
+    named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
     camera = None if named.unit == "m" else options.camera or named.camera
-    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view)
+    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
 
 
 def _recognised(place: Path) -> MotionFormat:

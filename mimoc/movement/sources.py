@@ -70,7 +70,8 @@ def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progre
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
     if (path / POINTS).is_file():
-        return [Filmed(read_points(path / POINTS))]
+        view = "back" if options.reading.get("view") == "back" else "front"
+        return [Filmed(read_points(path / POINTS, view=view, up="z"))]  # They were read, and put right, before.
     if (path / RECORDING).is_file():
         return [*film_recording(path, progress)]
     if (path / COHORT).is_file():
