@@ -216,13 +216,12 @@ def _largest(people: _People) -> int:
 
 def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
     """Return who is taken for the infant, and in what share of frames that is doubtful."""
-    numbers, known = people.tracks.numbers, people.known
+    numbers, name = people.tracks.numbers, people.identity_of(track)
     first = people.first_of_several(frames, people.places[numbers == track])
-    if len(known) == 1:
-        guess = f"the infant is taken to be '{one_line(known[0])}', the only person who is tracked"
-    elif known:
-        who = f"'{one_line(people.names[people.identity_of(track)])}'"
-        guess = f"the infant is taken to be {who}, the largest of {counted(len(known), 'person')}"
+    if name >= 0:
+        tracked = len(np.unique(numbers[people.identities >= 0]))
+        why = f"the largest of {counted(tracked, 'person')}" if tracked > 1 else "the only person who is tracked"
+        guess = f"the infant is taken to be '{one_line(people.names[name])}', {why}"
     elif first:
         who = f"the largest of {len(first.persons)} persons in {one_line(first.where)}"
         guess = f"the infant is taken to be {who}, and is followed from there"

@@ -198,6 +198,15 @@ def test_tracks_that_break_off_are_joined(infant, tmp_path):
     assert read.notes[0] == "the infant's track goes on under another ID 2 times, and is joined: 3; 7; 12"
 
 
+def test_persons_are_counted_and_not_their_tracks(infant, tmp_path):
+    names = [frame // 40 * 2 for frame in range(150)]
+    folder = write_openpose(infant, tmp_path / "a", (beside(infant, 0.5),), (1, names))
+    read = mimoc.read_points(folder, rate_hz=30)
+    assert_is(read, infant)
+    assert read.notes[0] == "the infant is taken to be '0', the largest of 2 persons"
+    assert read.notes[1].endswith("3 times, and is joined: 0; 2; 4; 6")
+
+
 def test_identities_that_are_exchanged_are_not_followed(infant, tmp_path):
     first = np.where(np.arange(150) < 90, 1, 2)
     folder = write_openpose(infant, tmp_path / "a", (beside(infant, 1.2),), ((3 - first).tolist(), first.tolist()))
