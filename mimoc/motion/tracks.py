@@ -15,6 +15,7 @@ Links are taken one after the other, the one with the smallest d / r + t / 2 fir
 A person who is not found again near enough, or of that size, begins a track of its own.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,8 @@ _WILD = 2.5
 """Median distances from the middle of a body from which on a point does not make it larger."""
 _PER_SECOND = 0.5
 """Cost of a gap, in radii a second."""
+_SURE, _SURE_PER_SECOND = 0.15, 1.5
+"""Cost, and more of it a second, up to which a link to the next frame is taken before those over gaps are looked at."""
 _KNOWN = 1.0
 """What two detections of one identity cost less, and two of different ones more."""
 _LEAST_SHARED = 3
@@ -111,21 +114,22 @@ class Tracks(NamedTuple):
 
 
 def find_tracks(people: Detections) -> Tracks:
-    """Return who is who: consecutive frames first, then over gaps, the shortest and surest first."""
+    """Return who is who: what hardly moves from a frame to the next first, then all else, the surest first."""
     number = len(people.places)
     previous, following = np.full(number, -1), np.full(number, -1)
-    possible = [_feasible(people, *_consecutive(people.places), people.points, people.points)]
-    _take(possible[0], previous, following)
+    possible = _feasible(people, *_consecutive(people.places), people.points, people.points)
+    _take(possible, previous, following, _SURE + _SURE_PER_SECOND / people.rate_hz)
     for _ in range(_MOST_ROUNDS):
         ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
         until, since = _steady(people, previous, ends), _steady(people, following, begins)
-        possible.append(_feasible(people, *_over_gaps(people.places, ends, begins), until, since))
-        if not _take(possible[-1], previous, following):
+        more = _feasible(people, *_over_gaps(people.places, ends, begins), until, since)
+        possible = _joined([possible, more])
+        if not _take(possible, previous, following):
             break
     numbers = np.empty(number, dtype=np.intp)
     for index, earlier in enumerate(previous.tolist()):
         numbers[index] = index if earlier < 0 else numbers[earlier]
-    return Tracks(numbers, previous, Links(*(np.concatenate(parts) for parts in zip(*possible, strict=True))))
+    return Tracks(numbers, previous, possible)
 
 
 def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
@@ -194,7 +198,11 @@ def _feasible(people: Detections, before: Indices, after: Indices, until: FloatA
     radii = _radii(people.points)
     radii = np.maximum(radii, np.median(radii) / 2)  # Of bodies that are hardly seen.
     kept = [_of_one_person(people, radii, before[chunk], after[chunk], until, since) for chunk in chunks]
-    return Links(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
+    return _joined(kept)
+
+
+def _joined(links: Sequence[Links]) -> Links:
+    return Links(*(np.concatenate(parts) for parts in zip(*links, strict=True)))
 
 
 def _of_one_person(
@@ -240,12 +248,11 @@ def _medians(values: FloatArray) -> FloatArray:
     return np.take_along_axis(ordered, middle, axis=1)[:, 0]
 
 
-def _take(links: Links, previous: Indices, following: Indices) -> bool:
-    """Take links, the cheapest first, between detections that have none yet; return whether there was any."""
-    order = np.argsort(links.costs, kind="stable")
-    taken = False
+def _take(links: Links, previous: Indices, following: Indices, most: float = np.inf) -> bool:
+    """Take links up to a cost, the cheapest first, between detections that have none yet; return whether any was."""
+    free = np.flatnonzero((links.costs <= most) & (following[links.before] < 0) & (previous[links.after] < 0))
+    order = free[np.argsort(links.costs[free], kind="stable")]
     for before, after in zip(links.before[order].tolist(), links.after[order].tolist(), strict=True):
         if following[before] < 0 and previous[after] < 0:
             following[before], previous[after] = after, before
-            taken = True
-    return taken
+    return len(free) > 0

@@ -122,6 +122,17 @@ def test_a_body_that_is_seen_twice_is_one_person(infant, tmp_path):
     assert not any("doubtful" in note for note in read.notes)
 
 
+@pytest.mark.parametrize("radii", [0.35, 0.8])
+@pytest.mark.parametrize("frames", [1, 3, 10])
+def test_a_false_body_over_the_infant_does_not_lead_away_from_it(frames, radii, infant, tmp_path):
+    """Of the infant's size, close to it, for some frames, in some of which the infant is missed."""
+    seen, starts = missed(infant, chance(0.1)), chance(0.06, 1)
+    there = np.convolve(starts, np.ones(frames))[:150] > 0
+    other = replace(infant, positions=np.roll(infant.positions, 60, axis=0))
+    false = missed(beside(other, 0.95, radii), ~there)
+    assert_is(mimoc.read_points(write_openpose(seen, tmp_path / "a", (false,)), rate_hz=30), seen)
+
+
 def test_false_persons_are_nobody(infant, tmp_path):
     generator, seen = np.random.default_rng(0), missed(infant, chance(0.1))
     false = missed(replace(infant, positions=generator.uniform(0, 480, infant.positions.shape)), chance(0.8))
