@@ -244,6 +244,37 @@ def test_one_person_who_is_always_seen_needs_no_note(infant, tmp_path):
     assert not any("infant" in note for note in read.notes)
 
 
+RING = np.stack([np.cos(np.arange(12)), np.sin(np.arange(12))], axis=1) * 100
+"""A body with a radius of about 100 px."""
+
+
+def are_linked(frames: int, radii: float, size: float = 1.0) -> bool:
+    points = np.stack([RING, size * RING + [100 * radii, 0]])
+    numbers = find_tracks(Detections(np.array([0, frames]), points, np.full(2, -1), 25.0)).numbers
+    return bool(numbers[0] == numbers[1])
+
+
+@pytest.mark.parametrize(("frames", "most"), [(1, 0.46), (5, 1.1), (50, 1.5), (5000, 1.5)])
+def test_how_far_a_person_can_have_moved(frames, most):
+    assert are_linked(frames, 0.95 * most)
+    assert not are_linked(frames, 1.1 * most)
+
+
+@pytest.mark.parametrize("frames", [1, 50])
+def test_how_much_larger_or_smaller_a_person_can_look(frames):
+    assert are_linked(frames, 0, 1.4)
+    assert are_linked(frames, 0, 1 / 1.4)
+    assert not are_linked(frames, 0, 1.5)
+    assert not are_linked(frames, 0, 1 / 1.5)
+
+
+@pytest.mark.parametrize("who", [0, 1])
+def test_of_two_who_are_near_the_one_of_the_same_identity_is_followed(who):
+    points = RING + np.array([[[0, 0]], [[30, 0]], [[-5, 0]]])
+    tracks = find_tracks(Detections(np.array([0, 1, 1]), points, np.array([who, 0, 1]), 25.0))
+    assert tracks.numbers[0] == tracks.numbers[1 + who]
+
+
 def test_another_who_is_as_near_makes_a_link_doubtful():
     """Somebody goes on where two others might have come from."""
     body = np.array([[0.0, 0.0], [0, 10], [10, 0], [10, 10]])
