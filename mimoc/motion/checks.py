@@ -170,7 +170,8 @@ def check_points(recording: PointRecording, view: View, up: Up | None = None) ->
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
+    unused = ("up is not used: these points are in a picture",) if up and whole.unit == "px" else ()
+    notes = *whole.notes, *unused, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
     _check_facing(whole, view, up)
     return _without_unseen(replace(whole, notes=notes))
 

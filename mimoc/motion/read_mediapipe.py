@@ -12,8 +12,8 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_whole_file
-from mimoc.motion.json_frames import parse
+from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_frame_files, read_whole_file
+from mimoc.motion.json_frames import parse, parse_frames
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, points_in, points_of
@@ -51,9 +51,9 @@ _OTHERS = re.compile("face|hand|segment")
 
 
 def recognise(path: Path) -> bool:
-    """Return whether it is a table or a JSON file of landmarks, by its first bytes."""
-    suffix = path.suffix.lower()
-    if path.is_dir() or suffix not in (*SUFFIXES, ".json"):
+    """Return whether it is a table, a JSON file or a folder of these with landmarks, by the first bytes."""
+    suffix = ".json" if path.is_dir() else path.suffix.lower()
+    if suffix not in (*SUFFIXES, ".json"):
         return False
     text = first_bytes(path).decode("utf-8-sig", "ignore")
     if suffix == ".json":
@@ -73,10 +73,13 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     Raises:
         UnusableFileError: If files are damaged, or have no landmarks.
     """
-    content = read_whole_file(path)
-    recording = (
-        _of_json(path, content, options) if path.suffix.lower() == ".json" else _of_table(path, content, options)
-    )
+    if path.is_dir():
+        recording = _of_folder(path, options)
+    elif path.suffix.lower() == ".json":
+        frames, rate_hz = _frames(parse(read_whole_file(path)))
+        recording = _of_frames(path.stem, frames, rate_hz, options)
+    else:
+        recording = _of_table(path, read_whole_file(path), options)
     return drop_unsure(_placed(recording), options.least_score(MIN_SCORES["visibility"]))
 
 
@@ -171,10 +174,18 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))
 
 
-def _of_json(path: Path, content: bytes, options: ReadOptions) -> PointRecording:
-    data = parse(content)
-    frames, rate_hz = _frames(data)
-    header = [f"{name}_{what}" for name in LANDMARKS for what in ("x", "y", "z", "visibility")]
+def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
+    files = read_frame_files(path, ".json")
+    frames: list[Any] = [None] * files.frames
+    for place, _, data in parse_frames(files):
+        frames[place] = data
+    recording = _of_frames(path.name, frames, math.nan, options)
+    return replace(recording, notes=(*files.notes, *recording.notes))
+
+
+def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOptions) -> PointRecording:
+    """Return the landmarks of frames, one after the other, at a rate that their times may say instead."""
+    header = [f"{landmark}_{what}" for landmark in LANDMARKS for what in ("x", "y", "z", "visibility")]
     numbers = np.full((len(frames), len(LANDMARKS), 4), np.nan)
     for index, frame in enumerate(frames):
         try:
@@ -185,9 +196,7 @@ def _of_json(path: Path, content: bytes, options: ReadOptions) -> PointRecording
     columns = [key for key in (frames[0] if frames and isinstance(frames[0], dict) else ()) if _is_of_frames(key)]
     known = [key for key in columns if all(isinstance(frame, dict) and _is_finite(frame.get(key)) for frame in frames)]
     when = np.array([[frame[key] for key in known] for frame in frames], dtype=np.float64).reshape(len(frames), -1)
-    recording = points_of(
-        path.stem, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1)
-    )
+    recording = points_of(name, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1))
     return recording if math.isfinite(recording.rate_hz) else replace(recording, rate_hz=rate_hz)
 
 

@@ -120,6 +120,22 @@ def test_a_frame_in_which_nobody_was_found_is_a_gap(empty, space, tmp_path):
     assert np.isnan(read.path("neck")[:, 0]).nonzero()[0].tolist() == [7]
 
 
+def test_a_folder_has_a_file_for_each_frame(space, tmp_path):
+    (tmp_path / "film").mkdir()
+    for frame, row in enumerate(points(filmed.landmarks(space))):
+        if frame != 4:
+            (tmp_path / "film" / f"img{frame:03d}_cam2.json").write_text(json.dumps({"pose_world_landmarks": [row]}))
+    read = mimoc.read_points(tmp_path / "film", rate_hz=30)
+    assert (read.name, read.frames, read.unit) == ("film", 60, "m")
+    assert np.isnan(read.positions[4]).all()
+
+
+@pytest.mark.parametrize("size", [(0, 480), (640, -1), (640,), (10**9, 480)])
+def test_a_size_of_no_picture_is_one_line(size, body_25, tmp_path):
+    with pytest.raises(RecordingError, match="give width and height in pixels"):
+        mimoc.read_points(filmed.write_mediapipe(body_25, tmp_path / "a.csv"), rate_hz=30, picture_px=size)
+
+
 def test_landmarks_that_are_hardly_visible_are_gaps(body_25, tmp_path):
     table = filmed.landmarks(body_25)
     table[3:6, LANDMARKS.index("left_wrist"), 3] = 0.4
