@@ -1,10 +1,12 @@
 """What can be measured: recordings of points, of mimoc, of cohorts, and infants under a policy."""
 
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.filmed import in_space
 from support.moving import restless
 from support.store import built
 
@@ -52,6 +54,14 @@ def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_pa
     write_points(restless(0, 10.0), tmp_path / "points.npz")
     (film,) = films_in(tmp_path)
     assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
+
+
+def test_a_retargeted_folder_may_be_of_an_infant_on_its_belly(tmp_path):
+    (tmp_path / "recording.json").write_text("{}")
+    prone = replace(in_space(90), positions=in_space(90).positions * [1, -1, -1])
+    write_points(prone, tmp_path / "points.npz")
+    (film,) = films_in(tmp_path, SourceOptions(reading={"view": "back", "up": "y"}))
+    assert film.seen.frames == 90
 
 
 def test_a_folder_is_also_what_mimoc_wrote_in_it(tmp_path):
