@@ -7,24 +7,24 @@ from itertools import groupby
 from typing import NamedTuple, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.errors import counted, suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
+from mimoc.motion.checks import RATES_HZ
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import FloatArray
-from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks
+from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks, seen_twice
 
 _RATE_HZ = 25.0
-"""Frames per second by which persons are followed before anybody says it."""
+"""Frames per second by which persons are followed where nobody says it, or what no camera takes, which is refused."""
 _LONG = 0.5
 """Share of the frames of whoever is seen for longest, from which on somebody may be the infant."""
 _ALIKE = 0.6
 """How many times as large as the infant somebody else must be to be taken for it by others."""
 _SELDOM = 0.1
 """Share of the infant's frames below which somebody else is not doubted to be it."""
-_SHARED_BY_SEVERAL = 0.5
-"""Share of its frames in which several persons have one identity, from which on it says nothing."""
+_LARGEST = 2**63
+"""More than any number of a person."""
 _SHOWN = 6
 """Identities in a note."""
 
@@ -66,8 +66,10 @@ class Frame(NamedTuple):
 class _People(NamedTuple):
     """Everybody of whom a point is surely seen, n in all, in the order of time."""
 
-    identities: npt.NDArray[np.str_]
-    """What a tracker calls each, shape (n,); empty for nothing."""
+    names: Sequence[str]
+    """What a tracker calls persons."""
+    identities: Indices
+    """Index of the name of each, shape (n,); -1 for none."""
     numbers: Indices
     """Which person of its frame each is, from 0, shape (n,)."""
     places: Indices
@@ -76,17 +78,41 @@ class _People(NamedTuple):
     """Diagonals of the boxes around them, shape (n,), [px]."""
     tracks: Tracks
 
-    def size(self, track: int) -> float:
-        """Return the median size of a person, [px]."""
-        return float(np.median(self.sizes[self.tracks.numbers == track]))
+    @property
+    def frames(self) -> int:
+        """Number of frames in which anybody is."""
+        return len(np.unique(self.places))
+
+    def first_of_several(self, frames: Sequence[Frame], places: Indices) -> Frame | None:
+        """Return the first frame with several persons among those at some places; None if there is none."""
+        several = np.intersect1d(np.flatnonzero(np.bincount(self.places) > 1), places)
+        return next((frame for frame in frames if frame.place == several[0]), None) if len(several) else None
+
+    @property
+    def known(self) -> list[str]:
+        """Names by which persons can be told apart."""
+        return [self.names[int(index)] for index in np.unique(self.identities) if index >= 0]
+
+    @property
+    def track_sizes(self) -> FloatArray:
+        """Mean size of the person in each track, by its number, [px]."""
+        numbers = self.tracks.numbers
+        return np.bincount(numbers, self.sizes) / np.maximum(np.bincount(numbers), 1)
+
+    def identity_of(self, track: int) -> int:
+        """Return the identity that a person has most of the time; -1 for none."""
+        identities = self.identities[(self.tracks.numbers == track) & (self.identities >= 0)]
+        return int(np.argmax(np.bincount(identities))) if len(identities) else -1
 
 
 def identity(value: object) -> str:
     """Return what a tracker calls a person: `1` of 1, 1.0, [1] or "1"; nothing of -1, which is not tracked, or none."""
     while isinstance(value, list) and value:
         value = value[0]
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
     if isinstance(value, (int, float)):
-        return f"{value:.15g}" if value >= 0 else ""
+        return str(value) if 0 <= value < _LARGEST else ""
     return value if isinstance(value, str) and value != "-1" else ""
 
 
@@ -118,21 +144,28 @@ def place_points(
     there = np.flatnonzero(sure.any(axis=1))
     if not len(there):
         raise UnusableFileError(f"has no point with a confidence of {least:g} or more; give a lower one: min_score=0")
-    placed = np.where(sure[..., None], numbers[..., :2].clip(-1e9, 1e9), np.nan)[there]
-    places = np.array([frame.place for frame, _, _ in several])[there]
-    identities = _told_apart(np.array([who.identity for _, _, who in several])[there], places)
-    codes = np.where(identities == "", -1, np.unique(identities, return_inverse=True)[1])
-    box = np.fmax.reduce(placed, axis=1) - np.fmin.reduce(placed, axis=1)
+    placed = np.where(sure[..., None], numbers[..., :2].clip(-1e9, 1e9), np.nan)
+    places = np.array([frame.place for frame, _, _ in several])
+    names = sorted({who.identity for _, _, who in several} - {""})
+    index = {name: number for number, name in enumerate(names)}
+    identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several]), places)
+    said_hz = options.rate_hz or _RATE_HZ
+    rate_hz = said_hz if RATES_HZ[0] <= said_hz <= RATES_HZ[1] else _RATE_HZ
+    once = ~seen_twice(Detections(places[there], placed[there], identities[there], rate_hz))
+    there = there[once]
+    box = np.fmax.reduce(placed[there], axis=1) - np.fmin.reduce(placed[there], axis=1)
     people = _People(
-        identities,
+        names,
+        identities[there],
         np.array([number for _, number, _ in several])[there],
-        places,
+        places[there],
         np.linalg.norm(box, axis=-1),
-        find_tracks(Detections(places, placed, codes, options.rate_hz or _RATE_HZ)),
+        find_tracks(Detections(places[there], placed[there], identities[there], rate_hz)),
     )
-    track, notes = _choose(people, frames, None if options.infant is None else identity(options.infant))
+    infant = None if options.infant is None else identity(options.infant) or str(options.infant)
+    track, notes = _choose(people, frames, infant)
     mine = people.tracks.numbers == track
-    chosen, at = there[mine], places[mine]
+    chosen, at = there[mine], people.places[mine]
     shape = frames[-1].place + 1, points
     positions, confidence = np.full((*shape, 2), np.nan), np.zeros(shape)
     positions[at] = np.where(seen[..., None], numbers[..., :2], np.nan)[chosen]
@@ -140,14 +173,14 @@ def place_points(
     return positions, confidence, (*notes, *_account(people, track))
 
 
-def _told_apart(identities: npt.NDArray[np.str_], places: Indices) -> npt.NDArray[np.str_]:
+def _told_apart(identities: Indices, places: Indices) -> Indices:
     """Return identities without those that several persons in a frame have, as AlphaPose's 0 if it does not track."""
-    told = identities.copy()
-    for name in np.unique(identities):
-        times = np.unique(places[identities == name], return_counts=True)[1]
-        if (times > 1).mean() > _SHARED_BY_SEVERAL:
-            told[identities == name] = ""
-    return told
+    named = identities >= 0
+    frames = int(places.max()) + 1
+    pairs, times = np.unique(identities[named] * frames + places[named], return_counts=True)
+    most = int(identities.max()) + 2
+    alone, together = (np.bincount(pairs[chosen] // frames, minlength=most) for chosen in (times == 1, times > 1))
+    return np.where(named & (alone >= together)[identities], identities, -1)
 
 
 def _choose(people: _People, frames: Sequence[Frame], infant: str | None) -> tuple[int, tuple[str, ...]]:
@@ -156,12 +189,12 @@ def _choose(people: _People, frames: Sequence[Frame], infant: str | None) -> tup
     if infant is None:
         track = _largest(people)
         return track, (_guess(people, frames, track),) if (numbers != track).any() else ()
-    if known := _names(people.identities):
+    if known := people.known:
         if infant not in known:
             near = suggestion(infant, [one_line(name) for name in known])
             raise UnusableFileError(f"has no person '{one_line(infant)}'; {near}")
-        return int(np.argmax(np.bincount(numbers[people.identities == infant]))), ()
-    first = next((frame for frame in frames if len(frame.persons) > 1), None)
+        return int(np.argmax(np.bincount(numbers[people.identities == people.names.index(infant)]))), ()
+    first = people.first_of_several(frames, people.places)
     if first is None:
         if infant != "0":
             raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(infant)}'; leave it out")
@@ -174,66 +207,54 @@ def _choose(people: _People, frames: Sequence[Frame], infant: str | None) -> tup
     return int(numbers[meant][0]), (f"the infant is taken to be {who}, and is followed from there",)
 
 
-def _names(identities: npt.NDArray[np.str_]) -> list[str]:
-    return [name for name in np.unique(identities).tolist() if name]
-
-
 def _largest(people: _People) -> int:
     """Return the track of the largest of those who are seen for long and, where some are tracked, of these."""
-    named = people.identities != ""
-    tracks, times = np.unique(people.tracks.numbers[named if named.any() else ...], return_counts=True)
-    return max(tracks[times >= _LONG * times.max()].tolist(), key=people.size)
+    named = people.identities >= 0
+    times = np.bincount(people.tracks.numbers[named if named.any() else ...])
+    return int(np.argmax(np.where(times >= _LONG * times.max(), people.track_sizes[: len(times)], 0.0)))
 
 
 def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
     """Return who is taken for the infant, and in what share of frames that is doubtful."""
-    mine = people.tracks.numbers == track
-    known = _names(people.identities)
-    beside = {*people.places[mine].tolist()}
-    first = next((frame for frame in frames if len(frame.persons) > 1 and frame.place in beside), None)
-    if len(known) == 1:
-        guess = f"the infant is taken to be '{one_line(known[0])}', the only person who is tracked"
-    elif known:
-        who = f"'{one_line(_name_of(people, mine))}', the largest of {counted(len(known), 'person')}"
-        guess = f"the infant is taken to be {who}"
+    numbers, name = people.tracks.numbers, people.identity_of(track)
+    first = people.first_of_several(frames, people.places[numbers == track])
+    if name >= 0:
+        tracked = len(np.unique(numbers[people.identities >= 0]))
+        why = f"the largest of {counted(tracked, 'person')}" if tracked > 1 else "the only person who is tracked"
+        guess = f"the infant is taken to be '{one_line(people.names[name])}', {why}"
     elif first:
         who = f"the largest of {len(first.persons)} persons in {one_line(first.where)}"
         guess = f"the infant is taken to be {who}, and is followed from there"
     else:
         guess = "the infant is taken to be who is seen for longest, or the largest of those"
-    tracks, times = np.unique(people.tracks.numbers[~mine], return_counts=True)
-    least = _ALIKE * people.size(track)
-    alike = [one for one in tracks[times >= _SELDOM * mine.sum()].tolist() if people.size(one) >= least]
-    if not alike:
+    times, sizes = np.bincount(numbers), people.track_sizes
+    alike = (times >= _SELDOM * times[track]) & (sizes >= _ALIKE * sizes[track])
+    alike[track] = False
+    if not alike.any():
         return guess
-    share = len({*people.places[np.isin(people.tracks.numbers, alike)].tolist()}) / len({*people.places.tolist()})
+    share = len(np.unique(people.places[alike[numbers]])) / people.frames
     return (
         f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large: say which is the infant"
     )
 
 
-def _name_of(people: _People, mine: npt.NDArray[np.bool_]) -> str:
-    """Return the identity that a person has most of the time; empty for none."""
-    names, times = np.unique(people.identities[mine & (people.identities != "")], return_counts=True)
-    return str(names[np.argmax(times)]) if len(names) else ""
-
-
 def _account(people: _People, track: int) -> Iterator[str]:
     """Yield what is to be said of a person who was followed."""
     mine = people.tracks.numbers == track
-    names = [name for name, _ in groupby(people.identities[mine & (people.identities != "")].tolist())]
+    names = [one_line(people.names[int(index)]) for index in people.identities[mine] if index >= 0]
+    names = [name for name, _ in groupby(names)]
     if len(names) > 1:
-        order = first_of([one_line(name) for name in names], _SHOWN)
-        yield f"the infant's track goes on under another ID {counted(len(names) - 1, 'time')}, and is joined: {order}"
-    if name := _name_of(people, mine):
-        elsewhere = (people.identities == name) & ~mine
+        joined = f"{counted(len(names) - 1, 'time')}, and is joined: {first_of(names, _SHOWN)}"
+        yield f"the infant's track goes on under another ID {joined}"
+    if (who := people.identity_of(track)) >= 0:
+        elsewhere = (people.identities == who) & ~mine
         if elsewhere.any():
-            share = elsewhere.sum() / (people.identities == name).sum()
-            yield f"'{one_line(name)}' is not where the infant can be in {share:.0%} of its frames, which are left out"
-    frames = len({*people.places.tolist()})
-    if lost := frames - int(mine.sum()):
+            share = elsewhere.sum() / (people.identities == who).sum()
+            where = f"is not where the infant can be in {share:.0%} of its frames, which are left out"
+            yield f"'{one_line(people.names[who])}' {where}"
+    if lost := people.frames - int(mine.sum()):
         why = "too far from where it was, or of another size"
-        yield f"in {lost:,} of {frames:,} frames nobody who is seen can be the infant, being {why}"
+        yield f"in {lost:,} of {people.frames:,} frames nobody who is seen can be the infant, being {why}"
     if share := people.tracks.doubtful(track).sum() / mine.sum():
         yield f"who the infant is is doubtful in {share:.1%} of its frames, where another is nearly as close"
 

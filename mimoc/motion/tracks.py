@@ -48,10 +48,12 @@ _AS_GOOD = 2.0, 0.2
 """Another link is nearly as good if it costs up to twice as much, and .2 more."""
 _NEXT = 30
 """Tracks that begin next after the end of one, of which one may go on with it."""
+_MOST_OVER_GAPS = 500_000
+"""Pairs that are compared in each round of joining."""
 _MOST_ROUNDS = 20
 """Of joining over gaps: most films need two or three."""
 _MOST_PAIRS = 4_000_000
-"""In consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
+"""In the same or consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
 _REMEMBERED_S, _REMEMBERED = 0.15, 4
 """Seconds, and at most so many further frames, before and after a gap that are compared across it, by their medians."""
 _CHUNK = 20_000
@@ -126,27 +128,36 @@ def find_tracks(people: Detections) -> Tracks:
     return Tracks(numbers, previous, Links(*(np.concatenate(parts) for parts in zip(*possible, strict=True))))
 
 
+def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
+    """Return which detections, shape (n,), are of a body of which another in the same frame has more points."""
+    number = np.arange(len(people.places))
+    pairs = _pairs(number, number + 1, np.searchsorted(people.places, people.places, "right"))
+    one, other, _ = _feasible(people, *pairs, people.points, people.points)
+    points = np.isfinite(people.points[..., 0]).sum(axis=1)
+    twice = np.zeros(len(number), dtype=bool)
+    twice[np.where(points[other] > points[one], one, other)] = True
+    return twice
+
+
 def _consecutive(places: Indices) -> tuple[Indices, Indices]:
     """Return all pairs of detections of which the second is in the frame after the first's."""
     first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
-    if (last - first).sum() > _MOST_PAIRS:
-        most = np.bincount(places).max()
-        raise UnusableFileError(
-            f"has up to {most:,} persons in a frame, which are too many; keep those near the infant"
-        )
     return _pairs(np.arange(len(places)), first, last)
 
 
 def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:
     """Return pairs of the end of a track and the begins of those that come next."""
     first = np.searchsorted(places[begins], places[ends], "right")
-    before, after = _pairs(ends, first, np.minimum(first + _NEXT, len(begins)))
+    most = min(_NEXT, max(_MOST_OVER_GAPS // max(len(ends), 1), 1))
+    before, after = _pairs(ends, first, np.minimum(first + most, len(begins)))
     return before, begins[after]
 
 
 def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indices]:
     """Return each item with each number of its own range, from first to before last."""
     counts = last - first
+    if counts.sum() > _MOST_PAIRS:
+        raise UnusableFileError("has more persons in its frames than can be told apart; keep those near the infant")
     offsets = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.repeat(items, counts), np.repeat(first, counts) + offsets
 
@@ -189,20 +200,22 @@ def _feasible(people: Detections, before: Indices, after: Indices, until: FloatA
 def _of_one_person(
     people: Detections, radii: FloatArray, before: Indices, after: Indices, until: FloatArray, since: FloatArray
 ) -> Links:
-    one, other = until[before], since[after]
     gaps_s = (people.places[after] - people.places[before]) / people.rate_hz
+    one, other = until[before], since[after]
     radius = np.minimum(radii[before], radii[after])
-    shared = np.where(np.isfinite(one) & np.isfinite(other), 1.0, np.nan)
-    comparable = np.isfinite(shared[..., 0]).sum(axis=1) >= _LEAST_SHARED
-    apart = np.where(comparable, _medians(_lengths(one - other)), _lengths(_medians(one) - _medians(other)))
-    sizes = _radii(shared * one), _radii(shared * other)
-    measurable = comparable & (np.minimum(*sizes) > _LEAST_SIZE * radius)
-    growth = np.where(measurable, np.maximum(sizes[0] / sizes[1], sizes[1] / sizes[0]), 1.0)
-    moved = apart / radius
-    possible = (moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST)) & (growth <= _GROWS)
+    apart = _lengths(one - other)
+    comparable = np.isfinite(apart).sum(axis=1) >= _LEAST_SHARED
+    moved = np.where(comparable, _medians(apart), _lengths(_medians(one) - _medians(other))) / radius
     names = people.identities[before], people.identities[after]
     known = np.where(np.minimum(*names) >= 0, np.where(names[0] == names[1], -_KNOWN, _KNOWN), 0.0)
-    return Links(before[possible], after[possible], (moved + _PER_SECOND * gaps_s + known)[possible])
+    costs = moved + _PER_SECOND * gaps_s + known
+    near = np.flatnonzero(moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST))
+    shared = np.where(np.isfinite(apart[near, :, None]), 1.0, np.nan)
+    sizes = _radii(shared * one[near]), _radii(shared * other[near])
+    measurable = comparable[near] & (np.minimum(*sizes) > _LEAST_SIZE * radius[near])
+    growth = np.where(measurable, np.maximum(*sizes) / np.where(measurable, np.minimum(*sizes), 1.0), 1.0)
+    possible = near[growth <= _GROWS]
+    return Links(before[possible], after[possible], costs[possible])
 
 
 def _radii(points: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import mimoc
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.persons import identity
-from mimoc.motion.tracks import Detections, find_tracks
+from mimoc.motion.tracks import Detections, find_tracks, seen_twice
 
 LOST = "nobody who is seen can be the infant, being too far from where it was, or of another size"
 
@@ -109,6 +109,19 @@ def test_points_that_are_seen_in_turn_are_one_person(infant, tmp_path):
     assert np.allclose(known.positions, seen.select(known.names).positions, rtol=0, atol=1e-2, equal_nan=True)
 
 
+def test_a_body_that_is_seen_twice_is_one_person(infant, tmp_path):
+    """Where it was in the frame before, as a whole or in part, and elsewhere a little beside."""
+    whole = replace(infant, positions=np.roll(infant.positions, 1, axis=0) + 1)
+    part = missed(whole, chance(0.5))
+    part.positions[:, 15:] = np.nan
+    folder = write_openpose(missed(infant, chance(0.05, 3)), tmp_path / "a", (missed(whole, chance(0.9, 5)), part))
+    read = mimoc.read_points(folder, rate_hz=30)
+    seen = np.isfinite(read.path("nose")[:, 0])
+    assert seen.sum() > 140
+    assert np.abs(read.path("nose") - infant.path("nose"))[seen].max() < 0.2 * infant.trunk
+    assert not any("doubtful" in note for note in read.notes)
+
+
 def test_false_persons_are_nobody(infant, tmp_path):
     generator, seen = np.random.default_rng(0), missed(infant, chance(0.1))
     false = missed(replace(infant, positions=generator.uniform(0, 480, infant.positions.shape)), chance(0.8))
@@ -185,6 +198,15 @@ def test_tracks_that_break_off_are_joined(infant, tmp_path):
     assert read.notes[0] == "the infant's track goes on under another ID 2 times, and is joined: 3; 7; 12"
 
 
+def test_persons_are_counted_and_not_their_tracks(infant, tmp_path):
+    names = [frame // 40 * 2 for frame in range(150)]
+    folder = write_openpose(infant, tmp_path / "a", (beside(infant, 0.5),), (1, names))
+    read = mimoc.read_points(folder, rate_hz=30)
+    assert_is(read, infant)
+    assert read.notes[0] == "the infant is taken to be '0', the largest of 2 persons"
+    assert read.notes[1].endswith("3 times, and is joined: 0; 2; 4; 6")
+
+
 def test_identities_that_are_exchanged_are_not_followed(infant, tmp_path):
     first = np.where(np.arange(150) < 90, 1, 2)
     folder = write_openpose(infant, tmp_path / "a", (beside(infant, 1.2),), ((3 - first).tolist(), first.tolist()))
@@ -219,7 +241,16 @@ def test_another_who_is_as_near_makes_a_link_doubtful():
     assert tracks.doubtful(int(tracks.numbers[2])).tolist() == [False, False, True]
 
 
+@pytest.mark.parametrize("rate_hz", [0, -30, 1e300, float("nan"), float("inf")])
+def test_a_frame_rate_of_no_camera_is_refused_as_that(rate_hz, infant, tmp_path):
+    folder = write_openpose(missed(infant, [4]), tmp_path / "a", (beside(infant),))
+    with pytest.raises(RecordingError, match="frames a second; give a frame rate from 1 to 1000"):
+        mimoc.read_points(folder, rate_hz=rate_hz)
+
+
 def test_crowds_are_refused():
-    crowd = np.zeros((4004, 1, 2))
-    with pytest.raises(UnusableFileError, match="has up to 2,002 persons in a frame, which are too many"):
-        find_tracks(Detections(np.repeat([0, 1], 2002), crowd, np.full(4004, -1), 25.0))
+    crowd = Detections(np.repeat([0, 1], 2002), np.zeros((4004, 1, 2)), np.full(4004, -1), 25.0)
+    with pytest.raises(UnusableFileError, match="has more persons in its frames than can be told apart; keep those"):
+        find_tracks(crowd)
+    with pytest.raises(UnusableFileError, match="has more persons"):
+        seen_twice(crowd._replace(places=np.zeros(4004, dtype=int)))

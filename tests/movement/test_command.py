@@ -57,6 +57,15 @@ def test_a_label_that_says_nothing_is_named_by_an_option(invoke, place):
     assert invoke("movement", "film.csv", "--name", "p7").err.endswith("write it as p7=left_foot\n")
 
 
+def test_points_that_are_unsure_are_left_out_or_not_by_an_option(invoke, place):
+    seen = restless(0, 4.0)
+    write_points(replace(seen, confidence=seen.confidence * 0.2), place / "film.csv")
+    said = "has a confidence below 0.3 at 100% of its points; if they can be trusted: --min-score 0\n"
+    assert invoke("movement", "film.csv").err.endswith(said)
+    assert invoke("movement", "film.csv", "--min-score", "0.2").code == 0
+    assert invoke("movement", "film.csv", "--min-score", "2").code == 2
+
+
 def test_all_measures_are_printed_on_request(invoke):
     assert "Hands: distance [trunk]" in invoke("movement", "filmed/infant0.npz", "--full").out
 
