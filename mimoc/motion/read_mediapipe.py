@@ -189,8 +189,9 @@ def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOp
     numbers = np.full((len(frames), len(LANDMARKS), 4), np.nan)
     for index, frame in enumerate(frames):
         try:
-            for number, point in _points(frame, prefer_world=options.picture_px is None):
-                numbers[index, number] = _four(point)
+            which, points = _points(frame, prefer_world=options.picture_px is None)
+            if points:
+                numbers[index, which] = [_four(point) for point in points]
         except (TypeError, ValueError, KeyError, IndexError, OverflowError, AttributeError):
             raise UnusableFileError(f"frame {index} of the list: landmarks are damaged; export it again") from None
     columns = [key for key in (frames[0] if frames and isinstance(frames[0], dict) else ()) if _is_of_frames(key)]
@@ -218,8 +219,8 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
     return data, rate_hz
 
 
-def _points(frame: Any, *, prefer_world: bool) -> Sequence[tuple[int, Any]]:
-    """Return the landmarks of a frame with their numbers; none if nobody was seen.
+def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[Any]]:
+    """Return the landmarks of a frame after their numbers; none if nobody was seen.
 
     Raises:
         TypeError, ValueError, KeyError, IndexError: If they are no landmarks.
@@ -237,15 +238,15 @@ def _points(frame: Any, *, prefer_world: bool) -> Sequence[tuple[int, Any]]:
             raise UnusableFileError("has several persons in a frame; export the infant alone")
         points = points[0]
     if not points:
-        return ()
+        return (), ()
     if isinstance(points, dict):
-        return [(LANDMARKS.index(_names([key])[0]), point) for key, point in points.items()]
+        return [LANDMARKS.index(name) for name in _names([*points])], [*points.values()]
     keys = [key for key in ("name", "id", "index", "landmark") if isinstance(points[0], dict) and key in points[0]]
     if keys:
-        return [(LANDMARKS.index(_names([str(point[keys[0]])])[0]), point) for point in points]
+        return [LANDMARKS.index(name) for name in _names([str(point[keys[0]]) for point in points])], points
     if len(points) != len(LANDMARKS):
         raise UnusableFileError(f"has {len(points)} landmarks in a frame, and not {len(LANDMARKS)}; export it again")
-    return [*enumerate(points)]
+    return range(len(points)), points
 
 
 def _are_persons(points: Any) -> bool:
@@ -254,16 +255,12 @@ def _are_persons(points: Any) -> bool:
     return isinstance(first, list) and bool(first) and isinstance(first[0], (dict, list))
 
 
-def _four(point: Any) -> tuple[float, ...]:
-    """Return x, y, z and visibility of a landmark; NaN for those that it lacks."""
+def _four(point: Any) -> tuple[Any, ...]:
+    """Return x, y, z and visibility of a landmark; None for those that it lacks."""
     if isinstance(point, dict):
-        seen = next((point[key] for key in ("visibility", "presence", "score") if point.get(key) is not None), 1.0)
-        values = [point["x"], point["y"], point.get("z"), seen]
-    else:
-        values = [*point, None, 1.0][:4] if len(point) == 2 else [*point, 1.0][:4]
-    if any(isinstance(value, (str, bool)) for value in values):
-        raise TypeError("no numbers")
-    return tuple(math.nan if value is None else float(value) for value in values)
+        seen = point["visibility"] if "visibility" in point else point.get("presence", 1.0)
+        return point["x"], point["y"], point.get("z"), seen
+    return (*point, None, 1.0)[:4] if len(point) == 2 else (*point, 1.0)[:4]
 
 
 def _is_of_frames(key: str) -> bool:

@@ -157,7 +157,7 @@ def test_frame_rate_and_times_of_json_are_read(space, tmp_path):
     [
         ({"landmarks": {}}, "has no list of frames with landmarks"),
         ([[{"x": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
-        ([[{"x": "1", "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
+        ([[{"x": "one", "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
         ([[{"x": 10**400, "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged"),
         ([[{"x": 1, "y": 1, "visibility": 1}] * 5], "has 5 landmarks in a frame, and not 33; export it again"),
         ([{"landmarks": [[[0, 0, 0]] * 33] * 2}], "has several persons in a frame; export the infant alone"),
