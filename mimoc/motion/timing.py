@@ -31,11 +31,11 @@ _WHOLE = 0.01
 """Of a digit: what times are apart from whole numbers of it by the precision of floats."""
 _NEAR = 0.05
 """Of a frame: a row that is so near is taken for it."""
-_LONGEST_STEP = 1.5
+_LONGEST_STEP = 1.75
 """Frames between two rows; more is a gap."""
 _MOST_TWICE = 0.1
 """Share of rows that may have the time of the row before."""
-_WHOLE_RATE = 0.01
+_WHOLE_RATE = 0.02
 """Resampled recordings have a whole number of frames a second, if their usual rate is so near to one."""
 
 

@@ -49,6 +49,13 @@ def test_times_that_jitter_are_resampled_by_time(short, tmp_path):
     assert any("resampled by time, at 30 frames/s, by which" in note for note in recording.notes)
 
 
+def test_a_camera_that_slows_down_in_the_dark_has_no_gaps(tmp_path):
+    recording = read(np.concatenate([np.arange(40) / 30, 40 / 30 + np.arange(20) / 20]), tmp_path)
+    assert recording.rate_hz == 30
+    assert np.isfinite(recording.positions).all()
+    assert error(recording) < 0.5 * PIXELS_OF_A_FRAME
+
+
 def test_interpolation_does_not_bridge_gaps(tmp_path):
     times = phone(1 / 30)
     recording = read(np.delete(times, range(20, 26)), tmp_path)
