@@ -1,6 +1,7 @@
 """MediaPipe's landmarks are read in the forms in which people export them, with MediaPipe's axes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,6 +97,12 @@ def test_shares_of_a_picture_of_unknown_size_are_asked_about(body_25, tmp_path):
     path = filmed.write_mediapipe(body_25, tmp_path / "a.csv")
     with pytest.raises(RecordingError, match=r"picture_px=\(1920, 1080\), or export pixels, not shares of the picture"):
         mimoc.read_points(path, rate_hz=30)
+
+
+def test_an_infant_may_be_half_out_of_the_picture(body_25, tmp_path):
+    beside = replace(body_25, positions=body_25.positions - [320, 0])
+    read = mimoc.read_points(filmed.write_mediapipe(beside, tmp_path / "a.csv"), rate_hz=30, picture_px=PICTURE)
+    assert np.allclose(read.path("left_knee"), beside.path("left_knee"))
 
 
 def test_a_camera_says_the_size_of_its_picture(body_25, tmp_path):
