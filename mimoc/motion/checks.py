@@ -165,8 +165,14 @@ def check_rate(rate_hz: float) -> None:
         raise UnusableFileError(f"has {rate_hz:g} frames a second; give a frame rate from {least:g} to {most:g}")
 
 
-def check_points(recording: PointRecording, view: View, up: Up | None = None) -> PointRecording:
-    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
+def check_points(recording: PointRecording, view: View | None, up: Up | None = None) -> PointRecording:
+    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError.
+
+    Args:
+        recording: Its names are mimoc's.
+        view: What was said of what the camera sees; None asks nothing of sides and of how the infant lies.
+        up: Which axis was said to point upwards, if one was.
+    """
     _check_trunk(recording)
     _check_unit(recording)
     whole = drop_wild(repair_exchanges(recording), APART)
@@ -176,9 +182,12 @@ def check_points(recording: PointRecording, view: View, up: Up | None = None) ->
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    unused = ("up is not used: these points are in a picture",) if up and whole.unit == "px" else ()
-    notes = *whole.notes, *unused, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
-    _check_facing(whole, view, up)
+    asked: tuple[str, ...] = ()
+    if view is not None:
+        unused = ("up is not used: these points are in a picture",) if up and whole.unit == "px" else ()
+        asked = *unused, *_check_sides(whole, view)
+        _check_facing(whole, view, up)
+    notes = *whole.notes, *asked, *_restless(whole), *_gaps(whole)
     return _without_unseen(replace(whole, notes=notes))
 
 

@@ -87,11 +87,11 @@ def keypoint_names(data: Any, entries: Iterable[Mapping[str, Any]], infant: str 
     chosen = _of_infants({category: categories[category] for category in used}, infant)
     labels = tuple(dict.fromkeys(label for category in chosen for label in categories[category][1]))
     columns = {category: [labels.index(label) for label in categories[category][1]] for category in chosen}
+    names = [categories[category][0] for category in chosen]
     others = [categories[category][0] for category in used if category not in chosen]
-    named_so = {categories[category][0] for category in chosen}
-    named = [first_of([categories[category][0] for category in chosen], _SHOWN), first_of(others, _SHOWN)]
-    note = f"persons of the category {one_line(named[0])} are taken, and not of {one_line(named[1])}"
-    return KeypointNames(labels, columns, (note,) if others else (), infant in named_so)
+    taken, left_out = (one_line(first_of(some, _SHOWN)) for some in (names, others))
+    note = f"persons of the category {taken} are taken, and not of {left_out}"
+    return KeypointNames(labels, columns, (note,) if others else (), infant in names)
 
 
 def _of_infants(categories: Mapping[str, tuple[str, tuple[str, ...]]], infant: str | None) -> list[str]:

@@ -76,6 +76,20 @@ def read_points(
     if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MOST_PIXELS for size in picture_px)):
         raise RecordingError(f"{place}: the size of the picture is {picture_px}; give width and height in pixels")
     options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
+    return _read_in_words(place, format, options)
+
+
+def read_again(path: Path) -> PointRecording:
+    """Read points that `read_points` has returned and mimoc has written: it is not asked again how the infant lies.
+
+    Raises:
+        RecordingError: If the file cannot be used.
+    """
+    return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
+
+
+def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> PointRecording:
+    """Return a recording, or raise a RecordingError that says in one line why there is none."""
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)

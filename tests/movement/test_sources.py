@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.filmed import in_space
+from support.filmed import filmed, in_space
 from support.moving import restless
 from support.store import built
 
@@ -56,11 +56,14 @@ def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_pa
     assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
 
 
-def test_a_retargeted_folder_may_be_of_an_infant_on_its_belly(tmp_path):
+@pytest.mark.parametrize("lies", ["in space", "in a picture"])
+def test_a_retargeted_folder_is_not_asked_again_how_its_infant_lies(lies, tmp_path):
     (tmp_path / "recording.json").write_text("{}")
-    prone = replace(in_space(90), positions=in_space(90).positions * [1, -1, -1])
-    write_points(prone, tmp_path / "points.npz")
-    (film,) = films_in(tmp_path, SourceOptions(reading={"view": "back", "up": "y"}))
+    space, seen = in_space(90), filmed(90)
+    prone = replace(space, positions=space.positions * [1, -1, -1])
+    behind = replace(seen, positions=seen.positions * [-1, 1] + [640, 0])
+    write_points(prone if lies == "in space" else behind, tmp_path / "points.npz")
+    (film,) = films_in(tmp_path)
     assert film.seen.frames == 90
 
 
