@@ -100,15 +100,21 @@ def check_numbers(recording: PointRecording) -> PointRecording:
     return replace(recording, positions=np.where(seen[..., None], recording.positions, np.nan), confidence=confidence)
 
 
-def are_shares(positions: FloatArray) -> bool:
-    """Return whether positions, shape (t, k, 2) or (t, k, 3), are shares of a picture: x and y from 0 to 1."""
+def are_shares(positions: FloatArray, beside: float = 0.0) -> bool:
+    """Return whether positions are shares of a picture: x and y from 0 to 1.
+
+    Args:
+        positions: Shape (t, k, 2) or (t, k, 3).
+        beside: How far most of them may lie beside the picture, as a share of it.
+    """
     places = positions[..., :2][np.isfinite(positions[..., :2]).all(axis=-1)]
-    return bool(places.size) and float(((places >= 0) & (places <= 1)).all(axis=-1).mean()) >= _MOSTLY_INSIDE
+    inside = ((places >= -beside) & (places <= 1 + beside)).all(axis=-1)
+    return bool(inside.size) and float(inside.mean()) >= _MOSTLY_INSIDE
 
 
 def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> PointRecording:
     """Return a recording whose positions, if they are shares of a picture of that size, are pixels."""
-    if picture_px is None or recording.unit == "m" or not are_shares(recording.positions):
+    if picture_px is None or recording.unit == "m" or not are_shares(recording.positions, beside=1.0):
         return recording
     note = f"positions are shares of a picture of {picture_px[0]} x {picture_px[1]} pixels"
     return replace(recording, positions=recording.positions * picture_px, notes=(*recording.notes, note))
@@ -159,8 +165,14 @@ def check_rate(rate_hz: float) -> None:
         raise UnusableFileError(f"has {rate_hz:g} frames a second; give a frame rate from {least:g} to {most:g}")
 
 
-def check_points(recording: PointRecording, view: View, up: Up | None = None) -> PointRecording:
-    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
+def check_points(recording: PointRecording, view: View | None, up: Up | None = None) -> PointRecording:
+    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError.
+
+    Args:
+        recording: Its names are mimoc's.
+        view: What was said of what the camera sees; None asks nothing of sides and of how the infant lies.
+        up: Which axis was said to point upwards, if one was.
+    """
     _check_trunk(recording)
     _check_unit(recording)
     whole = drop_wild(repair_exchanges(recording), APART)
@@ -170,8 +182,12 @@ def check_points(recording: PointRecording, view: View, up: Up | None = None) ->
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
-    _check_facing(whole, view, up)
+    asked: tuple[str, ...] = ()
+    if view is not None:
+        unused = ("up is not used: these points are in a picture",) if up and whole.unit == "px" else ()
+        asked = *unused, *_check_sides(whole, view)
+        _check_facing(whole, view, up)
+    notes = *whole.notes, *asked, *_restless(whole), *_gaps(whole)
     return _without_unseen(replace(whole, notes=notes))
 
 

@@ -1,5 +1,6 @@
 """Names that JSON files have for their own keypoints: COCO's categories, and MMPose's `meta_info`."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +11,9 @@ from mimoc.motion.labels import known_name
 SOURCES = "categories", "meta_info", "dataset_meta"
 """Keys under which they stand: the first is COCO's, the others are MMPose's."""
 _LISTS = "keypoint_names", "keypoints", "joint_names"
-_INFANTS = "infant", "baby", "newborn", "neonate", "child", "toddler", "preterm", "kid"
-"""Words in the names of categories that are those of infants."""
+_INFANTS = {"infant", "infants", "baby", "babies", "newborn", "neonate", "child", "toddler", "preterm", "kid"}
+"""Words in the names of categories that are those of infants, unless one of the next is there, too."""
+_DENIALS = {"no", "not", "non", "other"}
 _HIPS = {"left_hip", "right_hip"}
 _SHOWN = 5
 
@@ -85,11 +87,11 @@ def keypoint_names(data: Any, entries: Iterable[Mapping[str, Any]], infant: str 
     chosen = _of_infants({category: categories[category] for category in used}, infant)
     labels = tuple(dict.fromkeys(label for category in chosen for label in categories[category][1]))
     columns = {category: [labels.index(label) for label in categories[category][1]] for category in chosen}
+    names = [categories[category][0] for category in chosen]
     others = [categories[category][0] for category in used if category not in chosen]
-    named_so = {categories[category][0] for category in chosen}
-    named = [first_of([categories[category][0] for category in chosen], _SHOWN), first_of(others, _SHOWN)]
-    note = f"persons of the category {one_line(named[0])} are taken, and not of {one_line(named[1])}"
-    return KeypointNames(labels, columns, (note,) if others else (), infant in named_so)
+    taken, left_out = (one_line(first_of(some, _SHOWN)) for some in (names, others))
+    note = f"persons of the category {taken} are taken, and not of {left_out}"
+    return KeypointNames(labels, columns, (note,) if others else (), infant in names)
 
 
 def _of_infants(categories: Mapping[str, tuple[str, tuple[str, ...]]], infant: str | None) -> list[str]:
@@ -97,7 +99,8 @@ def _of_infants(categories: Mapping[str, tuple[str, tuple[str, ...]]], infant: s
     asked = [category for category, (name, _) in categories.items() if name == infant]
     if asked:
         return asked
-    infants = [id for id, (name, _) in categories.items() if any(word in name.lower() for word in _INFANTS)]
+    words = {category: {*re.findall("[a-z]+", name.lower())} for category, (name, _) in categories.items()}
+    infants = [category for category, some in words.items() if some & _INFANTS and not some & _DENIALS]
     if infants and infant is None:
         return infants
     return [id for id, (_, labels) in categories.items() if {*map(known_name, labels)} >= _HIPS] or [*categories]

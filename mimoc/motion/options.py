@@ -25,9 +25,9 @@ class ReadOptions:
     first frame with several, from 0. None is the largest."""
     names: Mapping[str, str] = field(default_factory=dict)
     """Mimoc's names by the labels of the files, for those that it does not know or gets wrong."""
-    view: View = "front"
+    view: View | None = "front"
     """What the camera sees of an infant: its `front`; its `back` where it lies on its belly; `mirrored` if the picture
-    is, or y counts upwards; `swapped` if left and right are exchanged."""
+    is, or y counts upwards; `swapped` if left and right are exchanged. None is for points that were checked before."""
     min_score: float | None = None
     """Confidence below which a point is taken not to be seen; None is what the format's own programs go by."""
 

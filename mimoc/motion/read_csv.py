@@ -1,5 +1,6 @@
 """Tables of named points: a row for each frame (wide), or one for each point in it (long)."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,6 +31,8 @@ _DEEPLABCUT = "scorer", "individuals", "bodyparts", "coords"
 """First cells of its first rows; the second is not in tables of one individual."""
 _NO_INDIVIDUAL = "single"
 """What DeepLabCut calls the points that belong to no individual."""
+_BRACKETS = re.compile(r"[ _]*[(\[]\s*(px|m|cm|mm)\s*[)\]]$", re.IGNORECASE)
+"""A unit at the end of a column's name, such as that of `left_hip_x [mm]`."""
 _MOST_NAMED = 8
 MIN_SCORE = 0.3
 """That of COCO's formats, where a table does not say what wrote it."""
@@ -54,7 +57,7 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         UnusableFileError: If it is not a table of points, or damaged.
     """
     rows = read_cells(read_whole_file(path))
-    recording = _flat(points_in(path.stem, rows, options), unit_of(rows[0]), options)
+    recording = _flat(points_in(path.stem, rows, options), unit_of(_titles(rows)), options)
     header = ",".join(cell for row in rows[:_HEADERS] for cell in row).lower()
     usual = next((score for word, score in MIN_SCORES.items() if word in header), MIN_SCORE)
     return drop_unsure(recording, options.least_score(usual))
@@ -66,7 +69,7 @@ def points_in(name: str, rows: Cells, options: ReadOptions) -> PointRecording:
     Raises:
         UnusableFileError: If it is not a table of points, or damaged.
     """
-    header = [cell.strip() for cell in rows[0]]
+    header = _titles(rows)
     if rows[0][0].strip().lower() == _DEEPLABCUT[0]:
         return _of_deeplabcut(name, rows, options)
     lower = [cell.lower() for cell in header]
@@ -96,6 +99,11 @@ def points_of(name: str, header: Sequence[str], numbers: FloatArray) -> PointRec
         for what in COLUMNS.values()
     }
     return _recording(name, labels, values, timing([cell.lower() for cell in header], numbers), unit_of(header))
+
+
+def _titles(rows: Cells) -> list[str]:
+    """Return the names of columns, in which units in brackets are as others write them, `left_hip_x_mm`."""
+    return [_BRACKETS.sub(r"_\1", cell.strip()) for cell in rows[0]]
 
 
 def _flat(recording: PointRecording, unit: str, options: ReadOptions) -> PointRecording:

@@ -12,8 +12,8 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_whole_file
-from mimoc.motion.json_frames import parse
+from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_frame_files, read_whole_file
+from mimoc.motion.json_frames import parse, parse_frames
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, points_in, points_of
@@ -51,9 +51,9 @@ _OTHERS = re.compile("face|hand|segment")
 
 
 def recognise(path: Path) -> bool:
-    """Return whether it is a table or a JSON file of landmarks, by its first bytes."""
-    suffix = path.suffix.lower()
-    if path.is_dir() or suffix not in (*SUFFIXES, ".json"):
+    """Return whether it is a table, a JSON file or a folder of these with landmarks, by the first bytes."""
+    suffix = ".json" if path.is_dir() else path.suffix.lower()
+    if suffix not in (*SUFFIXES, ".json"):
         return False
     text = first_bytes(path).decode("utf-8-sig", "ignore")
     if suffix == ".json":
@@ -73,10 +73,13 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     Raises:
         UnusableFileError: If files are damaged, or have no landmarks.
     """
-    content = read_whole_file(path)
-    recording = (
-        _of_json(path, content, options) if path.suffix.lower() == ".json" else _of_table(path, content, options)
-    )
+    if path.is_dir():
+        recording = _of_folder(path, options)
+    elif path.suffix.lower() == ".json":
+        frames, rate_hz = _frames(parse(read_whole_file(path)))
+        recording = _of_frames(path.stem, frames, rate_hz, options)
+    else:
+        recording = _of_table(path, read_whole_file(path), options)
     return drop_unsure(_placed(recording), options.least_score(MIN_SCORES["visibility"]))
 
 
@@ -171,23 +174,30 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))
 
 
-def _of_json(path: Path, content: bytes, options: ReadOptions) -> PointRecording:
-    data = parse(content)
-    frames, rate_hz = _frames(data)
-    header = [f"{name}_{what}" for name in LANDMARKS for what in ("x", "y", "z", "visibility")]
+def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
+    files = read_frame_files(path, ".json")
+    frames: list[Any] = [None] * files.frames
+    for place, _, data in parse_frames(files):
+        frames[place] = data
+    recording = _of_frames(path.name, frames, math.nan, options)
+    return replace(recording, notes=(*files.notes, *recording.notes))
+
+
+def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOptions) -> PointRecording:
+    """Return the landmarks of frames, one after the other, at a rate that their times may say instead."""
+    header = [f"{landmark}_{what}" for landmark in LANDMARKS for what in ("x", "y", "z", "visibility")]
     numbers = np.full((len(frames), len(LANDMARKS), 4), np.nan)
     for index, frame in enumerate(frames):
         try:
-            for number, point in _points(frame, prefer_world=options.picture_px is None):
-                numbers[index, number] = _four(point)
+            which, points = _points(frame, prefer_world=options.picture_px is None)
+            if points:
+                numbers[index, which] = [_four(point) for point in points]
         except (TypeError, ValueError, KeyError, IndexError, OverflowError, AttributeError):
             raise UnusableFileError(f"frame {index} of the list: landmarks are damaged; export it again") from None
     columns = [key for key in (frames[0] if frames and isinstance(frames[0], dict) else ()) if _is_of_frames(key)]
     known = [key for key in columns if all(isinstance(frame, dict) and _is_finite(frame.get(key)) for frame in frames)]
     when = np.array([[frame[key] for key in known] for frame in frames], dtype=np.float64).reshape(len(frames), -1)
-    recording = points_of(
-        path.stem, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1)
-    )
+    recording = points_of(name, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1))
     return recording if math.isfinite(recording.rate_hz) else replace(recording, rate_hz=rate_hz)
 
 
@@ -209,8 +219,8 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
     return data, rate_hz
 
 
-def _points(frame: Any, *, prefer_world: bool) -> Sequence[tuple[int, Any]]:
-    """Return the landmarks of a frame with their numbers; none if nobody was seen.
+def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[Any]]:
+    """Return the landmarks of a frame after their numbers; none if nobody was seen.
 
     Raises:
         TypeError, ValueError, KeyError, IndexError: If they are no landmarks.
@@ -228,15 +238,15 @@ def _points(frame: Any, *, prefer_world: bool) -> Sequence[tuple[int, Any]]:
             raise UnusableFileError("has several persons in a frame; export the infant alone")
         points = points[0]
     if not points:
-        return ()
+        return (), ()
     if isinstance(points, dict):
-        return [(LANDMARKS.index(_names([key])[0]), point) for key, point in points.items()]
+        return [LANDMARKS.index(name) for name in _names([*points])], [*points.values()]
     keys = [key for key in ("name", "id", "index", "landmark") if isinstance(points[0], dict) and key in points[0]]
     if keys:
-        return [(LANDMARKS.index(_names([str(point[keys[0]])])[0]), point) for point in points]
+        return [LANDMARKS.index(name) for name in _names([str(point[keys[0]]) for point in points])], points
     if len(points) != len(LANDMARKS):
         raise UnusableFileError(f"has {len(points)} landmarks in a frame, and not {len(LANDMARKS)}; export it again")
-    return [*enumerate(points)]
+    return range(len(points)), points
 
 
 def _are_persons(points: Any) -> bool:
@@ -245,16 +255,12 @@ def _are_persons(points: Any) -> bool:
     return isinstance(first, list) and bool(first) and isinstance(first[0], (dict, list))
 
 
-def _four(point: Any) -> tuple[float, ...]:
-    """Return x, y, z and visibility of a landmark; NaN for those that it lacks."""
+def _four(point: Any) -> tuple[Any, ...]:
+    """Return x, y, z and visibility of a landmark; None for those that it lacks."""
     if isinstance(point, dict):
-        seen = next((point[key] for key in ("visibility", "presence", "score") if point.get(key) is not None), 1.0)
-        values = [point["x"], point["y"], point.get("z"), seen]
-    else:
-        values = [*point, None, 1.0][:4] if len(point) == 2 else [*point, 1.0][:4]
-    if any(isinstance(value, (str, bool)) for value in values):
-        raise TypeError("no numbers")
-    return tuple(math.nan if value is None else float(value) for value in values)
+        seen = point["visibility"] if "visibility" in point else point.get("presence", 1.0)
+        return point["x"], point["y"], point.get("z"), seen
+    return (*point, None, 1.0)[:4] if len(point) == 2 else (*point, 1.0)[:4]
 
 
 def _is_of_frames(key: str) -> bool:

@@ -17,6 +17,9 @@ from mimoc.motion.point_recording import Camera, PointRecording
 from mimoc.motion.sides import turned
 from mimoc.plugins import load_plugins
 
+MOST_PIXELS = 100_000
+"""Of the width or height of a picture."""
+
 
 def read_points(
     path: str | Path,
@@ -64,12 +67,29 @@ def read_points(
     load_plugins()
     check_name("view", view, VIEWS)
     if up is not None:
-        check_name("axis", up, UPS)
+        check_name("choice of the axis that points upwards", up, UPS)
     place = Path(path).expanduser()
     if min_score is not None and not 0 <= min_score <= 1:
         raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
-    picture_px = picture_px or (camera.size_px if camera else None)
+    if picture_px is None and camera is not None:
+        picture_px = camera.size_px
+    if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MOST_PIXELS for size in picture_px)):
+        raise RecordingError(f"{place}: the size of the picture is {picture_px}; give width and height in pixels")
     options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
+    return _read_in_words(place, format, options)
+
+
+def read_again(path: Path) -> PointRecording:
+    """Read points that `read_points` has returned and mimoc has written: it is not asked again how the infant lies.
+
+    Raises:
+        RecordingError: If the file cannot be used.
+    """
+    return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
+
+
+def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> PointRecording:
+    """Return a recording, or raise a RecordingError that says in one line why there is none."""
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)

@@ -26,16 +26,16 @@ _RATE_DIGITS = 9
 _JITTER = 0.1
 """Range of the differences from even times, in frames, that is no more than jitter."""
 _ROUNDED = 1.5
-"""The same in units of the last digit of times, if these are half a frame or less."""
+"""The same in units of the last digit of times, if these are a frame or less."""
 _WHOLE = 0.01
 """Of a digit: what times are apart from whole numbers of it by the precision of floats."""
 _NEAR = 0.05
 """Of a frame: a row that is so near is taken for it."""
-_LONGEST_STEP = 1.5
+_LONGEST_STEP = 1.75
 """Frames between two rows; more is a gap."""
 _MOST_TWICE = 0.1
 """Share of rows that may have the time of the row before."""
-_WHOLE_RATE = 0.01
+_WHOLE_RATE = 0.02
 """Resampled recordings have a whole number of frames a second, if their usual rate is so near to one."""
 
 
@@ -189,7 +189,7 @@ def _allowed(since_s: FloatArray, period_s: float) -> float:
     """Return the range of differences from even times that jitter and the last digit of times explain, [s]."""
     digits_s = [10.0**-digits for digits in range(_RATE_DIGITS)]
     last_s = next((size for size in digits_s if np.abs(since_s / size - np.round(since_s / size)).max() < _WHOLE), 0.0)
-    return max(_JITTER * period_s, _ROUNDED * last_s if last_s <= period_s / 2 else 0.0)
+    return max(_JITTER * period_s, _ROUNDED * last_s if last_s <= period_s else 0.0)
 
 
 def _uneven(rows: IntArray, since_s: FloatArray, rate_hz: float, notes: tuple[str, ...]) -> Timing:

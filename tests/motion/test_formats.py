@@ -258,8 +258,10 @@ def test_markers_on_the_back_need_not_be_seen(seen, in_space, tmp_path):
 @pytest.mark.parametrize(("unit", "size"), [("mm", 1000), ("cm", 100), ("m", 1)])
 def test_columns_of_a_table_name_their_unit(unit, size, in_space, tmp_path):
     path = mimoc.write_points(replace(in_space, positions=in_space.positions * size), tmp_path / "a.csv")
-    path.write_text("".join(f"{line}\n" for line in path.read_text().replace("_m,", f"_{unit},").splitlines()))
-    assert are_close(in_space, mimoc.read_points(path), 1e-9)
+    text = path.read_text()
+    for end in (f"_{unit},", f" [{unit}],", f"({unit}),"):
+        path.write_text(text.replace("_m,", end))
+        assert are_close(in_space, mimoc.read_points(path), 1e-9)
 
 
 def test_a_marker_that_is_not_seen_is_a_gap(in_space, tmp_path):

@@ -1,6 +1,7 @@
 """MediaPipe's landmarks are read in the forms in which people export them, with MediaPipe's axes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,6 +99,12 @@ def test_shares_of_a_picture_of_unknown_size_are_asked_about(body_25, tmp_path):
         mimoc.read_points(path, rate_hz=30)
 
 
+def test_an_infant_may_be_half_out_of_the_picture(body_25, tmp_path):
+    beside = replace(body_25, positions=body_25.positions - [320, 0])
+    read = mimoc.read_points(filmed.write_mediapipe(beside, tmp_path / "a.csv"), rate_hz=30, picture_px=PICTURE)
+    assert np.allclose(read.path("left_knee"), beside.path("left_knee"))
+
+
 def test_a_camera_says_the_size_of_its_picture(body_25, tmp_path):
     path = filmed.write_mediapipe(body_25, tmp_path / "a.json")
     camera = mimoc.Camera((500, 500), (320, 240), PICTURE)
@@ -118,6 +125,22 @@ def test_a_frame_in_which_nobody_was_found_is_a_gap(empty, space, tmp_path):
     (tmp_path / "a.json").write_text(json.dumps([*frames[:7], empty, *frames[8:]]))
     read = mimoc.read_points(tmp_path / "a.json", rate_hz=30)
     assert np.isnan(read.path("neck")[:, 0]).nonzero()[0].tolist() == [7]
+
+
+def test_a_folder_has_a_file_for_each_frame(space, tmp_path):
+    (tmp_path / "film").mkdir()
+    for frame, row in enumerate(points(filmed.landmarks(space))):
+        if frame != 4:
+            (tmp_path / "film" / f"img{frame:03d}_cam2.json").write_text(json.dumps({"pose_world_landmarks": [row]}))
+    read = mimoc.read_points(tmp_path / "film", rate_hz=30)
+    assert (read.name, read.frames, read.unit) == ("film", 60, "m")
+    assert np.isnan(read.positions[4]).all()
+
+
+@pytest.mark.parametrize("size", [(0, 480), (640, -1), (640,), (10**9, 480)])
+def test_a_size_of_no_picture_is_one_line(size, body_25, tmp_path):
+    with pytest.raises(RecordingError, match="give width and height in pixels"):
+        mimoc.read_points(filmed.write_mediapipe(body_25, tmp_path / "a.csv"), rate_hz=30, picture_px=size)
 
 
 def test_landmarks_that_are_hardly_visible_are_gaps(body_25, tmp_path):
@@ -141,7 +164,7 @@ def test_frame_rate_and_times_of_json_are_read(space, tmp_path):
     [
         ({"landmarks": {}}, "has no list of frames with landmarks"),
         ([[{"x": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
-        ([[{"x": "1", "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
+        ([[{"x": "one", "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged; export it again"),
         ([[{"x": 10**400, "y": 1, "visibility": 1}] * 33], "frame 0 of the list: landmarks are damaged"),
         ([[{"x": 1, "y": 1, "visibility": 1}] * 5], "has 5 landmarks in a frame, and not 33; export it again"),
         ([{"landmarks": [[[0, 0, 0]] * 33] * 2}], "has several persons in a frame; export the infant alone"),

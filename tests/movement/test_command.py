@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from support import filmed
 from support.moving import restless
 
 from mimoc.motion.writing import write_points
@@ -34,6 +35,18 @@ def test_what_files_do_not_say_is_an_option_that_messages_name(invoke, place):
     assert invoke("movement", "film.csv").err.endswith("say how many frames a second the camera took: --rate 30\n")
     assert "give --view back, if" in invoke("movement", "film.csv", "--rate", "30").err
     assert invoke("movement", "film.csv", "--rate", "30", "--view", "mirrored").code == 0
+
+
+def test_shares_of_a_picture_and_axes_of_space_are_asked_about_by_options(invoke, place):
+    filmed.write_mediapipe(filmed.filmed(300, filmed.BODY_25_POINTS), place / "shares.csv")
+    assert "give the size of the picture, --picture 1920,1080" in invoke("movement", "shares.csv", "--rate", "30").err
+    assert invoke("movement", "shares.csv", "--rate", "30", "--picture", "640x480").code == 0
+    assert "'big' is not the size of a picture" in invoke("movement", "shares.csv", "--picture", "big").err
+    space = filmed.in_space(300)
+    write_points(replace(space, positions=space.positions * [1, -1, -1]), place / "space.npz")
+    assert "or --up -z if that axis points upwards" in invoke("movement", "space.npz").err
+    assert invoke("movement", "space.npz", "--up", "-z").code == 0
+    assert "'w' is not a choice of the axis" in invoke("movement", "space.npz", "--up", "w").err
 
 
 def test_a_label_that_says_nothing_is_named_by_an_option(invoke, place):
