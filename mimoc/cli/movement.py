@@ -10,7 +10,18 @@ import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.cli.arguments import Beside, load_counterpart
 from mimoc.cli.pictures import parse_seeds
-from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
+from mimoc.cli.points import (
+    Infant,
+    MinScore,
+    Names,
+    Picture,
+    Rate,
+    UpAxis,
+    ViewName,
+    names_of,
+    options_in_messages,
+    picture_of,
+)
 from mimoc.cli.run import POLICY_NAMES
 from mimoc.cli.terminal import printable
 
@@ -49,6 +60,9 @@ def movement(
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
+    min_score: MinScore = None,
+    picture: Picture = None,
+    up: UpAxis = None,
     beside: Beside = None,
     full: Annotated[bool, typer.Option("--full", help="Print all measures, not only the 21.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write all as JSON.")] = None,
@@ -66,7 +80,8 @@ def movement(
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
-    reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name)}
+    reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
+    reading |= {"picture_px": picture_of(picture), "up": up}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
     if beside and not policy:
         raise MimocError("--beside is for an infant that is simulated; name a spec or a bundle, and its --policy")

@@ -9,7 +9,18 @@ import typer
 from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import load_spec
-from mimoc.cli.points import Infant, Names, Rate, ViewName, names_of, options_in_messages
+from mimoc.cli.points import (
+    Infant,
+    MinScore,
+    Names,
+    Picture,
+    Rate,
+    UpAxis,
+    ViewName,
+    names_of,
+    options_in_messages,
+    picture_of,
+)
 from mimoc.cli.terminal import printable
 from mimoc.motion import FORMATS
 
@@ -51,6 +62,9 @@ def retarget(
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
+    min_score: MinScore = None,
+    picture: Picture = None,
+    up: UpAxis = None,
     senses: Annotated[
         str | None, typer.Option(help="Senses of the child, with commas between, such as proprioception,touch,vision.")
     ] = None,
@@ -69,9 +83,10 @@ def retarget(
 
     check_writable(out, force)
     start = load_spec(spec) if spec else None
-    who = {"infant": infant, "view": view, "names": names_of(name)}
+    who = {"infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
+    place = {"camera": camera_of(camera), "picture_px": picture_of(picture), "up": up}
     with options_in_messages():
-        points = read_points(recording, format=format, rate_hz=rate, camera=camera_of(camera), **who)
+        points = read_points(recording, format=format, rate_hz=rate, **place, **who)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS
     with console.progress("fitting") as show:
         fitted = fit(points, age_months, start, camera_height_m=height, progress=show)

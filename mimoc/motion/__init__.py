@@ -4,6 +4,7 @@ from mimoc.base.kinds import Kinds, MotionFormat
 
 _ABOUT = {
     "openpose": "folder of OpenPose's JSON, a file for each frame: BODY_25 or COCO-18",
+    "mediapipe": "landmarks of MediaPipe, as shares of the picture or in metres: CSV or JSON",
     "coco": "JSON of COCO-17 keypoints: a folder of frames, or one file with all (MMPose, ViTPose, AlphaPose, YOLO)",
     "mini_rgbd": "folder of MINI-RGBD: 2D joints with depth, or 3D joints",
     "csv": "table of named points: wide, long, DeepLabCut's, or public keypoints of MINI-RGBD",

@@ -9,10 +9,11 @@ import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
 from mimoc.motion.frame_files import MOST_FRAMES
-from mimoc.motion.options import View
-from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.options import Up, View
+from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.motion.sides import (
+    facing,
     mirrored,
     repair_exchanges,
     share_from_behind,
@@ -20,6 +21,7 @@ from mimoc.motion.sides import (
     share_opposed,
     swapped,
 )
+from mimoc.motion.wild import drop_wild
 
 RATES_HZ = 1.0, 1000.0
 """Of cameras and motion capture."""
@@ -28,6 +30,8 @@ NEEDED = "neck", "left_hip", "right_hip"
 TRUNK_M = 0.08, 0.6
 """Between the trunk of the smallest preterm infant and that of an adult: what is outside is not in metres."""
 _LEAST_TRUNK_PX = 5.0
+_MOSTLY_INSIDE = 0.9
+"""Share of points within a picture; estimators put some beside it."""
 _LEAST_SEEN = 0.1
 """Share of frames in which the trunk must be seen."""
 _FAR = 1e5
@@ -35,6 +39,10 @@ _FAR = 1e5
 _MOSTLY = 0.9
 """Share of frames in which sides are wrong that makes them wrong throughout."""
 _SOMETIMES = 0.1
+_LEAST_FACING = 0.5
+"""Cosine of the angle from the vertical up to which the trunk of an infant faces downwards."""
+_LEAST_LYING = 0.7
+"""The same from which on it lies on its back: of simulated infants that kick on their backs, it is .71 or more."""
 _SHOWN_GAP = 0.01
 """Share of frames in which a point is missing that is worth a note."""
 _PERCENTILE = 95
@@ -92,6 +100,47 @@ def check_numbers(recording: PointRecording) -> PointRecording:
     return replace(recording, positions=np.where(seen[..., None], recording.positions, np.nan), confidence=confidence)
 
 
+def are_shares(positions: FloatArray, beside: float = 0.0) -> bool:
+    """Return whether positions are shares of a picture: x and y from 0 to 1.
+
+    Args:
+        positions: Shape (t, k, 2) or (t, k, 3).
+        beside: How far most of them may lie beside the picture, as a share of it.
+    """
+    places = positions[..., :2][np.isfinite(positions[..., :2]).all(axis=-1)]
+    inside = ((places >= -beside) & (places <= 1 + beside)).all(axis=-1)
+    return bool(inside.size) and float(inside.mean()) >= _MOSTLY_INSIDE
+
+
+def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> PointRecording:
+    """Return a recording whose positions, if they are shares of a picture of that size, are pixels."""
+    if picture_px is None or recording.unit == "m" or not are_shares(recording.positions, beside=1.0):
+        return recording
+    note = f"positions are shares of a picture of {picture_px[0]} x {picture_px[1]} pixels"
+    return replace(recording, positions=recording.positions * picture_px, notes=(*recording.notes, note))
+
+
+def drop_unsure(recording: PointRecording, least: float) -> PointRecording:
+    """Return a recording without points of less than a confidence, and a note of how many they are.
+
+    Raises:
+        UnusableFileError: If hardly any are left.
+    """
+    seen = ~_missing(recording)
+    unsure = seen & ~(recording.confidence >= least)
+    share = float(unsure.sum() / max(seen.sum(), 1))
+    if not share:
+        return recording
+    if share > _MOSTLY:
+        raise UnusableFileError(
+            f"has a confidence below {least:g} at {share:.0%} of its points; if they can be trusted: min_score=0"
+        )
+    note = f"{100 * share:.2g} % of points have a confidence below {least:g}, and are taken not to be seen"
+    positions = np.where(unsure[..., None], np.nan, recording.positions)
+    confidence = np.where(unsure, 0.0, recording.confidence)
+    return replace(recording, positions=positions, confidence=confidence, notes=(*recording.notes, note))
+
+
 def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecording:
     """Return a recording with its frame rate, which a user may give, or raise an UnusableFileError."""
     notes = recording.notes
@@ -103,25 +152,42 @@ def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecor
     if rate_hz is None and not known:
         raise UnusableFileError("has no frame rate; say how many frames a second the camera took: rate_hz=30")
     rate = recording.rate_hz if rate_hz is None else float(rate_hz)
-    if not RATES_HZ[0] <= rate <= RATES_HZ[1]:
-        least, most = RATES_HZ
-        raise UnusableFileError(f"has {rate:g} frames a second; give a frame rate from {least:g} to {most:g}")
+    check_rate(rate)
     if rate_hz is not None and known and abs(rate / recording.rate_hz - 1) > 0.01:
         notes = (*notes, f"its own frame rate is {recording.rate_hz:.4g}, and not {rate:g} frames/s, as was given")
     return replace(recording, rate_hz=rate, notes=notes)
 
 
-def check_points(recording: PointRecording, view: View) -> PointRecording:
-    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError."""
+def check_rate(rate_hz: float) -> None:
+    """Raise an UnusableFileError if a frame rate is none of a camera or of motion capture."""
+    least, most = RATES_HZ
+    if not least <= rate_hz <= most:
+        raise UnusableFileError(f"has {rate_hz:g} frames a second; give a frame rate from {least:g} to {most:g}")
+
+
+def check_points(recording: PointRecording, view: View | None, up: Up | None = None) -> PointRecording:
+    """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError.
+
+    Args:
+        recording: Its names are mimoc's.
+        view: What was said of what the camera sees; None asks nothing of sides and of how the infant lies.
+        up: Which axis was said to point upwards, if one was.
+    """
     _check_trunk(recording)
     _check_unit(recording)
-    whole = repair_exchanges(recording)
+    whole = drop_wild(repair_exchanges(recording), APART)
     if view == "mirrored":
-        whole = mirrored(whole)
+        is_z = whole.unit == "m" and _share_of(facing(mirrored(whole))[:, 2] < -_LEAST_FACING) > _MOSTLY
+        whole = mirrored(whole, 2 if is_z else 0)
     elif view == "swapped":
         whole = swapped(whole)
     _check_proportions(whole)
-    notes = *whole.notes, *_check_sides(whole, view), *_restless(whole), *_gaps(whole)
+    asked: tuple[str, ...] = ()
+    if view is not None:
+        unused = ("up is not used: these points are in a picture",) if up and whole.unit == "px" else ()
+        asked = *unused, *_check_sides(whole, view)
+        _check_facing(whole, view, up)
+    notes = *whole.notes, *asked, *_restless(whole), *_gaps(whole)
     return _without_unseen(replace(whole, notes=notes))
 
 
@@ -140,7 +206,10 @@ def _check_trunk(recording: PointRecording) -> None:
 def _check_unit(recording: PointRecording) -> None:
     trunk = recording.trunk
     if recording.unit == "px" and trunk < _LEAST_TRUNK_PX:
-        raise UnusableFileError(f"has a trunk {trunk:.2g} px long; export pixels, not shares of the picture")
+        raise UnusableFileError(
+            f"has a trunk {trunk:.2g} px long; give the size of the picture, picture_px=(1920, 1080), or export "
+            "pixels, not shares of the picture"
+        )
     least, most = TRUNK_M
     if recording.unit == "m" and not least <= trunk <= most:
         raise UnusableFileError(f"has a trunk {trunk:.3g} m long; export positions in metres")
@@ -180,6 +249,45 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
             "counts upwards view='mirrored', if left and right are exchanged view='swapped'"
         )
     return (f"the infant is seen from behind, or left and right are exchanged, in {share:.0%} of frames",)
+
+
+def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
+    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong.
+
+    Args:
+        recording: Its z axis is taken to point upwards.
+        view: What was said of the infant: `back` if it lies on its belly; otherwise, it lies on its back.
+        up: Which axis of the file was said to point upwards, if one was.
+    """
+    if recording.unit == "px":
+        return
+    faces = facing(recording) * (-1 if view == "back" else 1)
+    how, otherwise, pose = ("up", "front", "back") if view == "back" else ("down", "back", "belly")
+    axis = up or "z"
+    opposite = axis[1:] if axis.startswith("-") else f"-{axis}"
+    if _share_of(faces[:, 2] < -_LEAST_FACING) > _MOSTLY:
+        raise UnusableFileError(
+            f"lies face {how}: give view='{otherwise}' if it lies on its {pose}, or up='{opposite}' if that axis "
+            "points upwards"
+        )
+    trunks = recording.path("neck") - recording.hips
+    trunks = trunks[np.isfinite(trunks).all(axis=1)] / recording.trunk
+    if up is not None and _share_of(trunks[:, 2] < -_LEAST_FACING) > _MOSTLY:
+        raise UnusableFileError(f"hangs head down: give up='{opposite}' if that axis points upwards")
+    if up is None and len(faces) and _share_of(faces[:, 2] > _LEAST_LYING) < _SOMETIMES:
+        middle = np.median(faces, axis=0)
+        likely = int(np.argmax(np.abs(middle)))
+        sign = "" if middle[likely] > 0 else "-"
+        pose = "belly" if view == "back" else "back"
+        raise UnusableFileError(
+            f"does not lie on its {pose}: give up='{sign}{'xyz'[likely]}' if that axis points upwards, or up='z' if it "
+            "sits, stands or lies on its side"
+        )
+
+
+def _share_of(frames: npt.NDArray[np.bool_]) -> float:
+    """Return the share of frames in which something is so; 0 of none."""
+    return float(frames.mean()) if frames.size else 0.0
 
 
 def _restless(recording: PointRecording) -> tuple[str, ...]:

@@ -5,9 +5,11 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from functools import reduce
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
+from statistics import median
 
 from mimoc.bundle.regular_files import (
     UnusableFileError,
@@ -27,6 +29,19 @@ MOST_FILE_BYTES = 2**27
 _MOST_BYTES = 2**29
 """Of all files of a folder."""
 _FIRST_BYTES = 2**16
+_MOST_DIGITS = 19
+"""Of the number of a frame: nanoseconds since 1970."""
+_LEAST_STAMP, _STAMP_JITTER, _MOST_STAMPS = 5, 0.25, 0.7
+"""Time stamps rise by this much a frame or more; most of their steps, by this share, are as long as the median."""
+_NUMBER = re.compile("[0-9]+")
+_ENDING = re.compile(r"\.[A-Za-z][A-Za-z0-9]*$")
+_CLOCK = re.compile(
+    r"(?<![0-9])((?:19|20)[0-9]{2})[-_.]?([0-9]{2})[-_.]?([0-9]{2})[-_ T.]+"
+    r"([0-9]{2})[-_.:h]?([0-9]{2})[-_.:m]?([0-9]{2})(?:[-_.,]([0-9]{3}|[0-9]{6}))?(?![0-9])"
+)
+"""A date and a time of day, as in `2024-01-31_10-59-59.033`."""
+_MILLI = 3
+"""Digits of milliseconds; microseconds have twice as many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +61,7 @@ class FrameFiles:
 
 
 def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
-    """Return the files of a folder whose names end in *suffix*, by the last number in each name.
+    """Return the files of a folder whose names end in *suffix*, by the number in their names that rises.
 
     Raises:
         UnusableFileError: If there are none, too many or too large ones, or two of one number.
@@ -56,9 +71,8 @@ def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
         raise UnusableFileError(f"has no files *{suffix}; give the folder that they are in")
     if len(names) > MOST_FRAMES:
         raise UnusableFileError(f"has {len(names):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
-    numbers = [_number(name.removesuffix(suffix)) for name in names]
-    known = [number for number in numbers if number is not None]
-    numbered = sorted(zip(known if len(known) == len(names) else range(len(names)), names, strict=True))
+    numbers = frame_numbers([name.removesuffix(suffix) for name in names])
+    numbered = sorted(zip(numbers or range(len(names)), names, strict=True))
     ordered = tuple(name for _, name in numbered)
     places, notes = frame_places([number for number, _ in numbered], ordered)
     try:
@@ -68,10 +82,35 @@ def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
         raise UnusableFileError(f"cannot be read ({error.strerror}); check its permissions") from None
 
 
+def frame_numbers(names: Sequence[str]) -> list[int] | None:
+    """Return the number of each frame by its name; None if one has none.
+
+    Of several numbers in a name, such as in `2024-01-01_cam2_0001`, it is the one that differs in all names; of several
+    of these, such as a counter and a time stamp, the one with the fewest gaps. Where no number differs in all, it is
+    the last that differs at all. Dates with times of day that differ are one number, in microseconds.
+    """
+    clocks = {clock.groups()[:-1] for name in names for clock in _CLOCK.finditer(name)}
+    found = [_numbers(_CLOCK.sub(_microseconds, name) if len(clocks) > 1 else name) for name in names]
+    if not found or not all(found):
+        return None
+    is_alike = len({len(numbers) for numbers in found}) == 1
+    columns = [*zip(*found, strict=True)] if is_alike else [tuple(numbers[-1] for numbers in found)]
+    varied = [column for column in columns if len({*column}) > 1] or columns[-1:]
+    unique = [column for column in varied if len({*column}) == len(column)]
+    return [*min(reversed(unique), key=lambda column: max(column) - min(column), default=varied[-1])]
+
+
+def numbers_of_files(names: Sequence[str]) -> list[int] | None:
+    """Return `frame_numbers` by the names of files without suffixes, or of their folders if files are all alike."""
+    stems = [_ENDING.sub("", re.split(r"[/\\]", name)[-1]) for name in names]
+    return frame_numbers(stems if len({*stems}) > 1 else names)
+
+
 def frame_places(numbers: Sequence[int], names: Sequence[str]) -> tuple[tuple[int, ...], tuple[str, ...]]:
     """Return the index of each frame by its number, which rise, and what is to be said of it.
 
-    Numbers that are all multiples of one, as of every second frame, are divided by it.
+    Numbers that are all multiples of one, as of every second frame, are divided by it. Numbers that rise by about as
+    much from frame to frame, as time stamps do, are divided by that and rounded.
 
     Raises:
         UnusableFileError: If a number is there twice, or there are too many.
@@ -82,11 +121,17 @@ def frame_places(numbers: Sequence[int], names: Sequence[str]) -> tuple[tuple[in
         twice = f"{one_line(names[first])} and {one_line(names[first + 1])} have the same number"
         raise UnusableFileError(f"{twice}; give a folder with one recording")
     every = reduce(math.gcd, steps, 0) or 1
-    places = tuple((number - numbers[0]) // every for number in numbers)
+    usual = median(steps) / every if steps else 1
+    notes = []
+    if usual >= _LEAST_STAMP and _share_near(steps, usual * every) >= _MOST_STAMPS:
+        places = (0, *accumulate(max(1, round(step / (usual * every))) for step in steps))
+        notes = [f"numbers of frames rise by about {usual * every:g}, as time stamps do, and are divided by that"]
+    else:
+        places = tuple((number - numbers[0]) // every for number in numbers)
+        notes = [f"every {every} frames have a number of their own; the frame rate is that of those"] * (every > 1)
     if places[-1] >= MOST_FRAMES:
         raise UnusableFileError(f"frames are numbered up to {numbers[-1]:,}; mimoc reads up to {MOST_FRAMES:,}: cut it")
     missing = places[-1] + 1 - len(places)
-    notes = [f"every {every} frames have a number of their own; the frame rate is that of those"] if every > 1 else []
     return places, (*notes, *([f"{missing:,} of {places[-1] + 1:,} frames are missing"] if missing else []))
 
 
@@ -123,6 +168,22 @@ def read_whole_file(path: Path) -> bytes:
     return content
 
 
-def _number(stem: str) -> int | None:
-    digits = re.findall(r"[0-9]+", stem)
-    return int(digits[-1]) if digits and len(digits[-1]) < 16 else None
+def _numbers(name: str) -> list[int]:
+    """Return the numbers in a name, but none if one is too long to be that of a frame."""
+    texts = _NUMBER.findall(name)
+    return [int(text) for text in texts] if max(map(len, texts), default=0) <= _MOST_DIGITS else []
+
+
+def _microseconds(clock: re.Match[str]) -> str:
+    """Return a date and time of day as one number; as it stands, if there is no such time."""
+    year, month, day, hour, minute, second, fraction = (int(text) for text in clock.groups(default="0"))
+    microsecond = fraction * 1000 if len(clock[7] or "") == _MILLI else fraction
+    try:
+        moment = datetime(year, month, day, hour, minute, second, microsecond, tzinfo=UTC)
+    except ValueError:
+        return clock[0]
+    return str((moment - datetime.min.replace(tzinfo=UTC)) // timedelta(microseconds=1))
+
+
+def _share_near(steps: Sequence[int], usual: float) -> float:
+    return sum(abs(step / usual - 1) < _STAMP_JITTER for step in steps) / len(steps)

@@ -15,7 +15,7 @@ _PARTS = {
     **{part: (part.replace("_", ""),) for part in ON_SIDES},
     "hand": ("hand", "knuckle", "fingers", "midhand"),
     "foot": ("foot", "toes"),
-    "big_toe": ("bigtoe", "hallux"),
+    "big_toe": ("bigtoe", "hallux", "footindex"),
     "small_toe": ("smalltoe", "littletoe"),
 }
 _MIDDLE = {"mid_hip": ("midhip", "pelvis", "hipcenter", "hipcentre"), "neck": ("neck", "thorax")}
@@ -37,13 +37,16 @@ NECK_ABOVE = 0.14
 """How far the neck is above the middle of the shoulders, in the distance of that from the middle of the hips; .138 to
 .149 on mimoc's bodies of 0 to 24 months."""
 _MOST_SHOWN = 5
+_LEAST_SEEN = 0.8
+"""How often a marker must be seen, in how often the one is that is seen most around the same point, to count."""
 
 
 def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> PointRecording:
     """Return a recording whose points have mimoc's names, in their order in `POINTS`.
 
-    What several labels name, such as two markers at a wrist, is in their middle; markers count where no label is the
-    name itself. Points of no name that mimoc knows are left out; a neck that is missing is put above the shoulders.
+    What several labels name, such as two markers at a wrist, is in the middle of those that are seen; markers count
+    where no label is the name itself. Points of no name that mimoc knows are left out; a neck that is missing is put
+    above the shoulders.
 
     Args:
         recording: Its `names` are labels of a file.
@@ -59,6 +62,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
         raise UnusableFileError(
             f"no label is the name of a point ({shown}); say what they are: names={{'label': 'left_hip'}}"
         )
+    columns = {name: _seen(recording, at) for name, at in columns.items()}
     points = [name for name in POINTS if name in columns]
     notes = [_note(name, [recording.names[index] for index in columns[name]]) for name in points]
     left_out = [name for index, name in enumerate(recording.names) if not any(index in at for at in columns.values())]
@@ -86,6 +90,12 @@ def _columns(labels: Sequence[str], names: Mapping[str, str]) -> dict[str, list[
         if name and (label in names or name not in names.values()):
             columns.setdefault(name, []).append(index)
     return {name: [index for index in at if not _is_marker(labels[index])] or at for name, at in columns.items()}
+
+
+def _seen(recording: PointRecording, columns: list[int]) -> list[int]:
+    """Return those of several markers around a point that are seen, as those on the back of an infant may not be."""
+    often = np.isfinite(recording.positions[:, columns]).all(axis=-1).mean(axis=0)
+    return [column for column, share in zip(columns, often.tolist(), strict=True) if share >= _LEAST_SEEN * often.max()]
 
 
 def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes: list[str]) -> PointRecording:

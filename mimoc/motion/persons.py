@@ -2,18 +2,31 @@
 
 import math
 from array import array
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import NamedTuple, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.errors import counted, suggestion
-from mimoc.bundle.regular_files import UnusableFileError, one_line
+from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
+from mimoc.motion.checks import RATES_HZ
+from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import FloatArray
+from mimoc.motion.tracks import Detections, Indices, Tracks, find_tracks, seen_twice
 
-Indices = npt.NDArray[np.intp]
+_RATE_HZ = 25.0
+"""Frames per second by which persons are followed where nobody says it, or what no camera takes, which is refused."""
+_LONG = 0.5
+"""Share of the frames of whoever is seen for longest, from which on somebody may be the infant."""
+_ALIKE = 0.6
+"""How many times as large as the infant somebody else must be to be taken for it by others."""
+_SELDOM = 0.1
+"""Share of the infant's frames below which somebody else is not doubted to be it."""
+_LARGEST = 2**63
+"""More than any number of a person."""
+_SHOWN = 6
+"""Identities in a note."""
 
 
 class Person(NamedTuple):
@@ -51,124 +64,199 @@ class Frame(NamedTuple):
 
 
 class _People(NamedTuple):
-    """All persons in all frames, n of them, in the order of time."""
+    """Everybody of whom a point is surely seen, n in all, in the order of time."""
 
-    identities: Sequence[str]
-    where: Sequence[str]
+    names: Sequence[str]
+    """What a tracker calls persons."""
+    identities: Indices
+    """Index of the name of each, shape (n,); -1 for none."""
+    numbers: Indices
+    """Which person of its frame each is, from 0, shape (n,)."""
     places: Indices
     """Index of the frame of each, shape (n,)."""
-    points: FloatArray
-    """Shape (n, k, 2), [px]; NaN where a point is not seen."""
     sizes: FloatArray
     """Diagonals of the boxes around them, shape (n,), [px]."""
+    tracks: Tracks
+
+    @property
+    def frames(self) -> int:
+        """Number of frames in which anybody is."""
+        return len(np.unique(self.places))
+
+    def first_of_several(self, frames: Sequence[Frame], places: Indices) -> Frame | None:
+        """Return the first frame with several persons among those at some places; None if there is none."""
+        several = np.intersect1d(np.flatnonzero(np.bincount(self.places) > 1), places)
+        return next((frame for frame in frames if frame.place == several[0]), None) if len(several) else None
+
+    @property
+    def known(self) -> list[str]:
+        """Names by which persons can be told apart."""
+        return [self.names[int(index)] for index in np.unique(self.identities) if index >= 0]
+
+    @property
+    def track_sizes(self) -> FloatArray:
+        """Mean size of the person in each track, by its number, [px]."""
+        numbers = self.tracks.numbers
+        return np.bincount(numbers, self.sizes) / np.maximum(np.bincount(numbers), 1)
+
+    def identity_of(self, track: int) -> int:
+        """Return the identity that a person has most of the time; -1 for none."""
+        identities = self.identities[(self.tracks.numbers == track) & (self.identities >= 0)]
+        return int(np.argmax(np.bincount(identities))) if len(identities) else -1
 
 
-def place_points(frames: Sequence[Frame], infant: int | str | None, points: int) -> tuple[FloatArray, FloatArray, str]:
+def identity(value: object) -> str:
+    """Return what a tracker calls a person: `1` of 1, 1.0, [1] or "1"; nothing of -1, which is not tracked, or none."""
+    while isinstance(value, list) and value:
+        value = value[0]
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if isinstance(value, (int, float)):
+        return str(value) if 0 <= value < _LARGEST else ""
+    return value if isinstance(value, str) and value != "-1" else ""
+
+
+def place_points(
+    frames: Sequence[Frame], options: ReadOptions, points: int, least: float
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Return where the points of the infant are in each frame, and how surely.
 
     Args:
         frames: In the order of time; not all need be there.
-        infant: The identity of the infant or, where persons have none, its number in the first frame with several, from
-            0. None is the person who is the largest, over all frames.
+        options: Its `infant` is its identity or, where persons have none, its number in the first frame with several,
+            from 0; None is the largest of those who are there for long.
         points: Number of points k.
+        least: Confidence below which points do not help to find it.
 
     Returns:
-        Positions, shape (t, k, 2), [px], NaN where a point is not seen; confidence, shape (t, k); and what had to be
-        assumed, if anything.
+        Positions, shape (t, k, 2), [px], NaN where a point is not seen; confidence, shape (t, k), also of points below
+        the least; and what had to be assumed.
 
     Raises:
         UnusableFileError: If there is no such infant, nobody at all, or numbers are damaged.
     """
-    several = [(frame, person) for frame in frames for person in frame.persons]
+    several = [(frame, number, who) for frame in frames for number, who in enumerate(frame.persons)]
     if not several:
         raise UnusableFileError("has nobody in any frame; check that the pose estimator sees the infant")
-    numbers = _rows([(frame.where, person) for frame, person in several], 3 * points).reshape(-1, points, 3)
-    seen = (numbers[..., 2] > 0) & np.isfinite(numbers).all(axis=-1)
-    placed = np.where(seen[..., None], numbers[..., :2], np.nan)
-    bounded = placed.clip(-1e9, 1e9)
-    box = np.fmax.reduce(bounded, axis=1) - np.fmin.reduce(bounded, axis=1)
+    numbers = _rows([(frame.where, who) for frame, _, who in several], 3 * points).reshape(-1, points, 3)
+    seen = np.isfinite(numbers).all(axis=-1) & (numbers[..., 2] > 0) & numbers[..., :2].any(axis=-1)
+    sure = seen & (numbers[..., 2] >= least)
+    there = np.flatnonzero(sure.any(axis=1))
+    if not len(there):
+        raise UnusableFileError(f"has no point with a confidence of {least:g} or more; give a lower one: min_score=0")
+    placed = np.where(sure[..., None], numbers[..., :2].clip(-1e9, 1e9), np.nan)
+    places = np.array([frame.place for frame, _, _ in several])
+    names = sorted({who.identity for _, _, who in several} - {""})
+    index = {name: number for number, name in enumerate(names)}
+    identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several]), places)
+    said_hz = options.rate_hz or _RATE_HZ
+    rate_hz = said_hz if RATES_HZ[0] <= said_hz <= RATES_HZ[1] else _RATE_HZ
+    once = ~seen_twice(Detections(places[there], placed[there], identities[there], rate_hz))
+    there = there[once]
+    box = np.fmax.reduce(placed[there], axis=1) - np.fmin.reduce(placed[there], axis=1)
     people = _People(
-        [person.identity for _, person in several],
-        [frame.where for frame, _ in several],
-        np.array([frame.place for frame, _ in several]),
-        placed,
-        np.linalg.norm(np.nan_to_num(box), axis=-1),
+        names,
+        identities[there],
+        np.array([number for _, number, _ in several])[there],
+        places[there],
+        np.linalg.norm(box, axis=-1),
+        find_tracks(Detections(places[there], placed[there], identities[there], rate_hz)),
     )
-    chosen, note = _choose(people, None if infant is None else str(infant))
+    infant = None if options.infant is None else identity(options.infant) or str(options.infant)
+    track, notes = _choose(people, frames, infant)
+    mine = people.tracks.numbers == track
+    chosen, at = there[mine], people.places[mine]
     shape = frames[-1].place + 1, points
     positions, confidence = np.full((*shape, 2), np.nan), np.zeros(shape)
-    positions[people.places[chosen]] = placed[chosen]
-    confidence[people.places[chosen]] = np.where(seen, numbers[..., 2], 0.0)[chosen].clip(0, 1)
-    return positions, confidence, note
+    positions[at] = np.where(seen[..., None], numbers[..., :2], np.nan)[chosen]
+    confidence[at] = np.where(seen, numbers[..., 2], 0.0)[chosen].clip(0, 1)
+    return positions, confidence, (*notes, *_account(people, track))
 
 
-def _choose(people: _People, infant: str | None) -> tuple[Indices, str]:
-    """Return where among people the infant is, at most once in a frame, and what had to be assumed."""
-    if any(people.identities):
-        return _by_identity(people, infant)
-    starts = np.unique(people.places, return_index=True)[1]
-    if len(starts) < len(people.places):
-        return _by_nearness(people, infant, [*starts.tolist(), len(people.places)])
-    if infant not in (None, "0"):
-        raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(str(infant))}'; leave it out")
-    return starts, ""
+def _told_apart(identities: Indices, places: Indices) -> Indices:
+    """Return identities without those that several persons in a frame have, as AlphaPose's 0 if it does not track."""
+    named = identities >= 0
+    frames = int(places.max()) + 1
+    pairs, times = np.unique(identities[named] * frames + places[named], return_counts=True)
+    most = int(identities.max()) + 2
+    alone, together = (np.bincount(pairs[chosen] // frames, minlength=most) for chosen in (times == 1, times > 1))
+    return np.where(named & (alone >= together)[identities], identities, -1)
 
 
-def _by_identity(people: _People, infant: str | None) -> tuple[Indices, str]:
-    identities = np.array(people.identities, dtype=object)
-    names, which = np.unique(identities.astype(str), return_inverse=True)
-    known = [str(name) for name in names]
-    if infant is not None and infant not in known:
-        near = suggestion(infant, [one_line(name) for name in known])
-        raise UnusableFileError(f"has no person '{one_line(infant)}'; {near}")
-    sizes = np.bincount(which, people.sizes)
-    number = known.index(infant) if infant is not None else int(np.argmax(sizes))
-    (chosen,) = np.nonzero(which == number)
-    name = one_line(known[number])
-    if len(np.unique(people.places[chosen])) < len(chosen):
-        raise UnusableFileError(f"has person '{name}' twice in a frame; track persons again")
-    is_guess = infant is None and len(known) > 1
-    others = counted(len(known), "person")
-    return chosen, f"the infant is taken to be '{name}', the largest of {others}" if is_guess else ""
+def _choose(people: _People, frames: Sequence[Frame], infant: str | None) -> tuple[int, tuple[str, ...]]:
+    """Return the track of the infant, and what had to be assumed."""
+    numbers = people.tracks.numbers
+    if infant is None:
+        track = _largest(people)
+        return track, (_guess(people, frames, track),) if (numbers != track).any() else ()
+    if known := people.known:
+        if infant not in known:
+            near = suggestion(infant, [one_line(name) for name in known])
+            raise UnusableFileError(f"has no person '{one_line(infant)}'; {near}")
+        return int(np.argmax(np.bincount(numbers[people.identities == people.names.index(infant)]))), ()
+    first = people.first_of_several(frames, people.places)
+    if first is None:
+        if infant != "0":
+            raise UnusableFileError(f"has one person in each frame, and no infant '{one_line(infant)}'; leave it out")
+        return _largest(people), ()
+    meant = (people.places == first.place) & (people.numbers == (int(infant) if infant.isdecimal() else -1))
+    if not meant.any():
+        most, where = len(first.persons) - 1, one_line(first.where)
+        raise UnusableFileError(f"has no person '{one_line(infant)}' in {where}; give 0 to {most}")
+    who = f"number {infant} of {len(first.persons)} persons in {one_line(first.where)}"
+    return int(numbers[meant][0]), (f"the infant is taken to be {who}, and is followed from there",)
 
 
-def _by_nearness(people: _People, infant: str | None, starts: Sequence[int]) -> tuple[Indices, str]:
-    """Follow the infant from frame to frame: it is whoever is nearest to where it was.
-
-    Args:
-        people: In the order of time.
-        infant: Its number in the first frame with several.
-        starts: Where each frame begins among them, and where the last one ends.
-    """
-    spans = list(pairwise(starts))
-    first = next(index for index, (start, stop) in enumerate(spans) if stop - start > 1)
-    start, stop = spans[first]
-    number = int(np.argmax(people.sizes[start:stop])) if infant is None else int(infant) if infant.isdecimal() else -1
-    if not 0 <= number < stop - start:
-        most = stop - start - 1
-        raise UnusableFileError(f"has no person '{one_line(str(infant))}' in {people.where[start]}; give 0 to {most}")
-    chosen = start + number
-    before = _followed(people.points, spans[:first][::-1], chosen)[::-1]
-    after = _followed(people.points, spans[first + 1 :], chosen)
-    who = "the largest" if infant is None else f"number {number}"
-    note = f"the infant is taken to be {who} of {stop - start} persons in {one_line(people.where[start])}"
-    return np.array([*before, chosen, *after]), f"{note}, and is followed from there"
+def _largest(people: _People) -> int:
+    """Return the track of the largest of those who are seen for long and, where some are tracked, of these."""
+    named = people.identities >= 0
+    times = np.bincount(people.tracks.numbers[named if named.any() else ...])
+    return int(np.argmax(np.where(times >= _LONG * times.max(), people.track_sizes[: len(times)], 0.0)))
 
 
-def _followed(points: FloatArray, spans: Sequence[tuple[int, int]], start: int) -> list[int]:
-    """Return who of each frame is nearest to whom it was in the frame before; points may have changed meanwhile."""
-    places = points.reshape(len(points), -1)
-    last, followed = places[start], []
-    for first, stop in spans:
-        nearest = first
-        if stop - first > 1:
-            squares = np.square(places[first:stop] - last)
-            both = np.isfinite(squares)
-            shared, totals = both.sum(axis=1), squares.sum(axis=1, where=both)
-            nearest += int(np.argmin(np.where(shared > 0, totals / np.maximum(shared, 1), np.inf)))
-        last = np.where(np.isfinite(places[nearest]), places[nearest], last)
-        followed.append(nearest)
-    return followed
+def _guess(people: _People, frames: Sequence[Frame], track: int) -> str:
+    """Return who is taken for the infant, and in what share of frames that is doubtful."""
+    numbers, name = people.tracks.numbers, people.identity_of(track)
+    first = people.first_of_several(frames, people.places[numbers == track])
+    if name >= 0:
+        tracked = len(np.unique(numbers[people.identities >= 0]))
+        why = f"the largest of {counted(tracked, 'person')}" if tracked > 1 else "the only person who is tracked"
+        guess = f"the infant is taken to be '{one_line(people.names[name])}', {why}"
+    elif first:
+        who = f"the largest of {len(first.persons)} persons in {one_line(first.where)}"
+        guess = f"the infant is taken to be {who}, and is followed from there"
+    else:
+        guess = "the infant is taken to be who is seen for longest, or the largest of those"
+    times, sizes = np.bincount(numbers), people.track_sizes
+    alike = (times >= _SELDOM * times[track]) & (sizes >= _ALIKE * sizes[track])
+    alike[track] = False
+    if not alike.any():
+        return guess
+    share = len(np.unique(people.places[alike[numbers]])) / people.frames
+    return (
+        f"{guess}; this is doubtful in {share:.0%} of frames, where others are about as large: say which is the infant"
+    )
+
+
+def _account(people: _People, track: int) -> Iterator[str]:
+    """Yield what is to be said of a person who was followed."""
+    mine = people.tracks.numbers == track
+    names = [one_line(people.names[int(index)]) for index in people.identities[mine] if index >= 0]
+    names = [name for name, _ in groupby(names)]
+    if len(names) > 1:
+        joined = f"{counted(len(names) - 1, 'time')}, and is joined: {first_of(names, _SHOWN)}"
+        yield f"the infant's track goes on under another ID {joined}"
+    if (who := people.identity_of(track)) >= 0:
+        elsewhere = (people.identities == who) & ~mine
+        if elsewhere.any():
+            share = elsewhere.sum() / (people.identities == who).sum()
+            where = f"is not where the infant can be in {share:.0%} of its frames, which are left out"
+            yield f"'{one_line(people.names[who])}' {where}"
+    if lost := people.frames - int(mine.sum()):
+        why = "too far from where it was, or of another size"
+        yield f"in {lost:,} of {people.frames:,} frames nobody who is seen can be the infant, being {why}"
+    if share := people.tracks.doubtful(track).sum() / mine.sum():
+        yield f"who the infant is is doubtful in {share:.1%} of its frames, where another is nearly as close"
 
 
 def _rows(persons: Sequence[tuple[str, Person]], width: int) -> FloatArray:

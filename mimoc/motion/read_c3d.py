@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.units import LENGTHS, metres_in
 
 _BLOCK = 512
 _KEY = 0x50
@@ -25,8 +26,8 @@ _KEY = 0x50
 _BYTE_ORDERS = {84: "<", 86: ">"}
 """Of Intel and of MIPS, by the number of a processor."""
 _DEC = 85
-_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "": 0.001}
-"""By unit; without one, millimetres are usual."""
+_USUAL_UNIT = "mm"
+"""Of files that name none."""
 _DAMAGED = "is damaged, or no C3D file; export it again"
 _KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}
 _MOST_MARKERS = 2000
@@ -53,7 +54,7 @@ def recognise(path: Path) -> bool:
 
 
 def read(path: Path, options: ReadOptions) -> PointRecording:
-    """Return its markers, [m]; which axis points upwards the file does not say, and z is taken to.
+    """Return its markers, [m]; z is taken to point upwards, unless another axis is said to.
 
     Raises:
         UnusableFileError: If it is damaged, or of a kind that nobody writes any more.
@@ -65,14 +66,15 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
         numbers = _numbers(content, order, layout)
     except (struct.error, IndexError, KeyError, ValueError, TypeError, OverflowError):
         raise UnusableFileError(_DAMAGED) from None
-    unit = "".join(_texts(parameters, "UNITS")[:1]).strip().lower()
-    if unit not in _METRES:
-        raise UnusableFileError("has positions in an unknown unit; export it in mm or m")
+    unit = "".join(_texts(parameters, "UNITS")[:1]).strip(" \0") or _USUAL_UNIT
+    metres = metres_in(unit)
+    if metres is None:
+        raise UnusableFileError(f"has positions in the unknown unit '{one_line(unit)}'; export it in one of {LENGTHS}")
     labels = [label.strip() for label in _texts(parameters, "LABELS")][: layout.markers]
     labels += [f"marker_{index}" for index in range(len(labels), layout.markers)]
     seen = (numbers[..., 3] >= 0) & np.isfinite(numbers[..., :3]).all(axis=-1)
-    positions = np.where(seen[..., None], numbers[..., :3] * _METRES[unit], np.nan)
-    notes = ("the z axis is taken to point upwards",)
+    positions = np.where(seen[..., None], numbers[..., :3] * metres, np.nan)
+    notes = () if options.up else ("the z axis is taken to point upwards",)
     return PointRecording(path.stem, layout.rate_hz, tuple(labels), positions, seen.astype(np.float64), notes=notes)
 
 
@@ -136,13 +138,17 @@ def _layout(content: bytes, order: str, parameters: Mapping[str, npt.NDArray[Any
 
 
 def _numbers(content: bytes, order: str, layout: _Layout) -> npt.NDArray[np.float64]:
-    """Return x, y, z and the residual of each marker, shape (t, k, 4); negative residuals are markers not seen."""
+    """Return x, y, z and the residual of each marker, shape (t, k, 4); negative residuals are markers not seen.
+
+    Four zeros are, too: some programs write them in place of a residual of -1.
+    """
     kind = np.dtype(order + ("f4" if layout.scale < 0 else "i2"))
     width = 4 * layout.markers + layout.analog
     rows = np.frombuffer(content, kind, layout.frames * width, layout.start).reshape(layout.frames, width)
     numbers = rows[:, : 4 * layout.markers].reshape(layout.frames, layout.markers, 4).astype(np.float64)
     if layout.scale > 0:
         numbers[..., :3] *= layout.scale
+    numbers[~numbers.any(axis=-1), 3] = -1
     return numbers
 
 

@@ -1,18 +1,26 @@
 """COCO keypoints: results, annotations and what MMPose and AlphaPose write, a file for each frame or one for all."""
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import groupby
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mimoc.base.errors import counted
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.motion.frame_files import first_bytes, frame_places, read_frame_files, read_whole_file
+from mimoc.motion.checks import drop_unsure
+from mimoc.motion.frame_files import (
+    first_bytes,
+    frame_places,
+    numbers_of_files,
+    read_frame_files,
+    read_whole_file,
+)
 from mimoc.motion.json_frames import objects, parse, parse_frames
+from mimoc.motion.keypoint_names import SOURCES, KeypointNames, keypoint_names
 from mimoc.motion.options import ReadOptions
-from mimoc.motion.persons import Frame, Person, person, place_points
+from mimoc.motion.persons import Frame, Person, identity, person, place_points
 from mimoc.motion.point_recording import PointRecording
 
 COCO_17 = (
@@ -38,6 +46,8 @@ LAYOUTS = {
     133: (*COCO_17, *_FEET, *(f"whole_body_{number}" for number in range(23, 133))),
 }
 """Labels by number of points: COCO, with feet, Halpe, and COCO-WholeBody."""
+MIN_SCORE = 0.3
+"""MMPose draws points from this on (default of its `kpt_thr`)."""
 _IDENTITIES = "track_id", "idx", "person_id", "instance_id"
 _FRAMES = "image_id", "frame_id", "frame"
 
@@ -53,47 +63,76 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     Raises:
         UnusableFileError: If files are damaged, or it is not clear who the infant is.
     """
-    labels, frames, notes = _from_folder(path) if path.is_dir() else _from_file(path)
+    frames, names, notes = _from_folder(path, options) if path.is_dir() else _from_file(path, options)
     width = next((len(infant.numbers) for frame in frames for infant in frame.persons), 0)
-    labels = labels if len(labels) == width / 3 else LAYOUTS.get(width // 3, ())
+    labels = names.labels or LAYOUTS.get(width // 3, ())
     if not labels or width % 3:
         known = ", ".join(map(str, LAYOUTS))
         raise UnusableFileError(f"has {counted(width, 'number')} a person; mimoc knows {known} points of 3 numbers")
-    positions, confidence, note = place_points(frames, options.infant, len(labels))
-    return PointRecording(path.stem, math.nan, labels, positions, confidence, notes=(*notes, note) if note else notes)
+    if names.is_asked_for:
+        options = replace(options, infant=None)
+    least = options.least_score(MIN_SCORE)
+    positions, confidence, more = place_points(frames, options, len(labels), least)
+    recording = PointRecording(path.stem, math.nan, labels, positions, confidence, notes=(*notes, *more))
+    return drop_unsure(recording, least)
 
 
-def _from_folder(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...]]:
+class _Film(NamedTuple):
+    """Frames, and the names of their points."""
+
+    frames: list[Frame]
+    names: KeypointNames
+    notes: tuple[str, ...]
+
+
+def _from_folder(path: Path, options: ReadOptions) -> _Film:
     files = read_frame_files(path, ".json")
-    frames = [Frame(place, name, _persons(_items(data, name), name)) for place, name, data in parse_frames(files)]
-    return (), frames, files.notes
+    data = {name: (place, content) for place, name, content in parse_frames(files)}
+    entries = {name: _items(content, name) for name, (_, content) in data.items()}
+    named = {str([content.get(key) for key in SOURCES]) for _, content in data.values() if isinstance(content, dict)}
+    if len(named) > 1:
+        raise UnusableFileError("has files with other names of keypoints; give a folder with one recording")
+    first = next((content for _, content in data.values()), None)
+    names = keypoint_names(first, chain.from_iterable(entries.values()), _asked(options))
+    frames = [Frame(place, name, _persons(entries[name], names, name)) for name, (place, _) in data.items()]
+    return _Film(frames, names, (*files.notes, *names.notes))
 
 
-def _from_file(path: Path) -> tuple[tuple[str, ...], list[Frame], tuple[str, ...]]:
+def _from_file(path: Path, options: ReadOptions) -> _Film:
     data = parse(read_whole_file(path))
     by_frame = _by_frame(data, path.name)
     if not by_frame:
         raise UnusableFileError("has no frames; check what the pose estimator was given")
-    names = [f"frame {number}" for number, _ in by_frame]
-    places, notes = frame_places([number for number, _ in by_frame], names)
-    persons = [_persons(items, name) for (_, items), name in zip(by_frame, names, strict=True)]
-    return _labels(data), [Frame(*frame) for frame in zip(places, names, persons, strict=True)], notes
+    numbers = numbers_of_files([name for name, _ in by_frame])
+    if numbers is None:
+        raise UnusableFileError("a frame has no number; name images by numbers that rise")
+    ordered = sorted(zip(numbers, by_frame, strict=True), key=lambda numbered: numbered[0])
+    places, notes = frame_places([number for number, _ in ordered], [f"frame {name}" for _, (name, _) in ordered])
+    names = keypoint_names(data, chain.from_iterable(items for _, items in by_frame), _asked(options))
+    frames = [
+        Frame(place, f"frame {number}", _persons(items, names, f"frame {number}"))
+        for place, (number, (_, items)) in zip(places, ordered, strict=True)
+    ]
+    return _Film(frames, names, (*notes, *names.notes))
 
 
-def _by_frame(data: Any, where: str) -> list[tuple[int, Sequence[Mapping[str, Any]]]]:
-    """Return the entries of persons, in the order of the numbers of their frames."""
+def _asked(options: ReadOptions) -> str | None:
+    return None if options.infant is None else str(options.infant)
+
+
+def _by_frame(data: Any, where: str) -> list[tuple[str, Sequence[Mapping[str, Any]]]]:
+    """Return the name of each frame, which has its number in it, and the entries of persons."""
     frames = objects(data, where, "instance_info") if _has(data, "instance_info") else data
     if isinstance(frames, list) and frames and all(_has(frame, "instances") for frame in frames):
-        numbered = [(_frame_number(frame, where), objects(frame, where, "instances")) for frame in frames]
-        return sorted(numbered, key=lambda frame: frame[0])
+        return [(_frame_name(frame, where), objects(frame, where, "instances")) for frame in frames]
     entries = _items(data, where)
-    images = _image_numbers(data)
+    images = _image_names(data)
     ids = [str(entry.get("image_id")) for entry in entries]
     is_known = bool(images) and {*ids} <= images.keys()
-    numbers = [images[name] for name in ids] if is_known else [_frame_number(entry, where) for entry in entries]
-    order = sorted(range(len(entries)), key=numbers.__getitem__)
-    groups = groupby(order, key=numbers.__getitem__)
-    return [(number, [entries[index] for index in indices]) for number, indices in groups]
+    by_name: dict[str, list[Mapping[str, Any]]] = {}
+    for id, entry in zip(ids, entries, strict=True):
+        by_name.setdefault(images[id] if is_known else _frame_name(entry, where), []).append(entry)
+    return [*by_name.items()]
 
 
 def _has(data: Any, key: str) -> bool:
@@ -102,50 +141,37 @@ def _has(data: Any, key: str) -> bool:
 
 def _items(data: Any, where: str) -> Sequence[dict[str, Any]]:
     """Return the entries of persons, which may be under a key."""
-    keys = [key for key in ("annotations", "instances", "people") if isinstance(data, dict) and key in data]
+    keys = [
+        key for key in ("annotations", "instances", "instance_info", "people") if isinstance(data, dict) and key in data
+    ]
     return objects(data, where, keys[0] if keys else "")
 
 
-def _image_numbers(data: Any) -> dict[str, int]:
-    """Return the numbers in the file names of images by their IDs, where there are such for all of them."""
+def _image_names(data: Any) -> dict[str, str]:
+    """Return the file names of images by their IDs, where there are such, with numbers, for all of them."""
     images = objects(data, "images", "images") if isinstance(data, dict) and "images" in data else ()
-    try:
-        return {str(image["id"]): _number(image["file_name"]) for image in images}
-    except (KeyError, TypeError, UnusableFileError):
-        return {}
+    names = {str(image.get("id")): str(image.get("file_name")) for image in images}
+    return names if numbers_of_files([*names.values()]) else {}
 
 
-def _frame_number(entry: Mapping[str, Any], where: str) -> int:
-    for key in _FRAMES:
-        if key in entry:
-            return _number(entry[key])
-    raise UnusableFileError(
-        f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame"
-    )
+def _frame_name(entry: Mapping[str, Any], where: str) -> str:
+    """Return the number of the frame of a person, or the name of its picture."""
+    name = next((entry[key] for key in _FRAMES if key in entry), None)
+    if not isinstance(name, (int, str)):
+        raise UnusableFileError(
+            f"{where}: a person has no {' or '.join(_FRAMES)}; export it again, or a file for each frame"
+        )
+    return str(name)
 
 
-def _number(name: Any) -> int:
-    """Return the number of a frame, which may stand at the end of a file name."""
-    digits = re.findall(r"[0-9]+", str(name).rpartition("/")[2])
-    if not isinstance(name, (int, str)) or not digits or len(digits[-1]) > 15:
-        raise UnusableFileError("a frame has no number; name images by numbers that rise")
-    return int(digits[-1])
-
-
-def _labels(data: Any) -> tuple[str, ...]:
-    """Return the labels of annotations' points, if they say them."""
-    categories = data.get("categories") if isinstance(data, dict) else None
-    first = categories[0] if isinstance(categories, list) and categories else None
-    labels = first.get("keypoints") if isinstance(first, dict) else None
-    return tuple(map(str, labels)) if isinstance(labels, list) else ()
-
-
-def _persons(entries: Iterable[Mapping[str, Any]], where: str) -> list[Person]:
-    return [person(_identity(entry), _flat(entry, where), where) for entry in entries if entry.get("keypoints")]
+def _persons(entries: Iterable[Mapping[str, Any]], names: KeypointNames, where: str) -> list[Person]:
+    """Return those with keypoints who may be the infant."""
+    chosen = [entry for entry in entries if entry.get("keypoints") and names.takes(entry)]
+    return [person(_identity(entry), names.placed(entry, _flat(entry, where), where), where) for entry in chosen]
 
 
 def _identity(entry: Mapping[str, Any]) -> str:
-    return next((str(entry[key]) for key in _IDENTITIES if isinstance(entry.get(key), (int, str))), "")
+    return next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), "")
 
 
 def _flat(entry: Mapping[str, Any], where: str) -> Sequence[float]:

@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.motion.checks import drop_unsure
 from mimoc.motion.frame_files import first_bytes, read_frame_files
 from mimoc.motion.json_frames import objects, parse_frames
 from mimoc.motion.options import ReadOptions
-from mimoc.motion.persons import Frame, Person, person, place_points
+from mimoc.motion.persons import Frame, Person, identity, person, place_points
 from mimoc.motion.point_recording import PointRecording
 
 _COCO_18 = (
@@ -27,6 +28,8 @@ _LABELS = {
     3 * len(labels): tuple(_NECK if label == "Neck" else label for label in labels) for labels in (BODY_25, _COCO_18)
 }
 _POINTS = "pose_keypoints_2d"
+MIN_SCORE = 0.05
+"""OpenPose draws points above this (default of its `--render_threshold`)."""
 
 
 def recognise(path: Path) -> bool:
@@ -46,17 +49,13 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     if width not in _LABELS:
         raise UnusableFileError(f"has {width} numbers a person, not 75 (BODY_25) or 54 (COCO); export BODY_25")
     labels = _LABELS[width]
-    positions, confidence, note = place_points(frames, options.infant, len(labels))
-    notes = (*files.notes, note) if note else files.notes
-    return PointRecording(path.name, math.nan, labels, positions, confidence, notes=notes)
+    least = options.least_score(MIN_SCORE)
+    positions, confidence, notes = place_points(frames, options, len(labels), least)
+    recording = PointRecording(path.name, math.nan, labels, positions, confidence, notes=(*files.notes, *notes))
+    return drop_unsure(recording, least)
 
 
 def _persons(data: Any, name: str) -> list[Person]:
     """Return those with points; OpenPose's IDs are -1 unless it tracks."""
     people = objects(data, name, "people")
-    return [person(_identity(entry.get("person_id")), entry[_POINTS], name) for entry in people if entry.get(_POINTS)]
-
-
-def _identity(identity: Any) -> str:
-    number = identity[0] if isinstance(identity, list) and identity else identity
-    return str(number) if isinstance(number, int) and number >= 0 else ""
+    return [person(identity(entry.get("person_id")), entry[_POINTS], name) for entry in people if entry.get(_POINTS)]

@@ -10,11 +10,15 @@ from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion import FORMATS
-from mimoc.motion.checks import check_numbers, check_points, check_timing
+from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
-from mimoc.motion.options import VIEWS, ReadOptions, View
+from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
+from mimoc.motion.sides import turned
 from mimoc.plugins import load_plugins
+
+MOST_PIXELS = 100_000
+"""Of the width or height of a picture."""
 
 
 def read_points(
@@ -26,6 +30,9 @@ def read_points(
     infant: int | str | None = None,
     names: Mapping[str, str] | None = None,
     view: View = "front",
+    min_score: float | None = None,
+    picture_px: tuple[int, int] | None = None,
+    up: Up | None = None,
 ) -> PointRecording:
     """Read points on a filmed infant that a pose estimator, a depth camera or motion capture has written.
 
@@ -39,6 +46,10 @@ def read_points(
         names: Mimoc's names by the labels of the files, such as `{"marker 3": "left_knee"}`, where needed.
         view: What the camera sees: the infant's `front`, its `back`, a `mirrored` picture (or y upwards); `swapped` is
             left and right exchanged. The last two are put right.
+        min_score: Confidence, from 0 to 1, below which points are taken not to be seen. None is what the format's own
+            programs go by: OpenPose .05, COCO and tables .3, MediaPipe .5, DeepLabCut .6.
+        picture_px: Width and height of the picture, if points are shares of it; by default, those of the camera.
+        up: The axis of places in space that points upwards; None takes z, and asks if the infant then does not lie.
 
     Returns:
         The recording; its `notes` say what was assumed and what is missing.
@@ -55,8 +66,30 @@ def read_points(
     """
     load_plugins()
     check_name("view", view, VIEWS)
+    if up is not None:
+        check_name("choice of the axis that points upwards", up, UPS)
     place = Path(path).expanduser()
-    options = ReadOptions(rate_hz, camera, infant, names or {}, view)
+    if min_score is not None and not 0 <= min_score <= 1:
+        raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
+    if picture_px is None and camera is not None:
+        picture_px = camera.size_px
+    if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MOST_PIXELS for size in picture_px)):
+        raise RecordingError(f"{place}: the size of the picture is {picture_px}; give width and height in pixels")
+    options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
+    return _read_in_words(place, format, options)
+
+
+def read_again(path: Path) -> PointRecording:
+    """Read points that `read_points` has returned and mimoc has written: it is not asked again how the infant lies.
+
+    Raises:
+        RecordingError: If the file cannot be used.
+    """
+    return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
+
+
+def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> PointRecording:
+    """Return a recording, or raise a RecordingError that says in one line why there is none."""
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
             return _checked(_read(place, format, options), options)
@@ -72,15 +105,18 @@ def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording
     kind = FORMATS.find(name) if name else None
     if not place.exists():
         raise UnusableFileError("there is no such file or folder; check the path")
+    if options.rate_hz is not None:
+        check_rate(options.rate_hz)
     read = function_of((kind or _recognised(place)).read, "read")
     return read(place.resolve() if place.is_dir() else place, options)
 
 
 def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
     """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
-    named = name_points(check_numbers(recording), options.names)
+    known = drop_unsure(check_numbers(recording), options.least_score(0.0))
+    named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
     camera = None if named.unit == "m" else options.camera or named.camera
-    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view)
+    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
 
 
 def _recognised(place: Path) -> MotionFormat:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.motion.options import Up
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 
@@ -21,6 +22,14 @@ _RATIO = 1 / 3
 """How much shorter the way must be if left and right are exchanged back."""
 _LEAST_ACROSS = 0.1
 """Of the trunk's length squared: less of the front is seen of an infant that lies on its side."""
+_TURNS: Mapping[str, npt.NDArray[np.int_]] = {
+    "x": np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]]),
+    "-x": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
+    "y": np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]),
+    "-y": np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]),
+    "-z": np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
+}
+"""Rotations that turn an axis to z."""
 _LEAST_BEND = 0.3
 """Sine of the angle, about the infant's left, from which on a knee is clearly bent."""
 
@@ -64,12 +73,12 @@ def swapped(recording: PointRecording) -> PointRecording:
     return replace(recording, names=tuple(names)).select(known)
 
 
-def mirrored(recording: PointRecording) -> PointRecording:
-    """Return a recording whose x axis points the other way; pixels stay in the picture, as far as it is known."""
+def mirrored(recording: PointRecording, axis: int = 0) -> PointRecording:
+    """Return a recording of which an axis points the other way; pixels stay in the picture, as far as it is known."""
     positions = recording.positions.copy()
-    x = positions[..., 0]
+    x = positions[..., axis]
     middle = recording.camera.centre_px[0] if recording.camera else float(np.nanmin(x) + np.nanmax(x)) / 2
-    positions[..., 0] = (2 * middle if recording.unit == "px" else 0.0) - x
+    positions[..., axis] = (2 * middle if recording.unit == "px" else 0.0) - x
     return replace(recording, positions=positions)
 
 
@@ -118,6 +127,22 @@ def share_of_knees_backwards(recording: PointRecording) -> float:
     bent = np.concatenate(bends) if bends else np.empty(0)
     bent = bent[np.abs(bent) > _LEAST_BEND]
     return float((bent < 0).mean()) if bent.size else np.nan
+
+
+def facing(recording: PointRecording) -> FloatArray:
+    """Return where the front of a trunk in space faces, in each frame in which it is seen: unit vectors, shape (n, 3).
+
+    It is *left* x *up the trunk*.
+    """
+    faces = _unit(np.cross(_across(recording), recording.path("neck") - recording.hips))
+    return faces[np.isfinite(faces).all(axis=1)]
+
+
+def turned(recording: PointRecording, up: Up | None) -> PointRecording:
+    """Return places in space turned so that the axis *up* is z, and otherwise as they are."""
+    if recording.unit == "px" or up in (None, "z"):
+        return recording
+    return replace(recording, positions=recording.positions @ _TURNS[up].T)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -4,40 +4,29 @@ import csv
 import math
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from mimoc.base.errors import counted
 from mimoc.bundle.regular_files import UnusableFileError, one_line
-from mimoc.motion.frame_files import MOST_FRAMES, frame_places
 from mimoc.motion.point_recording import FloatArray
 
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+"""By unit of places in space, with which the name of a column may end: `neck_x_mm`."""
 COLUMNS = {
     **{name: name for name in ("x", "y", "z", "confidence", "depth_m")},
-    **{f"{axis}_{unit}": axis for axis in "xyz" for unit in ("px", "m")},
+    **{f"{axis}_{unit}": axis for axis in "xyz" for unit in ("px", *METRES)},
     **dict.fromkeys(("c", "conf", "score", "likelihood", "visibility", "probability", "p"), "confidence"),
     "depth": "depth_m",
 }
 """What the name of a column, or its end, says that it holds."""
 MOST_COLUMNS = 2000
 _MOST_CELLS = 2**24
-_TIMES = "time_s", "time", "t", "timestamp", "timestamp_s", "seconds"
-_FRAMES = "frame", "frames", "frame_number", "frame_id", "frame_index"
+_CLOCK = re.compile(r"(?:.*[ T])?(?:([0-9]{1,2}):)?([0-9]{1,2}):([0-9]{1,2}(?:[.,][0-9]+)?)")
+_SIXTY = 3600, 60, 1
+"""A time of day or since the beginning, as in `00:01:59.033`, and the seconds of its parts."""
+_OF_AXIS = re.compile(rf"(?:.+[_. -])?[xy]_(px|{'|'.join(METRES)})", re.IGNORECASE)
 _OF_POINT = re.compile(rf"(.+)[_. -]({'|'.join(sorted(COLUMNS, key=len, reverse=True))})", re.IGNORECASE)
-_LARGEST_FRAME = 2**53
-_RATE_DIGITS = 9
-"""Digits of a frame rate that times of some digits can tell, after the point."""
-
-
-class Timing(NamedTuple):
-    """When the rows of a table were."""
-
-    places: Sequence[int]
-    """Index of each in time, from 0."""
-    rate_hz: float
-    """NaN if nothing says it."""
-    notes: tuple[str, ...]
 
 
 def read_cells(content: bytes) -> list[list[str]]:
@@ -74,7 +63,7 @@ def label_and_column(cell: str) -> tuple[str, str]:
 def numbers_of(rows: Sequence[Sequence[str]], header: Sequence[str]) -> FloatArray:
     """Return cells as numbers, shape (n, c); an empty one, and text in a column of anything else, is NaN.
 
-    Decimal commas are read, too.
+    Decimal commas are read, too, and times such as `00:01:59.033`, in seconds.
     """
     try:
         return np.array([float(cell or "nan") for row in rows for cell in row]).reshape(len(rows), -1)
@@ -82,25 +71,16 @@ def numbers_of(rows: Sequence[Sequence[str]], header: Sequence[str]) -> FloatArr
         return np.array([[_number(cell, name) for cell, name in zip(row, header, strict=True)] for row in rows])
 
 
-def timing(header: Sequence[str], numbers: FloatArray) -> Timing:
-    """Return when rows were, by columns of frame numbers or times; without any, one after the other.
+def unit_of(header: Sequence[str]) -> str:
+    """Return the unit of x and y by the names of their columns, such as `neck_x_mm`; "" if they say none.
 
-    Args:
-        header: Names of the columns, in lower case.
-        numbers: Shape (n, c).
+    Raises:
+        UnusableFileError: If they say several.
     """
-    times_s, frames = (_column(header, numbers, names) for names in (_TIMES, _FRAMES))
-    rate_hz = math.nan if times_s is None else _typical_rate(times_s)
-    if frames is None:
-        frames = np.arange(len(numbers)) if times_s is None else np.round((times_s - times_s[0]) * rate_hz)
-    if not (np.abs(frames) < _LARGEST_FRAME).all() or (np.diff(frames) < 0).any():
-        raise UnusableFileError("has frames without a number, or in no order; sort it by frames")
-    if len(frames) > MOST_FRAMES:
-        raise UnusableFileError(f"has {len(frames):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
-    places, notes = frame_places([int(frame) for frame in frames], [f"row {row + 2}" for row in range(len(frames))])
-    if times_s is not None and len(places) > 1:
-        rate_hz = round(places[-1] / float(times_s[-1] - times_s[0]), _RATE_DIGITS)
-    return Timing(places, rate_hz, notes)
+    units = sorted({match[1].lower() for cell in header if (match := _OF_AXIS.fullmatch(cell))})
+    if len(units) > 1:
+        raise UnusableFileError(f"has columns in {' and '.join(units)}; export all in one unit")
+    return units[0] if units else ""
 
 
 def _number(cell: str, column: str) -> float:
@@ -110,17 +90,6 @@ def _number(cell: str, column: str) -> float:
         if label_and_column(column)[1] or column in COLUMNS:
             wrong = f"'{one_line(cell):.30}' in the column {one_line(column)} is not a number"
             raise UnusableFileError(f"{wrong}; leave cells of unseen points empty") from None
-        return math.nan
-
-
-def _column(header: Sequence[str], numbers: FloatArray, names: Sequence[str]) -> FloatArray | None:
-    return next((numbers[:, header.index(name)] for name in names if name in header), None)
-
-
-def _typical_rate(times_s: FloatArray) -> float:
-    steps_s = np.diff(times_s)
-    if not len(steps_s):
-        return math.nan
-    if not (np.isfinite(times_s).all() and steps_s.min() > 0):
-        raise UnusableFileError("has times that do not rise from row to row; check the column of times")
-    return 1 / float(np.median(steps_s))
+        clock = _CLOCK.fullmatch(cell.strip())
+        parts = [float((part or "0").replace(",", ".")) for part in clock.groups()] if clock else []
+        return sum(part * size for part, size in zip(parts, _SIXTY, strict=True)) if parts else math.nan

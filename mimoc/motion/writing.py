@@ -65,7 +65,8 @@ def write_mini_rgbd(recording: PointRecording, folder: Path) -> Path:
 def _lines(recording: PointRecording) -> Iterator[str]:
     """Yield the wide table of a recording, line by line, its numbers as exact as they are."""
     depth = () if recording.depth_m is None else (recording.depth_m[..., None],)
-    ends = (*("x", "y", "z")[: recording.positions.shape[-1]], "confidence", *(("depth_m",) if depth else ()))
+    axes = ("x_m", "y_m", "z_m") if recording.unit == "m" else ("x", "y")
+    ends = (*axes, "confidence", *(("depth_m",) if depth else ()))
     yield ",".join(["frame", "time_s", *(f"{name}_{end}" for name in recording.names for end in ends)])
     values = np.concatenate([recording.positions, recording.confidence[..., None], *depth], axis=-1)
     for frame, row in enumerate(values.reshape(recording.frames, -1).tolist()):

@@ -9,7 +9,7 @@ from typing import Any
 from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
 from mimoc.motion import FORMATS
-from mimoc.motion.reading import read_points
+from mimoc.motion.reading import read_again, read_points
 from mimoc.movement.filming import Filmed
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
 from mimoc.policies.policy import PolicyMaker
@@ -70,7 +70,7 @@ def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progre
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
     if (path / POINTS).is_file():
-        return [Filmed(read_points(path / POINTS))]
+        return [Filmed(read_again(path / POINTS))]
     if (path / RECORDING).is_file():
         return [*film_recording(path, progress)]
     if (path / COHORT).is_file():

@@ -17,7 +17,7 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.motion import FORMATS
 from mimoc.motion.body_points import film
-from mimoc.motion.options import VIEWS
+from mimoc.motion.options import UPS, VIEWS
 from mimoc.motion.writing import write_mini_rgbd
 
 FRAMES = 12
@@ -28,6 +28,9 @@ OPTIONS = MappingProxyType(
         "infant": (None, None, 0, 1, "1", -1, "x" * 99, "\n"),
         "names": (None, None, {"head": "nose"}, {"\0": "head"}),
         "view": VIEWS,
+        "picture_px": (None, (1, 1), (10**6, 3)),
+        "up": UPS,
+        "min_score": (None, None, 0, 0.5, 1, -1, float("nan")),
     }
 )
 CELLS = "", "nan", "inf", "-1e308", "1e999", "x", '"', ",", ";", "\n", "0x10", "1,2", "9" * 400, "neck_x"
@@ -36,6 +39,7 @@ CELLS = "", "nan", "inf", "-1e308", "1e999", "x", '"', ",", ";", "\n", "0x10", "
 def prepare(folder: Path) -> list[Path]:
     """Return a recording in each format."""
     seen, space = filmed.filmed(FRAMES, filmed.BODY_25_POINTS), filmed.in_space(FRAMES)
+    around = filmed.in_space(FRAMES, filmed.BODY_25_POINTS)
     deep = film(filmed.kicking_model(), filmed.kicking(FRAMES), 30)
     return [
         filmed.write_openpose(seen, folder / "openpose", (seen,)),
@@ -47,6 +51,14 @@ def prepare(folder: Path) -> list[Path]:
         filmed.write_pairs(filmed.filmed(FRAMES), folder / "pairs.csv"),
         mimoc.write_points(deep, folder / "points.npz"),
         filmed.write_c3d(space, folder / "markers.c3d"),
+        filmed.write_mediapipe(seen, folder / "shares.csv"),
+        filmed.write_mediapipe(seen, folder / "shares.json"),
+        filmed.write_mediapipe(around, folder / "world.csv"),
+        filmed.write_mediapipe(around, folder / "world.json"),
+        filmed.write_deeplabcut({"0": seen}, folder / "individuals.csv"),
+        filmed.write_categories({"adult": seen, "infant": seen}, folder / "categories.json"),
+        filmed.write_mmpose(seen, folder / "named.json"),
+        filmed.write_times(seen, np.cumsum([0.0, *[33, 17, 33] * 4][:FRAMES]), folder / "uneven.csv", "time_ms"),
     ]
 
 
@@ -58,13 +70,13 @@ def attempt(prepared: list[Path], generator: np.random.Generator, folder: Path) 
     for _ in range(1 if generator.random() < 0.7 else 2):
         change(generator, place, folder.parent / "outside")
     options = {name: pick(generator, values) for name, values in OPTIONS.items() if generator.random() < 0.1}
-    read = mimoc.read_points(place, **{"rate_hz": 30, **options})
+    read = mimoc.read_points(place, **{"rate_hz": 30, "picture_px": (640, 480), **options})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         read.filled()
     mimoc.write_points(read, folder / "again.npz")
     mimoc.write_points(read, folder / "again.csv")
-    mimoc.read_points(folder / "again.npz", view="back")
+    mimoc.read_points(folder / "again.npz", view="back" if read.unit == "px" else "front", up="z")
 
 
 def change(generator: np.random.Generator, place: Path, outside: Path) -> None:

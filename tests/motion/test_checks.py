@@ -40,7 +40,9 @@ def test_an_empty_folder(tmp_path):
 
 def test_a_format_that_is_not_recognised(tmp_path):
     (tmp_path / "a.mp4").write_bytes(b"film")
-    reason = "is in no format that mimoc recognises; give its format: openpose, coco, mini_rgbd, csv, npz, c3d"
+    reason = (
+        "is in no format that mimoc recognises; give its format: openpose, mediapipe, coco, mini_rgbd, csv, npz, c3d"
+    )
     assert problem(tmp_path / "a.mp4") == reason
     assert problem(tmp_path) == reason
 
@@ -244,6 +246,70 @@ def test_knees_say_whether_a_picture_with_depth_is_mirrored(tmp_path):
     assert np.allclose(mimoc.read_points(path, view="mirrored").select(deep.names).positions, deep.positions)
 
 
+TURNS = {
+    "-z": lambda p: p * [1, -1, -1],
+    "y": lambda p: p[..., [0, 2, 1]] * [1, 1, -1],
+    "-y": lambda p: p[..., [0, 2, 1]] * [1, -1, 1],
+    "x": lambda p: p[..., [2, 1, 0]] * [1, 1, -1],
+    "-x": lambda p: p[..., [2, 1, 0]] * [-1, 1, 1],
+}
+
+
+@pytest.mark.parametrize("write", ["a.npz", "a.csv", "a.c3d"])
+@pytest.mark.parametrize("up", TURNS)
+def test_an_infant_in_space_that_does_not_lie_on_its_back_is_asked_about(up, write, in_space, tmp_path):
+    """The answer is the option that the question names."""
+    turned = replace(in_space, positions=TURNS[up](in_space.positions))
+    path = (
+        filmed.write_c3d(turned, tmp_path / write) if write == "a.c3d" else mimoc.write_points(turned, tmp_path / write)
+    )
+    how = (
+        "lies face down: give view='back' if it lies on its belly, or"
+        if up == "-z"
+        else "does not lie on its back: give"
+    )
+    reason = problem(path)
+    assert reason.startswith(how)
+    assert f"up='{up}' if that axis points upwards" in reason
+    read = mimoc.read_points(path, up=up).select(in_space.names)
+    assert np.allclose(read.positions, in_space.positions, atol=1e-6)
+    assert read.notes == ()
+
+
+def test_an_infant_in_space_on_its_belly_is_said_to_be(in_space, tmp_path):
+    prone = replace(in_space, positions=in_space.positions * [1, -1, -1])
+    assert mimoc.read_points(written(prone, tmp_path), view="back").notes == ()
+    supine = written(in_space, tmp_path)
+    assert problem(supine, view="back").startswith("lies face up: give view='front' if it lies on its back, or up='-z'")
+
+
+def test_an_infant_that_sits_is_said_to_have_its_z_axis_upwards(in_space, tmp_path):
+    sits = written(replace(in_space, positions=TURNS["y"](in_space.positions)), tmp_path)
+    assert problem(sits).endswith("or up='z' if it sits, stands or lies on its side")
+    assert np.array_equal(mimoc.read_points(sits, up="z").path("neck"), TURNS["y"](in_space.path("neck")))
+
+
+def test_nobody_hangs_head_down(in_space, tmp_path):
+    along = in_space.path("neck") - in_space.hips
+    axis = int(np.argmax(np.abs(along[0])))
+    turned = in_space.positions[..., [(axis + 1) % 3, (axis + 2) % 3, axis]] * [1, 1, -np.sign(along[0, axis])]
+    assert problem(written(replace(in_space, positions=turned), tmp_path), up="z") == (
+        "hangs head down: give up='-z' if that axis points upwards"
+    )
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_places_that_are_shares_of_a_picture_are_not_metres(suffix, in_space, tmp_path):
+    """With a third axis, they are refused as without; columns that name metres are believed."""
+    shares = (in_space.positions - in_space.positions.min()) / np.ptp(in_space.positions)
+    path = mimoc.write_points(replace(in_space, positions=shares), tmp_path / f"a.{suffix}")
+    assert mimoc.read_points(path).unit == "m"
+    if suffix == "csv":
+        path.write_text(path.read_text().replace("_m,", ","))
+        assert problem(path).endswith("or export pixels, not shares of the picture")
+        assert mimoc.read_points(path, picture_px=(640, 480), view="back").unit == "px"
+
+
 def test_a_prone_infant_with_depth_is_no_problem(tmp_path):
     """It is seen from behind, but its knees bend as knees do."""
     qpos = filmed.kicking(60)
@@ -307,7 +373,10 @@ def test_two_recordings_in_one_folder(body_25, tmp_path):
     ("text", "reason"),
     [
         ("", "has no rows below its first line, which names the columns; check what was exported"),
-        ("scorer,n\nindividuals,a", "has several individuals; export the infant alone"),
+        (
+            "scorer,n\nindividuals,a",
+            "has a row 'scorer', but no rows 'bodyparts' and 'coords' below it; export it again",
+        ),
         ("a,b\n1,2", "has no points in columns such as neck_x and neck_y (a; b); name its columns so"),
         ("neck_x,neck_y\n1", "row 2 has 1 cell, not 2 as the first; export it again"),
         ("neck_x,neck_x,neck_y\n1,2,3", "has the column neck_x twice; keep one infant, and each column once"),

@@ -9,6 +9,7 @@ import pytest
 from support import filmed
 
 import mimoc
+from mimoc.base.errors import RecordingError
 from mimoc.motion.body_points import film
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA
 from mimoc.motion.points import POINTS
@@ -221,6 +222,46 @@ def test_markers_of_plug_in_gait_are_points(in_space, tmp_path):
     read = mimoc.read_points(filmed.write_c3d(in_space, tmp_path / "a.c3d", names))
     assert are_close(in_space, read, 1e-6)
     assert "left_hip is taken to be at Baby:LASI" in read.notes
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["", "MM", "Millimeters", "milli-metre", "[mm]", "m.", "Meter", "cm", "Centimetres", "dm", "inches", "in", "ft"],
+)
+def test_units_of_markers_by_every_word(unit, in_space, tmp_path):
+    read = mimoc.read_points(filmed.write_c3d(in_space, tmp_path / "a.c3d", unit=unit))
+    assert are_close(in_space, read, 1e-6)
+
+
+@pytest.mark.parametrize("unit", ["furlong", "ms", "s", "deg"])
+def test_a_unit_that_is_not_known_is_asked_about(unit, in_space, tmp_path):
+    path = filmed.write_c3d(in_space, tmp_path / "a.c3d", unit=unit)
+    with pytest.raises(RecordingError, match=f"unknown unit '{unit}'; export it in one of mm, cm, dm, m, in, ft"):
+        mimoc.read_points(path)
+
+
+@pytest.mark.parametrize("seen", [0.0, 0.1, 0.5])
+def test_markers_on_the_back_need_not_be_seen(seen, in_space, tmp_path):
+    """An infant that lies on its back hides some of Plug-in Gait's."""
+    labels = {"neck": "CLAV", "left_hip": "LASI", "right_hip": "RASI"}
+    behind = in_space.select([*labels])
+    hidden = behind.positions - [0, 0, 0.05]
+    hidden[round(seen * behind.frames) :] = np.nan
+    names = (*(labels.get(name, name) for name in in_space.names), "C7", "LPSI", "RPSI")
+    positions = np.concatenate([in_space.positions, hidden], axis=1)
+    whole = replace(in_space, names=names, positions=positions, confidence=np.ones(positions.shape[:2]))
+    read = mimoc.read_points(filmed.write_c3d(whole, tmp_path / "a.c3d"))
+    assert are_close(in_space, read, 1e-6)
+    assert {"neck is taken to be at CLAV", "left out: C7; LPSI; RPSI"} <= {*read.notes}
+
+
+@pytest.mark.parametrize(("unit", "size"), [("mm", 1000), ("cm", 100), ("m", 1)])
+def test_columns_of_a_table_name_their_unit(unit, size, in_space, tmp_path):
+    path = mimoc.write_points(replace(in_space, positions=in_space.positions * size), tmp_path / "a.csv")
+    text = path.read_text()
+    for end in (f"_{unit},", f" [{unit}],", f"({unit}),"):
+        path.write_text(text.replace("_m,", end))
+        assert are_close(in_space, mimoc.read_points(path), 1e-9)
 
 
 def test_a_marker_that_is_not_seen_is_a_gap(in_space, tmp_path):

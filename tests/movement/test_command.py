@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from support import filmed
 from support.moving import restless
 
 from mimoc.motion.writing import write_points
@@ -36,12 +37,33 @@ def test_what_files_do_not_say_is_an_option_that_messages_name(invoke, place):
     assert invoke("movement", "film.csv", "--rate", "30", "--view", "mirrored").code == 0
 
 
+def test_shares_of_a_picture_and_axes_of_space_are_asked_about_by_options(invoke, place):
+    filmed.write_mediapipe(filmed.filmed(300, filmed.BODY_25_POINTS), place / "shares.csv")
+    assert "give the size of the picture, --picture 1920,1080" in invoke("movement", "shares.csv", "--rate", "30").err
+    assert invoke("movement", "shares.csv", "--rate", "30", "--picture", "640x480").code == 0
+    assert "'big' is not the size of a picture" in invoke("movement", "shares.csv", "--picture", "big").err
+    space = filmed.in_space(300)
+    write_points(replace(space, positions=space.positions * [1, -1, -1]), place / "space.npz")
+    assert "or --up -z if that axis points upwards" in invoke("movement", "space.npz").err
+    assert invoke("movement", "space.npz", "--up", "-z").code == 0
+    assert "'w' is not a choice of the axis" in invoke("movement", "space.npz", "--up", "w").err
+
+
 def test_a_label_that_says_nothing_is_named_by_an_option(invoke, place):
     table = write_points(restless(0, 4.0), place / "film.csv").read_text()
     (place / "film.csv").write_text(table.replace("left_hip_", "p7_"))
     assert "name its points: --name label=left_hip" in invoke("movement", "film.csv").err
     assert invoke("movement", "film.csv", "--name", "p7=left_hip").code == 0
     assert invoke("movement", "film.csv", "--name", "p7").err.endswith("write it as p7=left_foot\n")
+
+
+def test_points_that_are_unsure_are_left_out_or_not_by_an_option(invoke, place):
+    seen = restless(0, 4.0)
+    write_points(replace(seen, confidence=seen.confidence * 0.2), place / "film.csv")
+    said = "has a confidence below 0.3 at 100% of its points; if they can be trusted: --min-score 0\n"
+    assert invoke("movement", "film.csv").err.endswith(said)
+    assert invoke("movement", "film.csv", "--min-score", "0.2").code == 0
+    assert invoke("movement", "film.csv", "--min-score", "2").code == 2
 
 
 def test_all_measures_are_printed_on_request(invoke):

@@ -1,10 +1,12 @@
 """What can be measured: recordings of points, of mimoc, of cohorts, and infants under a policy."""
 
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.filmed import filmed, in_space
 from support.moving import restless
 from support.store import built
 
@@ -52,6 +54,17 @@ def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_pa
     write_points(restless(0, 10.0), tmp_path / "points.npz")
     (film,) = films_in(tmp_path)
     assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
+
+
+@pytest.mark.parametrize("lies", ["in space", "in a picture"])
+def test_a_retargeted_folder_is_not_asked_again_how_its_infant_lies(lies, tmp_path):
+    (tmp_path / "recording.json").write_text("{}")
+    space, seen = in_space(90), filmed(90)
+    prone = replace(space, positions=space.positions * [1, -1, -1])
+    behind = replace(seen, positions=seen.positions * [-1, 1] + [640, 0])
+    write_points(prone if lies == "in space" else behind, tmp_path / "points.npz")
+    (film,) = films_in(tmp_path)
+    assert film.seen.frames == 90
 
 
 def test_a_folder_is_also_what_mimoc_wrote_in_it(tmp_path):

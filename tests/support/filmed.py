@@ -1,9 +1,11 @@
 """Infants that are filmed while they kick, and files as pose estimators, MINI-RGBD and motion capture write them."""
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +17,9 @@ from mimoc.motion.labels import known_name
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import MINI_RGBD_POINTS
 from mimoc.motion.read_coco import COCO_17
+from mimoc.motion.read_mediapipe import LANDMARKS
 from mimoc.motion.read_openpose import BODY_25
+from mimoc.motion.units import metres_in, seconds_in
 
 BODY_25_POINTS = tuple(map(known_name, BODY_25))
 
@@ -41,6 +45,21 @@ def kicking(frames: int, seed: int = 0) -> FloatArray:
     return qpos
 
 
+def beside(recording: PointRecording, scale: float = 1.0, radii: float = 2.5, *, still: bool = False) -> PointRecording:
+    """Return somebody else, who moves as it does or not at all, beside it by some radii of its body."""
+    positions = recording.positions[:1].repeat(recording.frames, axis=0) if still else recording.positions
+    middle = np.nanmean(positions, axis=(0, 1))
+    radius = np.nanmean(np.linalg.norm(positions - middle, axis=-1))
+    return replace(recording, positions=(positions - middle) * scale + middle + [radii * radius, 0])
+
+
+def missed(recording: PointRecording, frames: Any) -> PointRecording:
+    """Return it without any point in some frames, given by an index."""
+    positions = recording.positions.copy()
+    positions[frames] = np.nan
+    return replace(recording, positions=positions)
+
+
 def without_neck(recording: PointRecording) -> PointRecording:
     """Return what pose estimators see: what they call a neck is the middle of the shoulders, or nothing."""
     return recording.select([name for name in recording.names if name != "neck"])
@@ -61,13 +80,27 @@ def in_space(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: 
     return PointRecording("kicking", 30.0, names, places_m, np.ones(places_m.shape[:2]))
 
 
-def write_openpose(recording: PointRecording, folder: Path, others: tuple[PointRecording, ...] = ()) -> Path:
-    """Write BODY_25 as OpenPose does, a file for each frame, with other persons before the infant."""
+def write_openpose(
+    recording: PointRecording,
+    folder: Path,
+    others: tuple[PointRecording, ...] = (),
+    identities: tuple[int | Sequence[int], ...] = (),
+) -> Path:
+    """Write BODY_25 as OpenPose does, a file for each frame, with other persons before the infant.
+
+    Whoever is not seen in a frame is left out. Identities are of each, in all frames or by frame.
+    """
     folder.mkdir()
-    tables = [_table(person, BODY_25_POINTS) for person in (*others, recording)]
+    persons = *others, recording
+    tables = [_table(person, BODY_25_POINTS) for person in persons]
+    who = [np.broadcast_to(one, recording.frames).tolist() for one in identities or [-1] * len(persons)]
     empty = {f"{part}_keypoints_{dimension}": [] for part in ("face", "hand_left") for dimension in ("2d", "3d")}
     for frame in range(recording.frames):
-        people = [{"person_id": [-1], "pose_keypoints_2d": table[frame], **empty} for table in tables]
+        people = [
+            {"person_id": [name[frame]], "pose_keypoints_2d": table[frame], **empty}
+            for table, name in zip(tables, who, strict=True)
+            if any(table[frame])
+        ]
         content = json.dumps({"version": 1.3, "people": people}, separators=(",", ":"))
         (folder / f"film_{frame:012d}_keypoints.json").write_text(content)
     return folder
@@ -93,6 +126,52 @@ def write_coco(recording: PointRecording, path: Path) -> Path:
     return path
 
 
+def write_categories(recordings: Mapping[str, PointRecording], path: Path) -> Path:
+    """Write annotations in COCO's form of persons of several categories; every second has its points reversed."""
+    orders = [COCO_17[:: (-1) ** number] for number in range(len(recordings))]
+    categories = [
+        {"id": number + 1, "name": name, "keypoints": [*order]}
+        for number, (name, order) in enumerate(zip(recordings, orders, strict=True))
+    ]
+    annotations = [
+        {"image_id": frame, "category_id": number + 1, "keypoints": row}
+        for number, (one, order) in enumerate(zip(recordings.values(), orders, strict=True))
+        for frame, row in enumerate(_table(one, order))
+    ]
+    frames = max(one.frames for one in recordings.values())
+    images = [{"id": frame, "file_name": f"film_{frame:04d}_cam2.jpg"} for frame in range(frames)]
+    path.write_text(json.dumps({"images": images, "annotations": annotations, "categories": categories}))
+    return path
+
+
+def write_mmpose(recording: PointRecording, path: Path, **meta: object) -> Path:
+    """Write what MMPose does of a video, with the names of points in reverse order in `meta_info`."""
+    names = COCO_17[::-1]
+    rows = np.array(_table(recording, names)).reshape(recording.frames, -1, 3)
+    frames = [
+        {"frame_id": frame, "instances": [{"keypoints": row[:, :2].tolist(), "keypoint_scores": row[:, 2].tolist()}]}
+        for frame, row in enumerate(rows)
+    ]
+    meta = meta or {"keypoint_id2name": {str(number): name for number, name in enumerate(names)}}
+    path.write_text(json.dumps({"meta_info": {"dataset_name": "ours", **meta}, "instance_info": frames}))
+    return path
+
+
+def write_times(recording: PointRecording, times: FloatArray, path: Path, column: str = "time_s") -> Path:
+    """Write a table with a row for each of some times; points are interpolated between frames."""
+    when = np.arange(recording.frames) / recording.rate_hz
+    flat = recording.positions.reshape(recording.frames, -1)
+    seconds = times * (seconds_in(column.rpartition("_")[2]) or 1)
+    values = np.stack([np.interp(seconds, when, one) for one in flat.T], axis=1)
+    header = [
+        column,
+        *(f"{name}_{axis}" for name in recording.names for axis in "xyz"[: recording.positions.shape[-1]]),
+    ]
+    rows = [[time, *row] for time, row in zip(times.tolist(), values.tolist(), strict=True)]
+    path.write_text("\n".join(",".join(map(str, row)) for row in [header, *rows]))
+    return path
+
+
 def write_pairs(recording: PointRecording, path: Path) -> Path:
     """Write the form of public keypoints of MINI-RGBD: semicolons, and cells of x and y."""
     rows = [
@@ -100,6 +179,51 @@ def write_pairs(recording: PointRecording, path: Path) -> Path:
         for frame, row in enumerate(recording.positions.tolist())
     ]
     path.write_text("\n".join(";".join(row) for row in [["image", *recording.names], *rows]))
+    return path
+
+
+def landmarks(recording: PointRecording) -> FloatArray:
+    """Return MediaPipe's landmarks, shape (t, 33, 4): x, y, z and visibility, which is low for those not recorded.
+
+    Pixels become shares of a picture of 640 x 480 pixels, with a z; places in space become metres from the hips, y
+    downwards, as a camera sees them that looks straight down.
+    """
+    table = np.full((recording.frames, len(LANDMARKS), 4), 0.01)
+    if recording.unit == "px":
+        places = np.concatenate([recording.positions / (640, 480), recording.positions[..., :1] * 0 + 0.1], axis=-1)
+    else:
+        places = (recording.positions - recording.hips[:, None]) * (1, -1, -1)
+    for index, name in enumerate(map(known_name, LANDMARKS)):
+        if name in recording.names:
+            table[:, index] = np.insert(places[:, recording.names.index(name)], 3, 0.99, axis=-1)
+    return table
+
+
+def write_mediapipe(recording: PointRecording, path: Path) -> Path:
+    """Write landmarks, as a table with a row for each frame or as JSON with a list for each."""
+    table = landmarks(recording)
+    keys = "x", "y", "z", "visibility"
+    if path.suffix == ".json":
+        frames = [[dict(zip(keys, point, strict=True)) for point in points] for points in table.tolist()]
+        path.write_text(json.dumps([{"frame": frame, "landmarks": points} for frame, points in enumerate(frames)]))
+        return path
+    header = ["frame", *(f"{name}_{key}" for name in LANDMARKS for key in keys)]
+    rows = [[frame, *row] for frame, row in enumerate(table.reshape(recording.frames, -1).tolist())]
+    path.write_text("\n".join(",".join(map(str, row)) for row in [header, *rows]))
+    return path
+
+
+def write_deeplabcut(recordings: Mapping[str, PointRecording], path: Path) -> Path:
+    """Write DeepLabCut's table of several individuals by their names, with its four rows of titles."""
+    axes, some = ("x", "y", "likelihood"), [*recordings.values()]
+    columns = [(name, point, axis) for name, one in recordings.items() for point in one.names for axis in axes]
+    titles = ("individuals", "bodyparts", "coords")
+    header = [["scorer", *["net"] * len(columns)], *map(list, zip(titles, *columns, strict=True))]
+    values = np.concatenate(
+        [np.insert(one.positions, 2, 0.99, axis=-1).reshape(one.frames, -1) for one in some], axis=1
+    )
+    rows = [[frame, *row] for frame, row in enumerate(values.tolist())]
+    path.write_text("\n".join(",".join(map(str, row)) for row in [*header, *rows]))
     return path
 
 
@@ -111,7 +235,7 @@ def write_c3d(recording: PointRecording, path: Path, labels: tuple[str, ...] = (
     file["parameters"]["POINT"]["RATE"]["value"] = [recording.rate_hz]
     file["parameters"]["POINT"]["LABELS"]["value"] = list(labels or recording.names)
     file["parameters"]["POINT"]["UNITS"]["value"] = [unit]
-    places = recording.positions.transpose(2, 1, 0) * {"mm": 1000, "m": 1}[unit]
+    places = recording.positions.transpose(2, 1, 0) / (metres_in(unit or "mm") or 1)
     file["data"]["points"] = np.concatenate([places, np.ones((1, *places.shape[1:]))])
     file.write(str(path))
     return path
