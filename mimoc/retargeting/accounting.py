@@ -61,6 +61,7 @@ def account_of(
         size_is_known=setting.size_is_known,
         lengths_m=_lengths(setting, wide),
         camera_height_m=_interval(state.height_m, height_sd) if recording.unit == "px" else None,
+        camera_pitch_deg=setting.pitch.deg if recording.unit == "px" else None,
         joints=joints,
         angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * factors,
         depth_sd_m=dict(zip(names, np.median(sure.depth_sd_m, axis=0).tolist(), strict=True)),
@@ -76,7 +77,7 @@ def _depth_error(problem: Problem, state: State) -> float | None:
     observed = problem.observed
     if observed.depth_m is None or observed.depth_weight is None:
         return None
-    away = np.abs(state.height_m - points_of(problem, state)[..., 2] - observed.depth_m)
+    away = np.abs(observed.in_camera(points_of(problem, state), state.height_m)[..., 2] - observed.depth_m)
     return float(np.median(away[observed.depth_weight > 0]))
 
 

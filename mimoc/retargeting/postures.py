@@ -91,7 +91,7 @@ def _cost(
     squares = ((seen - observed.places[frame, points]) ** 2).sum(-1) / usual**2
     cost = (observed.weight[frame, points] * np.minimum(squares, FAR**2)).sum(-1)
     if observed.depth_m is not None and observed.depth_weight is not None:
-        away = (height_m - world_m[..., 2] - observed.depth_m[frame, points]) / COARSE_M
+        away = (observed.in_camera(world_m, height_m)[..., 2] - observed.depth_m[frame, points]) / COARSE_M
         cost += (observed.depth_weight[frame, points] * np.minimum(away**2, FAR**2)).sum(-1)
     if not observed.in_space:
         cost += (np.minimum(world_m[..., 2], 0.0) ** 2).sum(-1) / SINK_M**2

@@ -60,6 +60,9 @@ class Account:
     """Lengths of the child, by part."""
     camera_height_m: Interval | None
     """Height of the camera above the floor; None for points in space."""
+    camera_pitch_deg: Interval | None
+    """Angle by which the camera looks down, below the horizon: 90 if it looks straight down; as it was given, taken
+    for granted (then without any width) or estimated. None for points in space."""
     joints: tuple[str, ...]
     """Hinges of the model that were fitted, j of them."""
     angle_sd_rad: FloatArray
@@ -107,6 +110,7 @@ class Account:
             "size_is_known": self.size_is_known,
             "lengths_m": {name: interval.to_data() for name, interval in self.lengths_m.items()},
             "camera_height_m": self.camera_height_m and self.camera_height_m.to_data(),
+            "camera_pitch_deg": self.camera_pitch_deg and self.camera_pitch_deg.to_data(),
             "angle_sd_deg": _all_rounded(self.angle_sd_deg),
             "depth_sd_m": _all_rounded(self.depth_sd_m),
             "unseen": list(self.unseen),
