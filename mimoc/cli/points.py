@@ -31,9 +31,11 @@ Names = Annotated[
 _OPTIONS = (
     (r"\brate_hz=(\S+)", r"--rate \1"),
     (r"\bview='(\w+)'", r"--view \1"),
+    (r"\bcamera_pitch_deg=", "--camera-pitch "),
+    (r"\bpose='(\w+)'", r"--pose \1"),
     (r"\bnames=\{'label': '(\w+)'\}", r"--name label=\1"),
 )
-"""Arguments of `read_points` in messages, and the options that stand for them."""
+"""Arguments of `read_points` and `retarget` in messages, and the options that stand for them."""
 
 
 def names_of(texts: Sequence[str] | None) -> dict[str, str] | None:

@@ -26,8 +26,8 @@ ALIKE = 0.17
 STRAIGHT = "the camera is taken to look straight down on a level floor"
 SLANTED = (
     "the trunk looks foreshortened: the camera is taken to look down at {deg:.0f} degrees below the horizon"
-    " ({low:.0f} to {high:.0f}, 90 %), the upper edge of its picture level; if you know the angle, give"
-    " camera_pitch_deg= (90 is straight down)"
+    " ({low:.0f} to {high:.0f}, 90 %), the upper edge of its picture level; if you know the angle, say it"
+    " (camera_pitch_deg=, --camera-pitch; 90 is straight down)"
 )
 GIVEN = "the camera looks down at {deg:g} degrees below the horizon, as given, the upper edge of its picture level"
 

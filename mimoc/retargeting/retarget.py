@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from mimoc.base.errors import RecordingError
+from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
 from mimoc.retargeting.accounting import account_of
 from mimoc.retargeting.fitting import Problem, State
@@ -41,6 +41,7 @@ FIRST_OUTLIER = 20 * OUTLIER
 FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 """Points that a recording must have, and share of them that must be seen."""
 FEWEST_FRAMES = 3
+POSES = "supine", "prone"
 NEARLY_ALWAYS = 0.9
 """Share of frames in which an infant must lie the other way round than is said, to be asked about: others roll."""
 
@@ -87,6 +88,8 @@ def retarget(
         (12, True)
     """
     run = Run(progress, TOTAL)
+    if pose is not None:
+        check_name("pose of an infant who lies", pose, POSES)
     check(recording)
     child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
     setting = run.compiled(lambda: setting_of(recording, child, camera_height_m, camera_pitch_deg))

@@ -47,8 +47,8 @@ HELD = 0.003
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
 CALIBRATED = (
-    "one camera sees no depth: standard deviations of angles and, if its height is given, of lengths are widened as"
-    " simulated motions ask for"
+    "one camera sees no depth: intervals of angles and lengths are as wide as simulated children that moved otherwise"
+    " than is assumed asked for"
 )
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
@@ -82,6 +82,8 @@ class Setting:
     """Height of the camera, if it is known."""
     pitch: Pitch
     """How far the camera looks down."""
+    height_factors: tuple[float, float]
+    """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray
     """Logarithms of the sizes that the child has, relative to the child that the fit started from, shape (s,)."""
 
@@ -158,9 +160,14 @@ def setting_of(
     shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
     pitch = pitch_of(recording, model, pitch_deg)
     trunk = _resting(model, rest, [point for point in body_points(model, TRUNK) if point])
-    turn = camera_from_world(pitch.deg.value)
-    start = start_of(recording.filled(), trunk, rest[:3], matrix_of(rest[3:7]), height_m, turn)
-    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, np.zeros(1 + len(sizes)))
+    root = rest[:3], matrix_of(rest[3:7])
+    start, *others = (
+        start_of(recording.filled(), trunk, *root, height_m, camera_from_world(deg))
+        for deg in dict.fromkeys((pitch.deg.value, pitch.deg.low, pitch.deg.high))
+    )
+    heights = [1.0, *(other.height_m / start.height_m for other in others)]
+    ends, logs = (min(heights), max(heights)), np.zeros(1 + len(sizes))
+    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, ends, logs)
 
 
 def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Problem:

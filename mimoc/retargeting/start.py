@@ -117,7 +117,7 @@ def _in_space(
     across = (recording.positions[:, index] - camera.centre_px) / camera.focal_px * depth
     below = np.concatenate([across, depth], axis=-1) @ turn
     height_m = height_m if height_m is not None else float(resting_m - np.nanpercentile(below[..., 2], 10))
-    return below + [0.0, 0.0, height_m], height_m
+    return below + np.array([0.0, 0.0, height_m]), height_m
 
 
 def _of_places(

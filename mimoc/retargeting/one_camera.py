@@ -1,0 +1,85 @@
+"""What one camera without depth leaves open: much more than the Hessian of the solution that was found says."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.motion.point_recording import FloatArray
+from mimoc.retargeting import prior
+from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.postures import spread_of_alike
+from mimoc.retargeting.setting import Setting
+from mimoc.retargeting.sizes import at_sizes
+from mimoc.retargeting.skeleton import ROOT
+from mimoc.retargeting.uncertainty import Uncertainty, uncertainty_of
+
+MODEL_OF_TRUNK = 0.05
+"""Noise that stands for errors which last, of proportions, centres of joints and the camera, as a share of the trunk:
+the Hessian counts each frame anew, so it is about .01 times the root of the frames in which postures last."""
+WIDER = {
+    "shoulder": 0.8,
+    "elbow": 0.75,
+    "hand1": 0.8,
+    "hand": 0.5,
+    "head": 0.8,
+    "hip_rot": 3.0,
+    "hip_": 2.0,
+    "hip": 1.3,
+    "knee": 0.8,
+    "foot1": 0.5,
+    "foot2": 0.7,
+    "foot3": 1.2,
+}
+"""Factor on standard deviations of angles, by what the name of a hinge contains, the first that fits (D)."""
+LENGTHS_WIDER = 1.15
+"""Factor on those of logarithms of lengths (D)."""
+
+
+def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncertainty) -> Uncertainty:
+    """Return how sure a fit to one camera is.
+
+    With the calibrated factor v of a hinge, its variance is v^2 (H + A): H is that of the Hessian with `MODEL_OF_TRUNK`
+    added to the noise, and without the limits of joints, for a solution at a limit need not be there; A is the mean
+    square distance of postures that look alike, `spread_of_alike`. The
+    variance of the logarithm of a length is that of overall size, if nothing tells it, and that of the bodies of
+    children, times a calibrated factor: one camera tells next to nothing of lengths.
+
+    Args:
+        setting: What was fitted.
+        problem: The last problem.
+        state: Its solution.
+        sure: How sure it is by its Hessian.
+    """
+    trunk, boundless = setting.recording.trunk, np.full_like(problem.low, np.inf)
+    observed = replace(problem.observed, noise=float(np.hypot(problem.observed.noise, MODEL_OF_TRUNK * trunk)))
+    loose = uncertainty_of(
+        replace(
+            problem,
+            observed=observed,
+            low=-boundless,
+            high=boundless,
+            sum_bounds=np.full_like(problem.sum_bounds, np.inf),
+            shared_sd=setting.shared_sd(),
+        ),
+        state,
+    )
+    spread = np.array([usual.sd for usual in prior.usual_of(setting.hinges)[ROOT:]])
+    alike = spread_of_alike(
+        problem.skeleton,
+        at_sizes(problem.shape, state.logs),
+        problem.observed,
+        state.x,
+        (spread, problem.low, problem.high),
+        (trunk, state.height_m, problem.rate_hz),
+        problem.mean[0, ROOT:],
+    )
+    angles = np.hypot(loose.angle_sd_rad, alike) * factors(setting.hinges.names)
+    shared = loose.shared_covariance.copy()
+    shared[1:, 1:] *= LENGTHS_WIDER**2
+    return replace(sure, angle_sd_rad=angles, shared_covariance=shared, depth_sd_m=loose.depth_sd_m)
+
+
+def factors(hinges: Sequence[str]) -> FloatArray:
+    """Return the calibrated factor of each hinge, shape (u,)."""
+    return np.array([next(factor for part, factor in WIDER.items() if part in name) for name in hinges])
