@@ -8,7 +8,7 @@ frames/s, with noise in pixels, child by child as --noise has it, or with --ever
 The fit knows the age and the hands, with --height also the camera's height. --mini sees the 14 points of MINI-RGBD.
 Prints, for each kind of motion: the share of angles in their interval, of hinges that are said to be seen and of all;
 the median of half the width of intervals of those that are seen; the share of hinges that are said to be unseen; and of
-lengths. --calibrate prints what the factors in `mimoc/retargeting/one_camera.py` would have to be instead.
+lengths. --calibrate prints by how much the factors in `mimoc/retargeting/one_camera.py` are too small.
 """
 
 import argparse
@@ -26,7 +26,6 @@ from retargeting import HEIGHT_M, average_like
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.points import MINI_RGBD_POINTS
-from mimoc.retargeting.one_camera import factors
 from mimoc.retargeting.result import LEVEL, QUANTILE, Interval
 from mimoc.retargeting.sizes import lengths_of
 
@@ -78,7 +77,9 @@ def main() -> None:
         print(f"{kind:18} " + row([fit for fit in fits if fit.kind == kind]))
 
 
-def fitted(kind: str, seed: int, noise_px: float, *, seconds: float, names: tuple[str, ...], height_m: float | None):
+def fitted(
+    kind: str, seed: int, noise_px: float, *, seconds: float, names: tuple[str, ...], height_m: float | None
+) -> Fit:
     """Return the fit to a film of one child."""
     spec, model, qpos = moving_child(kind, seed, seconds)
     draw = np.random.default_rng([seed, 99])
@@ -112,10 +113,10 @@ def row(fits: Sequence[Fit]) -> str:
 
 
 def calibrate(fits: Sequence[Fit]) -> None:
-    """Print, by hinge and by length, the factors with which nine of ten intervals would hold, kind by kind."""
+    """Print, by hinge and by length, further factors with which nine of ten intervals would hold, kind by kind."""
     ratios: dict[str, dict[str, list[FloatArray]]] = {}
     for fit in fits:
-        over = np.abs(fit.off_rad) / fit.sd_rad * factors(fit.hinges)
+        over = np.abs(fit.off_rad) / fit.sd_rad
         for name, column in zip(fit.hinges, over.T, strict=True):
             part = re.sub(r"^robot:(left_|right_)?|(?<=hip_\w{3})\d$|(?<=_lean)\d$|(?<=_bend)\d$", "", name)
             ratios.setdefault(part, {}).setdefault(fit.kind, []).append(column)
@@ -123,9 +124,10 @@ def calibrate(fits: Sequence[Fit]) -> None:
             sd = np.log(interval.high / interval.low) / 2
             off = np.abs(np.log(truth / interval.value))
             ratios.setdefault(f"length of {name}", {}).setdefault(fit.kind, []).append(np.array([off / sd * QUANTILE]))
+    print(f"{'':24}" + "".join(f"{kind:>18}" for kind in KINDS))
     for part, by_kind in sorted(ratios.items()):
-        values = [np.quantile(np.concatenate(by_kind[kind]), LEVEL) / QUANTILE for kind in by_kind]
-        print(f"{part:24}" + "".join(f"{value:8.2f}" for value in values) + f"{np.quantile(values, 0.75):10.2f}")
+        values = [np.quantile(np.concatenate(by_kind[kind]), LEVEL) / QUANTILE for kind in KINDS]
+        print(f"{part:24}" + "".join(f"{value:18.2f}" for value in values))
 
 
 if __name__ == "__main__":

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.retargeting import known_motions, setting
+from support.retargeting import known_motions, problem_and_state, setting
 
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.retargeting.accounting import NOT_SEEN
 from mimoc.retargeting.banded import NormalEquations
-from mimoc.retargeting.one_camera import factors
+from mimoc.retargeting.one_camera import factors, turns
 from mimoc.retargeting.postures import spread_of_alike
 from mimoc.retargeting.prior import Usual, chain, usual_of
 from mimoc.retargeting.result import QUANTILE, Interval
@@ -55,7 +55,20 @@ def test_nine_of_ten_intervals_of_a_linear_model_contain_the_truth():
 
 
 def test_every_hinge_that_is_fitted_has_a_factor():
-    assert all(factors(setting("pixels", hands).hinges.names).all() for hands in ("mitten", "five_finger"))
+    for hands in ("mitten", "five_finger"):
+        names = setting("pixels", hands).hinges.names
+        lying, turned = factors(names)
+        assert len(lying) == len(names)
+        assert (turned >= lying).all()
+
+
+def test_angles_are_less_sure_from_the_frame_on_in_which_the_trunk_has_turned():
+    problem, state = problem_and_state("pixels", shift=0.0)
+    x = state.x.copy()
+    x[:, 3:ROOT] = 0.0
+    assert not turns(problem, replace(state, x=x)).any()
+    x[5, 3] = np.radians(60)
+    assert np.array_equal(turns(problem, replace(state, x=x)), np.arange(len(x)) >= 5)
 
 
 def test_the_turn_of_an_arm_is_seen_by_its_bent_elbow_only():
