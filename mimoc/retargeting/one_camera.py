@@ -19,7 +19,9 @@ MODEL_OF_TRUNK = 0.05
 """Noise that stands for errors which last, of proportions, centres of joints and the camera, as a share of the trunk:
 the Hessian counts each frame anew, so it is about .01 times the root of the frames in which postures last."""
 WIDER = {
-    "shoulder": (0.8, 0.8),
+    "shoulder_horizontal": (0.8, 0.8),
+    "shoulder_ad_ab": (0.6, 0.8),
+    "shoulder_rotation": (0.7, 0.7),
     "elbow": (0.55, 0.7),
     "hand1": (0.75, 0.75),
     "hand": (0.5, 0.5),
@@ -38,11 +40,14 @@ WIDER = {
 """Factors on standard deviations of angles, by what the name of a hinge contains: while the trunk lies flat, and from
 the first frame on in which it has turned, when what its contact with the floor tells of it is wrong (D: the 90th
 percentile of errors over standard deviations in that kind of motion in which it is largest, over that of a normal
-distribution, of 10 children in each of four kinds: `benchmarks/one_camera.py --calibrate --first 1000`)."""
+distribution, of 10 children each in general movements and kicks and 8 who roll: `benchmarks/one_camera.py --calibrate
+--first 1000`, before these factors; reaches had no part)."""
 FLAT = 0.8
 """Cosine of the angle between the front of the trunk and the vertical from which it lies flat."""
-LENGTHS_WIDER = 1.15
-"""Factor on those of logarithms of lengths (D: likewise)."""
+LENGTHS_WIDER, LENGTHS_WIDER_WITH_HEIGHT = 1.15, 1.7
+"""Factors on those of logarithms of lengths: where the camera's height is not given, and where it is, so that not
+knowing overall size does not hide what is wrong (D: likewise; with the height, four children each in general movements
+and kicks)."""
 
 
 def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncertainty) -> Uncertainty:
@@ -87,7 +92,7 @@ def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncert
     has_turned = turns(problem, state)[:, None]
     angles = np.hypot(loose.angle_sd_rad, alike) * np.where(has_turned, turned, lying)
     shared = loose.shared_covariance.copy()
-    shared[1:, 1:] *= LENGTHS_WIDER**2
+    shared[1:, 1:] *= (LENGTHS_WIDER_WITH_HEIGHT if setting.size_is_known else LENGTHS_WIDER) ** 2
     return replace(sure, angle_sd_rad=angles, shared_covariance=shared, depth_sd_m=loose.depth_sd_m)
 
 
