@@ -95,6 +95,8 @@ def _distance(ground: FloatArray, lying_m: FloatArray) -> float:
         return np.inf
     seen, lying = ground @ [1, 1j], lying_m[:, :2] @ [1, 1j]
     seen, lying = seen - seen.mean(axis=1, keepdims=True), lying - lying.mean()
-    factor = (seen.conj() * lying).sum(axis=1) / (np.abs(seen) ** 2).sum(axis=1)
-    distances = np.sqrt((np.abs(factor[:, None] * seen - lying) ** 2).sum(axis=1))
-    return float(np.median(distances) / np.abs(lying[0] - (lying[1] + lying[2]) / 2))
+    distances = []
+    for side in (seen, seen.conj()):  # On its back, and on its belly.
+        factor = (side.conj() * lying).sum(axis=1) / (np.abs(side) ** 2).sum(axis=1)
+        distances.append(np.median(np.sqrt((np.abs(factor[:, None] * side - lying) ** 2).sum(axis=1))))
+    return float(min(distances) / np.abs(lying[0] - (lying[1] + lying[2]) / 2))

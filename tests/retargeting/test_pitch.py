@@ -33,6 +33,12 @@ def test_a_slanted_camera_is_found_however_the_infant_lies_in_its_picture(qpos, 
     assert "--camera-pitch" in pitch.note
 
 
+def test_a_slanted_camera_is_found_above_an_infant_on_its_belly(qpos):
+    prone = qpos.copy()
+    prone[:, 3:7] = [np.cos(np.pi / 4), 0, np.sin(np.pi / 4), 0]
+    assert pitch_of(flat(prone, 45), child().model, None).deg.contains(45)
+
+
 @pytest.mark.parametrize("turned_deg", [0, 60, 90])
 def test_a_camera_that_looks_straight_down_is_not_taken_for_a_slanted_one(qpos, turned_deg):
     assert pitch_of(flat(qpos, 90, turned_deg=turned_deg), child().model, None).note == STRAIGHT
