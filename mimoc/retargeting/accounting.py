@@ -52,7 +52,7 @@ def account_of(
     wide = sure if problem.observed.tells_size else of_one_camera(setting, problem, state, sure)
     half_m, factors = QUANTILE * float(np.sqrt(wide.shared_covariance[0, 0])), setting.height_factors
     ends_m = (state.height_m - half_m) * factors[0], (state.height_m + half_m) * factors[1]
-    unseen = _unseen(setting, wide)
+    unseen = _unseen(setting, wide, joints)
     if unseen:
         named = ", ".join(name.removeprefix("robot:") for name in unseen)
         notes = (*notes, f"{NOT_SEEN}: {named}")
@@ -101,10 +101,10 @@ def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
     return result
 
 
-def _unseen(setting: Setting, sure: Uncertainty) -> tuple[str, ...]:
+def _unseen(setting: Setting, sure: Uncertainty, joints: tuple[str, ...]) -> tuple[str, ...]:
     usual = np.array([item.sd for item in usual_of(setting.hinges)[ROOT:]])
     unseen = np.median(sure.angle_sd_rad, axis=0) > UNSEEN * usual
-    return tuple(name for name, is_unseen in zip(setting.hinges.names, unseen, strict=True) if is_unseen)
+    return tuple(name for name, column in zip(joints, setting.hinges.column, strict=True) if unseen[column])
 
 
 def _touched(problem: Problem, state: State, names: tuple[str, ...]) -> dict[str, float]:
