@@ -71,7 +71,7 @@ def account_of(
         camera_pitch_deg=setting.pitch.deg if recording.unit == "px" else None,
         joints=joints,
         angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * np.abs(hinges.factor),
-        depth_sd_m=dict(zip(names, np.median(sure.depth_sd_m, axis=0).tolist(), strict=True)),
+        depth_sd_m=dict(zip(names, np.median(wide.depth_sd_m, axis=0).tolist(), strict=True)),
         unseen=unseen,
         limits_touched=_touched(problem, state, hinges.names),
         frames=recording.frames,
