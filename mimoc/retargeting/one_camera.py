@@ -44,10 +44,11 @@ distribution, of 10 children each in general movements and kicks and 8 who roll:
 --first 1000`, before these factors; reaches had no part)."""
 FLAT = 0.8
 """Cosine of the angle between the front of the trunk and the vertical from which it lies flat."""
-LENGTHS_WIDER, LENGTHS_WIDER_WITH_HEIGHT = 1.15, 1.7
+LENGTHS_WIDER, LENGTHS_WIDER_WITH_HEIGHT = 1.15, 2.0
 """Factors on those of logarithms of lengths: where the camera's height is not given, and where it is, so that not
-knowing overall size does not hide what is wrong (D: likewise; with the height, four children each in general movements
-and kicks)."""
+knowing overall size does not hide what is wrong (D: likewise; with the height, of nine children who lie)."""
+OVERALL_LEAST = 0.02
+"""Standard deviation of the logarithm of overall size, at least, that the camera's height leaves (D: likewise)."""
 
 
 def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncertainty) -> Uncertainty:
@@ -93,6 +94,7 @@ def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncert
     angles = np.hypot(loose.angle_sd_rad, alike) * np.where(has_turned, turned, lying)
     shared = loose.shared_covariance.copy()
     shared[1:, 1:] *= (LENGTHS_WIDER_WITH_HEIGHT if setting.size_is_known else LENGTHS_WIDER) ** 2
+    shared[1, 1] += OVERALL_LEAST**2 if setting.size_is_known else 0.0
     return replace(sure, angle_sd_rad=angles, shared_covariance=shared, depth_sd_m=loose.depth_sd_m)
 
 
