@@ -55,9 +55,11 @@ _OPTIONS = (
     (r"\bup='(-?\w)'", r"--up \1"),
     (r"\binfant='([^']*)'", r"--infant \1"),
     (r"\bpicture_px=\((\d+), (\d+)\)", r"--picture \1,\2"),
+    (r"\bcamera_pitch_deg=", "--camera-pitch "),
+    (r"\bpose='(\w+)'", r"--pose \1"),
     (r"\bnames=\{'label': '(\w+)'\}", r"--name label=\1"),
 )
-"""Arguments of `read_points` in messages, and the options that stand for them."""
+"""Arguments of `read_points` and `retarget` in messages, and the options that stand for them."""
 
 
 def names_of(texts: Sequence[str] | None) -> dict[str, str] | None:

@@ -48,6 +48,16 @@ Height = Annotated[
     float | None,
     typer.Option(metavar="M", min=0.1, help="Height of the camera above the floor, measured to millimetres."),
 ]
+Pitch = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEG",
+        min=0.1,
+        max=90,
+        help="Angle by which the camera looks down, below the horizon: 90 is straight down. Default: straight down,"
+        " unless the trunk is clearly foreshortened.",
+    ),
+]
 
 
 def retarget(
@@ -59,6 +69,8 @@ def retarget(
     format: Format = None,
     camera: CameraText = None,
     height: Height = None,
+    camera_pitch: Pitch = None,
+    pose: Annotated[str | None, typer.Option(help="How the infant lies: supine or prone.")] = None,
     infant: Infant = None,
     view: ViewName = "front",
     name: Names = None,
@@ -88,8 +100,9 @@ def retarget(
     with options_in_messages():
         points = read_points(recording, format=format, rate_hz=rate, **place, **who)
     age_months = age if age is not None else start.age_months if start else AGE_MONTHS
-    with console.progress("fitting") as show:
-        fitted = fit(points, age_months, start, camera_height_m=height, progress=show)
+    with console.progress("fitting") as show, options_in_messages():
+        known = {"camera_height_m": height, "camera_pitch_deg": camera_pitch, "pose": pose}
+        fitted = fit(points, age_months, start, **known, progress=show)
     result = altered(fitted, senses.split(",") if senses else None, actuation)
     with console.progress("writing") as show:
         write_retargeted(result, out, force=force, progress=show)
@@ -142,6 +155,8 @@ def _print(result: "Retargeted") -> None:
         _line(f"  {name}", f"{100 * interval.value:.1f} cm ({100 * interval.low:.1f} to {100 * interval.high:.1f})")
     if interval := account.camera_height_m:
         _line("camera", f"{interval.value:.2f} m above the floor ({interval.low:.2f} to {interval.high:.2f})")
+    if (pitch := account.camera_pitch_deg) and pitch.value < 90:
+        _line("  looks down", f"{pitch.value:.0f}° below the horizon ({pitch.low:.0f} to {pitch.high:.0f})")
     _print_joints(account)
     for note in account.notes:
         print(printable(f"note: {note}"), file=sys.stderr)

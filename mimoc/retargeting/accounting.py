@@ -4,18 +4,21 @@ import numpy as np
 
 from mimoc.motion.point_recording import FloatArray
 from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.one_camera import of_one_camera
 from mimoc.retargeting.prior import usual_of
 from mimoc.retargeting.result import QUANTILE, Account, Interval
 from mimoc.retargeting.setting import Setting, points_of
 from mimoc.retargeting.sizes import lengths_of
 from mimoc.retargeting.skeleton import ROOT
-from mimoc.retargeting.uncertainty import Uncertainty, widened
+from mimoc.retargeting.uncertainty import Uncertainty
 
 UNSEEN = 0.8
-"""Share of the usual spread of a hinge that its standard deviation must keep for it to count as unseen."""
+"""Share of the usual spread of a hinge that its standard deviation must keep, in half of the frames, for it to count as
+unseen: then its interval is about as wide as what infants do at all."""
 CENTRE_M = 0.0003
 """How far a joint's centre is from where the model of the fitted child has it, as a standard deviation: between its two
 joints, a length is no better known (D: from fits to known motions)."""
+NOT_SEEN = "what was filmed does not tell these angles; they are what is usual, and their intervals say little"
 TOUCHED_RAD = np.radians(0.1)
 """Distance from an end of its range at which a hinge touches it."""
 
@@ -46,9 +49,13 @@ def account_of(
     names = recording.names
     by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
     joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
-    factors = np.abs(hinges.factor)
-    wide = sure if problem.observed.tells_size else widened(sure, hinges.names, names, setting.size_is_known)
-    height_sd = float(np.sqrt(sure.shared_covariance[0, 0]))
+    wide = sure if problem.observed.tells_size else of_one_camera(setting, problem, state, sure)
+    half_m, factors = QUANTILE * float(np.sqrt(wide.shared_covariance[0, 0])), setting.height_factors
+    ends_m = (state.height_m - half_m) * factors[0], (state.height_m + half_m) * factors[1]
+    unseen = _unseen(setting, wide, joints)
+    if unseen:
+        named = ", ".join(name.removeprefix("robot:") for name in unseen)
+        notes = (*notes, f"{NOT_SEEN}: {named}")
     return Account(
         unit=recording.unit,
         error_median=float(np.median(distance[seen])),
@@ -60,11 +67,12 @@ def account_of(
         depth_noise_m=problem.observed.depth_noise_m * sure.noise[1] if len(sure.noise) > 1 else None,
         size_is_known=setting.size_is_known,
         lengths_m=_lengths(setting, wide),
-        camera_height_m=_interval(state.height_m, height_sd) if recording.unit == "px" else None,
+        camera_height_m=Interval(state.height_m, *ends_m) if recording.unit == "px" else None,
+        camera_pitch_deg=setting.pitch.deg if recording.unit == "px" else None,
         joints=joints,
-        angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * factors,
-        depth_sd_m=dict(zip(names, np.median(sure.depth_sd_m, axis=0).tolist(), strict=True)),
-        unseen=_unseen(setting, sure),
+        angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * np.abs(hinges.factor),
+        depth_sd_m=dict(zip(names, np.median(wide.depth_sd_m, axis=0).tolist(), strict=True)),
+        unseen=unseen,
         limits_touched=_touched(problem, state, hinges.names),
         frames=recording.frames,
         seconds=seconds,
@@ -76,7 +84,7 @@ def _depth_error(problem: Problem, state: State) -> float | None:
     observed = problem.observed
     if observed.depth_m is None or observed.depth_weight is None:
         return None
-    away = np.abs(state.height_m - points_of(problem, state)[..., 2] - observed.depth_m)
+    away = np.abs(observed.in_camera(points_of(problem, state), state.height_m)[..., 2] - observed.depth_m)
     return float(np.median(away[observed.depth_weight > 0]))
 
 
@@ -93,10 +101,10 @@ def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
     return result
 
 
-def _unseen(setting: Setting, sure: Uncertainty) -> tuple[str, ...]:
+def _unseen(setting: Setting, sure: Uncertainty, joints: tuple[str, ...]) -> tuple[str, ...]:
     usual = np.array([item.sd for item in usual_of(setting.hinges)[ROOT:]])
     unseen = np.median(sure.angle_sd_rad, axis=0) > UNSEEN * usual
-    return tuple(name for name, is_unseen in zip(setting.hinges.names, unseen, strict=True) if is_unseen)
+    return tuple(name for name, column in zip(joints, setting.hinges.column, strict=True) if unseen[column])
 
 
 def _touched(problem: Problem, state: State, names: tuple[str, ...]) -> dict[str, float]:
@@ -104,7 +112,3 @@ def _touched(problem: Problem, state: State, names: tuple[str, ...]) -> dict[str
     touched = (angles < problem.low + TOUCHED_RAD) | (angles > problem.high - TOUCHED_RAD)
     shares = dict(zip(names, touched.mean(axis=0).tolist(), strict=True))
     return {name: share for name, share in shares.items() if share}
-
-
-def _interval(value: float, sd: float) -> Interval:
-    return Interval(value, value - QUANTILE * sd, value + QUANTILE * sd)

@@ -191,11 +191,13 @@ def _readme(retargeted: Retargeted, motion: JointMotion) -> str:
     """Return what the folder says of itself."""
     child, account = retargeted.bundle.manifest.child, retargeted.account
     error = 100 * account.error_median / account.trunk
+    unseen = ", ".join(name.removeprefix("robot:") for name in account.unseen)
+    told = f"\n\nWhat was filmed does not tell these angles; they are what is usual: {unseen}." if unseen else ""
     return f"""# {retargeted.bundle.manifest.name}: a recorded infant on its own body
 
 A child of {child.age_months:g} months and {child.length_cm:.0f} cm, and {motion.seconds:.1f} s of its motion, fitted by
 mimoc to recorded points (median error {error:.1f} % of the trunk). This folder derives from a recording of a child:
-whatever holds for that recording holds for this folder.
+whatever holds for that recording holds for this folder.{told}
 
 - `mimoc view . -o page.html` shows it beside its points; `mimoc replay .` and `mimoc export .` read it as a recording.
 - `mimoc run . --policy motion` replays it physically, within the infant's strength. Take senses from such a run, with

@@ -19,6 +19,9 @@ SPEED_M_S, COARSE_M = 0.25, 0.02
 """Usual speed of points of a limb, and distance of neighbours in the library."""
 SINK_M = 0.01
 """Depth below the floor that is taken for usual."""
+ALIKE_OF_TRUNK, ALIKE_WIDER, ALIKE_HZ = 0.05, 1.5, 5.0
+"""Distance, as a share of the trunk, at which postures look alike; by how much postures that may be are more spread
+than usual ones, since infants may move otherwise; and at how many frames a second they are looked for."""
 _ARM = "shoulder", "elbow", "hand"
 
 
@@ -56,6 +59,55 @@ def likely_postures(
     return result
 
 
+def spread_of_alike(
+    skeleton: Skeleton,
+    shape: Shape,
+    observed: Observed,
+    x: FloatArray,
+    bounds: tuple[FloatArray, FloatArray, FloatArray],
+    scale: tuple[float, float, float],
+    centre: FloatArray,
+) -> FloatArray:
+    """Return how far the angles of postures that look like the fitted ones are from these, shape (t, u).
+
+    It is the root of the weighted mean square over a library of postures of each limb; of the squares d^2 of distances
+    of their points from the fitted ones, as they are seen and over `ALIKE_OF_TRUNK`, weights are exp(-sum d^2 / 2). A
+    limb that points to the camera looks like one that points away, so this is wide where the Hessian of a fit is not.
+    Hinges of the trunk are in no limb: 0.
+
+    Args:
+        skeleton: The infant.
+        shape: Its sizes.
+        observed: The recording.
+        x: The fitted unknowns, shape (t, n).
+        bounds: As of `likely_postures`.
+        scale: As of `likely_postures`.
+        centre: Usual angles, shape (u,).
+    """
+    trunk, height_m, rate_hz = scale
+    frames = np.unique(np.r_[0 : len(x) : max(1, round(rate_hz / ALIKE_HZ)), len(x) - 1])
+    turns, usual = exponential(x[frames, 3:ROOT])[0], np.median(x, axis=0)
+    fitted_m = np.moveaxis(skeleton.pose(x[frames], shape).points_m[..., 0], 0, -1)
+    squares = np.zeros((len(frames), x.shape[1] - ROOT))
+    for columns in _limbs(skeleton.hinges.names):
+        points = skeleton.points_moved(columns)
+        points = points[points < observed.places.shape[1]]
+        if not len(points):
+            continue
+        middle = usual.copy()
+        middle[columns] = centre[columns - ROOT]
+        library = _library(middle, columns, ALIKE_WIDER * bounds[0], *bounds[1:])
+        places_m = skeleton.pose(library, shape).points_m[:, :, points, 0]
+        for index, frame in enumerate(frames):
+            world_m = np.einsum("ij,jmk->mki", turns[index], places_m) + x[frame, :3]
+            away = observed.project(world_m, height_m) - observed.project(fitted_m[index, points], height_m)
+            cost = (away**2).sum((-1, -2)) / (ALIKE_OF_TRUNK * trunk) ** 2
+            cost += (np.minimum(world_m[..., 2], 0.0) ** 2).sum(-1) / SINK_M**2
+            weights = np.exp((cost.min() - cost) / 2)
+            squares[index, columns - ROOT] = weights @ (library[:, columns] - x[frame, columns]) ** 2 / weights.sum()
+    return np.stack([np.sqrt(np.interp(np.arange(len(x)), frames, column)) for column in squares.T], axis=1)
+
+
 def _sequence(
     places_m: FloatArray, points: IntArray, observed: Observed, x: FloatArray, scale: tuple[float, float, float]
 ) -> IntArray:
@@ -91,7 +143,7 @@ def _cost(
     squares = ((seen - observed.places[frame, points]) ** 2).sum(-1) / usual**2
     cost = (observed.weight[frame, points] * np.minimum(squares, FAR**2)).sum(-1)
     if observed.depth_m is not None and observed.depth_weight is not None:
-        away = (height_m - world_m[..., 2] - observed.depth_m[frame, points]) / COARSE_M
+        away = (observed.in_camera(world_m, height_m)[..., 2] - observed.depth_m[frame, points]) / COARSE_M
         cost += (observed.depth_weight[frame, points] * np.minimum(away**2, FAR**2)).sum(-1)
     if not observed.in_space:
         cost += (np.minimum(world_m[..., 2], 0.0) ** 2).sum(-1) / SINK_M**2

@@ -63,17 +63,21 @@ class Account:
     joints: tuple[str, ...]
     """Hinges of the model that were fitted, j of them."""
     angle_sd_rad: FloatArray
-    """Standard deviation of each of their angles at each frame, shape (t, j); with one camera and no depth, widened as
-    simulated motions ask for (`uncertainty.widened`)."""
+    """Standard deviation of each of their angles at each frame, shape (t, j); with one camera and no depth, also
+    for postures that look alike, and calibrated (`mimoc.retargeting.one_camera`)."""
     depth_sd_m: Mapping[str, float]
     """Standard deviation of the height of each point above the floor, median over frames."""
     unseen: tuple[str, ...]
-    """Hinges of which the recording says next to nothing: their angles are what is usual."""
+    """Hinges of which the recording says next to nothing: their angles are what is usual, and their standard deviations
+    about as large as the spread of infants' postures."""
     limits_touched: Mapping[str, float]
     """Share of frames in which a hinge is at an end of its range; hinges that never are, are left out."""
     frames: int
     seconds: float
     """Processor time of the fit, without compiling the child."""
+    camera_pitch_deg: Interval | None = None
+    """Angle by which the camera looks down, below the horizon: 90 if it looks straight down; as it was given, taken
+    for granted (then without any width) or estimated. None for points in space."""
     notes: tuple[str, ...] = ()
     """What was assumed, and what was left undone, one line each."""
 
@@ -107,6 +111,7 @@ class Account:
             "size_is_known": self.size_is_known,
             "lengths_m": {name: interval.to_data() for name, interval in self.lengths_m.items()},
             "camera_height_m": self.camera_height_m and self.camera_height_m.to_data(),
+            "camera_pitch_deg": self.camera_pitch_deg and self.camera_pitch_deg.to_data(),
             "angle_sd_deg": _all_rounded(self.angle_sd_deg),
             "depth_sd_m": _all_rounded(self.depth_sd_m),
             "unseen": list(self.unseen),

@@ -4,10 +4,11 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 
-from mimoc.base.errors import RecordingError
+from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
 from mimoc.retargeting.accounting import account_of
 from mimoc.retargeting.fitting import Problem, State
@@ -40,6 +41,9 @@ FIRST_OUTLIER = 20 * OUTLIER
 FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 """Points that a recording must have, and share of them that must be seen."""
 FEWEST_FRAMES = 3
+POSES = "supine", "prone"
+NEARLY_ALWAYS = 0.9
+"""Share of frames in which an infant must lie the other way round than is said, to be asked about: others roll."""
 
 
 def retarget(
@@ -48,13 +52,16 @@ def retarget(
     spec: InfantSpec | None = None,
     *,
     camera_height_m: float | None = None,
+    camera_pitch_deg: float | None = None,
+    pose: Literal["supine", "prone"] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Retargeted:
     """Return the child of a recording of points and its motion.
 
-    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is that of the
-    average child of the age, unless the camera's height is known; what else remains open is said in the account.
-    Ctrl-C ends the fit with the best motion so far.
+    A camera looks down on an infant who lies; straight down, unless its pitch is given or the trunk is clearly
+    foreshortened. With one camera and no depth, overall size is that of the average child of the age, unless the
+    camera's height is known; what else remains open is said in the account. Ctrl-C ends the fit with the best motion
+    so far.
 
     In this order: compile the child that the fit starts from; fit some frames, from likely postures on; fit all frames,
     with sizes; compile the child that has them; fit its motion.
@@ -64,10 +71,14 @@ def retarget(
         age_months: Age of the infant, from 0 to 24.
         spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
         camera_height_m: Height of the camera above the floor, if it is known.
+        camera_pitch_deg: Angle by which the camera looks down, below the horizon, if it is known: 90 straight down.
+        pose: How the infant lies, if it is known; by default as `scene.pose` of *spec* has it. Of points in space or
+            with depth, on its back if neither says it.
         progress: Called with the number of steps done, and of all.
 
     Raises:
-        RecordingError: If the recording has too few points or frames.
+        RecordingError: If the recording has too few points or frames, the camera cannot have this pitch, or the infant
+            lies the other way round in nearly all frames.
         SpecError: If there is no such child.
 
     Example:
@@ -77,9 +88,12 @@ def retarget(
         (12, True)
     """
     run = Run(progress, TOTAL)
+    if pose is not None:
+        check_name("pose of an infant who lies", pose, POSES)
     check(recording)
     child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
-    setting = run.compiled(lambda: setting_of(recording, child, camera_height_m))
+    setting = run.compiled(lambda: setting_of(recording, child, camera_height_m, camera_pitch_deg))
+    _check_pose(setting, pose or _stated(spec))
     state, noise = _first_fit(setting, run)
     whole = problem_of(setting, setting.recording, noise)
     state = replace(state, x=interpolated(state.x, setting.every, recording.frames))
@@ -131,6 +145,30 @@ def check(recording: PointRecording) -> None:
     if seen.mean() < FEWEST_SEEN:
         raise RecordingError(
             f"{recording.name}: only {seen.mean():.0%} of the points are seen; give a part where {FEWEST_SEEN:.0%} are"
+        )
+
+
+def _stated(spec: InfantSpec | None) -> str | None:
+    """Return the pose that a spec states; None if it leaves it open."""
+    return spec.scene.pose if spec and "pose" in spec.scene.model_fields_set else None
+
+
+def _check_pose(setting: Setting, pose: str | None) -> None:
+    """Check that an infant lies as it is said to; of pixels alone, readers have asked whether it is seen from behind.
+
+    Raises:
+        RecordingError: If it lies the other way round in nearly all frames.
+    """
+    recording, start = setting.recording, setting.start
+    in_space = recording.unit == "m" or recording.depth_m is not None
+    pose = pose or ("supine" if in_space else None)
+    share = {"supine": start.face_down, "prone": 1 - start.face_down}.get(pose or "", 0.0)
+    if start.lies and share > NEARLY_ALWAYS:
+        faces, back, other = ("down", "back", "prone") if pose == "supine" else ("up", "belly", "supine")
+        raise RecordingError(
+            f"{recording.name}: the infant comes out face {faces} in {share:.0%} of its frames, but is said to lie on"
+            f" its {back}; if it does not, give pose='{other}', and otherwise turn or mirror axes (view='mirrored'), or"
+            " exchange left and right (view='swapped')"
         )
 
 

@@ -12,7 +12,8 @@ from mimoc.retargeting.banded import BoolArray
 from mimoc.retargeting.contacts import contacts_of, spheres_of
 from mimoc.retargeting.fitting import Problem, State
 from mimoc.retargeting.hinges import combined_limits, hinges_of
-from mimoc.retargeting.observations import Observed
+from mimoc.retargeting.observations import Observed, camera_from_world
+from mimoc.retargeting.pitch import Pitch, pitch_of
 from mimoc.retargeting.postures import likely_postures
 from mimoc.retargeting.sizes import (
     OVERALL_SD,
@@ -33,11 +34,12 @@ FEWEST_THIN = 12
 """Frames that it has at least, if there are as many."""
 NOISE_OF_TRUNK, NOISE_M = 0.012, 0.01
 """Noise that a fit begins with: of places as a share of the trunk, and of depth."""
-LEAST_OF_TRUNK = 0.001
-"""Noise that is assumed at least, since no model is exact."""
+LEAST_OF_TRUNK, LEAST_WITHOUT_DEPTH = 0.001, 0.007
+"""Noise that is assumed at least, since no model is exact: with depth, and of one camera without it, which would take
+each pixel for a difference in depth (D: fits of films without any noise are then as good as of those with 1 px)."""
 HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
 """How far the height is from where the fit starts, and from one that was measured."""
-AS_SURE = 4.0
+AS_SURE = 8.0
 """How much surer sizes are taken to be while one camera is fitted: it tells of a limb's length only by how it is
 foreshortened, and what is wrong in usual postures, or in where a joint is seen, is wrong in every frame alike."""
 HELD = 0.003
@@ -45,10 +47,9 @@ HELD = 0.003
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
 CALIBRATED = (
-    "one camera sees no depth: standard deviations of angles and, if its height is given, of lengths are widened as"
-    " simulated motions ask for"
+    "one camera sees no depth: intervals of angles and lengths are as wide as simulated children that moved otherwise"
+    " than is assumed asked for"
 )
-STRAIGHT = "the camera is taken to look straight down on a level floor"
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
 
@@ -79,6 +80,10 @@ class Setting:
     start: Start
     height_m: float | None
     """Height of the camera, if it is known."""
+    pitch: Pitch
+    """How far the camera looks down."""
+    height_factors: tuple[float, float]
+    """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray
     """Logarithms of the sizes that the child has, relative to the child that the fit started from, shape (s,)."""
 
@@ -117,20 +122,26 @@ class Setting:
         in_pixels = self.recording.unit == "px"
         return [
             *([ASSUMED_CAMERA] if in_pixels and self.recording.camera is None else []),
-            *([STRAIGHT] if in_pixels else []),
+            *([self.pitch.note] if in_pixels else []),
             *([] if self.size_is_known else [ASSUMED_SIZE]),
             *([CALIBRATED] if in_pixels and self.recording.depth_m is None else []),
             *([] if self.start.lies else [NOT_LYING]),
         ]
 
 
-def setting_of(recording: PointRecording, child: Child, height_m: float | None) -> Setting:
+def setting_of(
+    recording: PointRecording, child: Child, height_m: float | None, pitch_deg: float | None = None
+) -> Setting:
     """Return what a fit is of.
 
     Args:
         recording: The recording.
         child: The child that the fit starts from.
         height_m: Height of the camera above the floor, if it is known.
+        pitch_deg: Angle by which the camera looks down, below the horizon, if it is known.
+
+    Raises:
+        RecordingError: If the camera cannot look down by this angle.
     """
     model = child.model
     seen = np.isfinite(recording.positions).all(-1) & (recording.confidence > 0)
@@ -147,9 +158,16 @@ def setting_of(recording: PointRecording, child: Child, height_m: float | None) 
     moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
     sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
     shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
-    trunk = [point for point in body_points(model, TRUNK) if point]
-    start = start_of(recording.filled(), _resting(model, rest, trunk), rest[:3], matrix_of(rest[3:7]), height_m)
-    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, np.zeros(1 + len(sizes)))
+    pitch = pitch_of(recording, model, pitch_deg)
+    trunk = _resting(model, rest, [point for point in body_points(model, TRUNK) if point])
+    root = rest[:3], matrix_of(rest[3:7])
+    start, *others = (
+        start_of(recording.filled(), trunk, *root, height_m, camera_from_world(deg))
+        for deg in dict.fromkeys((pitch.deg.value, pitch.deg.low, pitch.deg.high))
+    )
+    heights = [1.0, *(other.height_m / start.height_m for other in others)]
+    ends, logs = (min(heights), max(heights)), np.zeros(1 + len(sizes))
+    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, ends, logs)
 
 
 def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Problem:
@@ -159,7 +177,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     points = _points(model, recording.names)
     pose = setting.rest if start.turned[2, 0] > 0 else model.key("prone").qpos
     resting = _resting(model, pose, [sphere.point for sphere in spheres])
-    observed = Observed.of(recording, noise.places, noise.depth_m)
+    observed = Observed.of(recording, noise.places, noise.depth_m, setting.pitch.deg.value)
     skeleton = Skeleton(model, points, hinges, setting.rest, start.turned)
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
@@ -239,7 +257,8 @@ def points_of(problem: Problem, state: State) -> FloatArray:
 
 def usual_noise(recording: PointRecording) -> Noise:
     """Return the noise that a fit begins with."""
-    least = LEAST_OF_TRUNK * recording.trunk
+    flat = recording.unit == "px" and recording.depth_m is None
+    least = (LEAST_WITHOUT_DEPTH if flat else LEAST_OF_TRUNK) * recording.trunk
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
 
 

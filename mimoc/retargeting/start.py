@@ -24,10 +24,17 @@ class Start:
     height_m: float
     lies: bool
     """Whether the trunk is closer to horizontal than to vertical."""
+    face_down: float
+    """Share of the frames in which the front of the trunk looks down."""
 
 
 def start_of(
-    recording: PointRecording, resting_m: FloatArray, root_m: FloatArray, turned: FloatArray, height_m: float | None
+    recording: PointRecording,
+    resting_m: FloatArray,
+    root_m: FloatArray,
+    turned: FloatArray,
+    height_m: float | None,
+    turn: FloatArray,
 ) -> Start:
     """Return where to start.
 
@@ -37,29 +44,40 @@ def start_of(
         root_m: Its root, shape (3,).
         turned: Orientation of its root, shape (3, 3).
         height_m: Height of the camera; if it is not known, of two dimensions it follows from the trunk's length.
+        turn: `camera_from_world`, shape (3, 3).
     """
     if recording.unit == "px" and recording.depth_m is None:
-        return _of_pixels(recording, resting_m, root_m, turned, height_m)
-    seen_m, height_m = _in_space(recording, height_m, root_m[2])
+        return _of_pixels(recording, resting_m, root_m, turned, height_m, turn)
+    seen_m, height_m = _in_space(recording, height_m, root_m[2], turn)
     return _of_places(seen_m, resting_m, root_m, turned, height_m)
 
 
-def _of_pixels(
-    recording: PointRecording, resting_m: FloatArray, root_m: FloatArray, turned: FloatArray, height_m: float | None
-) -> Start:
+def on_ground(recording: PointRecording, turn: FloatArray) -> FloatArray:
+    """Return where rays to pixels meet a level plane one unit below the camera, shape (t, k, 2); NaN above it."""
     camera = recording.camera or MINI_RGBD_CAMERA
-    focal, centre = np.array(camera.focal_px), np.array(camera.centre_px)
+    across = (recording.positions - camera.centre_px) / camera.focal_px
+    rays = np.concatenate([across, np.ones((*across.shape[:2], 1))], axis=-1) @ turn
+    return np.where(rays[..., 2:] < 0, rays[..., :2] / np.maximum(-rays[..., 2:], 1e-9), np.nan)
+
+
+def _of_pixels(
+    recording: PointRecording,
+    resting_m: FloatArray,
+    root_m: FloatArray,
+    turned: FloatArray,
+    height_m: float | None,
+    turn: FloatArray,
+) -> Start:
     neck, hips = resting_m[0], resting_m[1:].mean(axis=0)
-    trunk = np.linalg.norm(recording.path("neck") - recording.hips, axis=1)
+    ground, names = on_ground(recording, turn), recording.names
+    place = {name: ground[:, names.index(name)] for name in (*TRUNK, *({*SHOULDERS} & {*names}))}
+    a, b = place["neck"], (place["left_hip"] + place["right_hip"]) / 2
     if height_m is None:
-        height_m = float(focal.mean() * np.linalg.norm((neck - hips)[:2]) / np.percentile(trunk, 75) + neck[2])
-    ground = (recording.positions - centre) / focal * [1.0, -1.0] * (height_m - neck[2])
-    names = recording.names
-    a, b = (
-        ground[:, names.index("neck")],
-        (ground[:, names.index("left_hip")] + ground[:, names.index("right_hip")]) / 2,
-    )
-    if set(SHOULDERS) <= set(names) and _is_prone(a - b, *(ground[:, names.index(name)] for name in SHOULDERS)):
+        trunk = np.nanpercentile(np.linalg.norm(a - b, axis=1), 75)
+        height_m = float(np.linalg.norm((neck - hips)[:2]) / trunk + neck[2])
+    a, b = (height_m - neck[2]) * a, (height_m - neck[2]) * b
+    face_down = _face_down(a - b, *(place[name] for name in SHOULDERS)) if {*SHOULDERS} <= {*names} else 0.0
+    if face_down > 0.5:
         turned, neck, hips = _rolled_over(turned, neck, hips, root_m)
     yaw = np.unwrap(np.arctan2(*(a - b).T[::-1])) - np.arctan2(*(neck - hips)[1::-1])
     mean = float(np.median(yaw))
@@ -67,13 +85,13 @@ def _of_pixels(
     root[:, 5] = yaw - mean
     offset = exponential(np.stack([0 * yaw, 0 * yaw, yaw], axis=-1))[0] @ (root_m - (neck + hips) / 2)
     root[:, :3] = offset + np.concatenate([(a + b) / 2, np.full((len(a), 1), (neck + hips)[2] / 2)], axis=1)
-    return Start(exponential(np.array([[0.0, 0.0, mean]]))[0][0] @ turned, root, height_m, True)
+    return Start(exponential(np.array([[0.0, 0.0, mean]]))[0][0] @ turned, root, height_m, True, face_down)
 
 
-def _is_prone(up: FloatArray, left: FloatArray, right: FloatArray) -> bool:
-    """Return whether shoulders are seen swapped from above: of one who lies on its back, left is to the right of up."""
+def _face_down(up: FloatArray, left: FloatArray, right: FloatArray) -> float:
+    """Return the share of frames in which shoulders are swapped: from above, a supine left is to the right of up."""
     across = left - right
-    return bool(np.median(up[:, 0] * across[:, 1] - up[:, 1] * across[:, 0]) > 0)
+    return float(np.mean(up[:, 0] * across[:, 1] - up[:, 1] * across[:, 0] > 0))
 
 
 def _rolled_over(
@@ -85,7 +103,9 @@ def _rolled_over(
     return half @ turned, root_m + half @ (neck - root_m), root_m + half @ (hips - root_m)
 
 
-def _in_space(recording: PointRecording, height_m: float | None, resting_m: float) -> tuple[FloatArray, float]:
+def _in_space(
+    recording: PointRecording, height_m: float | None, resting_m: float, turn: FloatArray
+) -> tuple[FloatArray, float]:
     """Return neck and hips in the world, shape (t, 3, 3), and the height; they lie as high as the resting infant's."""
     index = [recording.names.index(name) for name in TRUNK]
     if recording.depth_m is None:
@@ -93,10 +113,11 @@ def _in_space(recording: PointRecording, height_m: float | None, resting_m: floa
         offset = height_m if height_m is not None else float(lowest - resting_m)
         return recording.positions[:, index] - [0.0, 0.0, offset], offset
     camera = recording.camera or MINI_RGBD_CAMERA
-    depth = recording.depth_m[:, index]
-    across = (recording.positions[:, index] - camera.centre_px) / camera.focal_px * depth[..., None]
-    height_m = height_m if height_m is not None else float(np.nanpercentile(depth, 90) + resting_m)
-    return np.stack([across[..., 0], -across[..., 1], height_m - depth], axis=-1), height_m
+    depth = recording.depth_m[:, index, None]
+    across = (recording.positions[:, index] - camera.centre_px) / camera.focal_px * depth
+    below = np.concatenate([across, depth], axis=-1) @ turn
+    height_m = height_m if height_m is not None else float(resting_m - np.nanpercentile(below[..., 2], 10))
+    return below + np.array([0.0, 0.0, height_m]), height_m
 
 
 def _of_places(
@@ -110,7 +131,8 @@ def _of_places(
     vectors = np.array([rotation_vector(turn @ mean.T) for turn in turns])
     places = seen_m.mean(axis=1) + turns @ (root_m - resting_m.mean(axis=0))
     lies = abs((mean @ model)[2, 0]) < UPRIGHT
-    return Start(mean @ turned, np.concatenate([places, _continuous(vectors)], axis=1), height_m, bool(lies))
+    face_down = float(np.mean((turns @ model)[:, 2, 2] < 0)) if lies else 0.0
+    return Start(mean @ turned, np.concatenate([places, _continuous(vectors)], axis=1), height_m, bool(lies), face_down)
 
 
 def _frame(triangle: FloatArray) -> FloatArray:

@@ -1,7 +1,6 @@
 """What a recording leaves open: the noise of its points, and standard deviations from the inverse of the Hessian."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
@@ -15,23 +14,6 @@ from mimoc.retargeting.skeleton import ROOT, Shape
 
 DIFFERENCE = 1e-3
 """Change of the height in [m], or of the logarithm of a size, by which derivatives of squares are computed."""
-
-WIDER = {"shoulder_horizontal": 3.8, "shoulder": 1.6, "elbow": 2.7, "hip_": 1.4, "hip": 2.1, "knee": 2.8}
-WIDER_REST = 1.4
-"""By how much standard deviations of angles are multiplied if one camera sees no depth, by what the name of a hinge
-contains, the first that fits; and of all other hinges. The Hessian describes one solution, but a limb that points to
-the camera looks like one that points away (D: the 90th percentile of error over SD, over that of a normal distribution,
-of 18 random children who lie and move: seeds 1000-1007 and 2000-2009 of `benchmarks/retargeting.py --kind pixels`,
-without these factors)."""
-ENDS = {"elbow": ("wrist",), "hand": ("wrist",), "knee": ("ankle",), "foot": ("ankle",), "head": ("nose", "ear", "eye")}
-ADDED_DEG = {"elbow": 2.5, "hand": 0.0, "knee": 16.0, "foot": 13.0, "head": 13.0}
-"""What is added to variances instead, squared, if no point is seen whose name contains what `ENDS` has for the hinge:
-then a small SD says nothing of the error (D: so much that nine of ten intervals of these hinges hold the truth, with
-the same children and `--points mini`)."""
-LENGTHS_WIDER = 3.1
-"""By how much those of lengths are multiplied if one camera's height is known. What is wrong in usual postures is wrong
-in every frame alike, but the Hessian counts each frame anew; without the height, not knowing overall size hides that
-(D: as for `WIDER`, with the same children and `--height`)."""
 
 
 @dataclass(frozen=True)
@@ -78,27 +60,6 @@ def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
         _noise(row, dimensions) for row, dimensions in zip(np.sum(sums, axis=0), _dimensions(problem), strict=True)
     ]
     return Uncertainty(tuple(noise), angle_sd, depth_sd, covariance)
-
-
-def widened(sure: Uncertainty, hinges: Sequence[str], points: Sequence[str], size_is_known: bool) -> Uncertainty:
-    """Return what one camera without depth leaves open, with the other solutions that look alike.
-
-    Args:
-        sure: How sure one solution is.
-        hinges: Names of its hinges, u of them.
-        points: Names of the points that are seen.
-        size_is_known: Whether the camera's height gives the absolute size.
-    """
-    angles, shared = sure.angle_sd_rad.copy(), sure.shared_covariance.copy()
-    for column, name in enumerate(hinges):
-        part = next((part for part in ENDS if part in name), "")
-        if part and not any(end in point for point in points for end in ENDS[part]):
-            angles[:, column] = np.hypot(angles[:, column], np.radians(ADDED_DEG[part]))
-        else:
-            angles[:, column] *= next((value for part, value in WIDER.items() if part in name), WIDER_REST)
-    if size_is_known:
-        shared[1:, 1:] *= LENGTHS_WIDER**2
-    return replace(sure, angle_sd_rad=angles, shared_covariance=shared)
 
 
 def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:

@@ -30,10 +30,10 @@ def differences(problem: Problem, state: State, outlier: float, columns: range) 
     return np.array(frame), np.array(shared)
 
 
-@pytest.mark.parametrize(("kind", "first"), [("pixels", 0), ("depth", 1), ("space", 2)])
-def test_the_gradient_is_that_of_the_cost(kind, first):
+@pytest.mark.parametrize(("kind", "first", "pitch_deg"), [("pixels", 0, None), ("depth", 1, 50.0), ("space", 2, None)])
+def test_the_gradient_is_that_of_the_cost(kind, first, pitch_deg):
     """With robust weights, contacts, limits, priors, and what one camera holds; each by a third of the unknowns."""
-    problem, state = problem_and_state(kind)
+    problem, state = problem_and_state(kind, pitch_deg=pitch_deg)
     system, _ = problem.equations(state, 8.0)
     columns = range(first, state.x.shape[1], 3)
     frame, shared = differences(problem, state, 8.0, columns)

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.motion.body_points import film, locate
+from mimoc.motion.point_recording import MINI_RGBD_CAMERA, PointRecording
 from mimoc.motion.points import POINTS
 from mimoc.retargeting.fitting import Problem, State
+from mimoc.retargeting.observations import camera_from_world
 from mimoc.retargeting.setting import Noise, Setting, first_state, problem_of, setting_of
 from mimoc.retargeting.sizes import Child, compile_child, starting_spec
 from mimoc.schema.infant import InfantSpec
@@ -42,10 +44,39 @@ def setting(kind: str, hands: str = "mitten") -> Setting:
     return setting_of(recording, child(hands), None)
 
 
-def problem_and_state(kind: str, hands: str = "mitten", shift: float = 0.05) -> tuple[Problem, State]:
+def slanted(
+    model: object, qpos: np.ndarray, pitch_deg: float, names: tuple[str, ...] = NAMES, turned_deg: float = 0.0
+) -> PointRecording:
+    """Return what a camera 1 m from an infant sees that looks down by an angle, with depth.
+
+    Args:
+        model: The infant.
+        qpos: Its configurations.
+        pitch_deg: Angle below the horizon.
+        names: Points to see.
+        turned_deg: By how much the infant is turned about the vertical.
+    """
+    places_m = locate(model, qpos, names)
+    turn, (cosine, sine) = (
+        camera_from_world(pitch_deg),
+        (np.cos(np.radians(turned_deg)), np.sin(np.radians(turned_deg))),
+    )
+    places_m = (places_m - places_m.mean((0, 1))) @ np.array([[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]])
+    seen_m = (places_m + turn[2]) @ turn.T
+    seen = np.ones(places_m.shape[:2])
+    return PointRecording(
+        "slanted", RATE_HZ, names, MINI_RGBD_CAMERA.project(seen_m), seen, MINI_RGBD_CAMERA, seen_m[..., 2]
+    )
+
+
+def problem_and_state(
+    kind: str, hands: str = "mitten", shift: float = 0.05, pitch_deg: float | None = None
+) -> tuple[Problem, State]:
     """Return a problem, and a state that is some way from its solution."""
     draw = np.random.default_rng(4)
     whole = setting(kind, hands)
+    if pitch_deg is not None:
+        whole = setting_of(whole.recording, child(hands), None, pitch_deg)
     problem = problem_of(whole, whole.recording, Noise(1.0 if kind != "space" else 0.01, 0.01, 0.1))
     state = first_state(whole, problem)
     x = state.x + shift * draw.normal(size=state.x.shape)
