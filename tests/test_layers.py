@@ -142,7 +142,7 @@ LAYERS = {
     ),
     "reporting": layer(
         "reporting",
-        f"{BUILDING} compiler {RUNNING} training cohorts plots",
+        f"{BUILDING} compiler {RUNNING} recording training cohorts plots",
         "jinja2 mujoco PIL",
     ),
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),

@@ -73,13 +73,17 @@ def new_table(*headings: str, title: str | None = None, left: int = 1, **options
 
 
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
-    """Print a child's measures and their WHO percentiles."""
+    """Print a child's measures and their WHO percentiles, of which a child whose size is not known has none."""
     measures = manifest.child.model_dump()
     population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
     title = f"{manifest.name}, {manifest.child.age_months:g} months"
     table = new_table("measure", "value", f"WHO percentile, {population}", title=title)
-    for name, value in percentiles.items():
-        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", f"{value:.0f}")
+    if manifest.child.size_is_known:
+        shown = {name: f"{value:.0f}" for name, value in percentiles.items()}
+    else:
+        shown = {name: "scale not known" for name in INDICATORS if measures[name] is not None}
+    for name, text in shown.items():
+        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", text)
     open_console().print(table)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.base.kinds import Kinds
+from mimoc.compiler.provenance import SCALE_NOT_KNOWN
 from mimoc.mjcf.mimo import find_target
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
@@ -92,7 +93,8 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
         built_for += (f"'body.chest_joint' is false: {target}'s own infants have two joints and commands more",)
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))
-    return (*_impaired(spec), *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
+    scale = () if spec.body.size_is_known else (SCALE_NOT_KNOWN,)
+    return (*_impaired(spec), *scale, *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
 
 
 DIFFERS = "differs from a healthy child"

@@ -44,7 +44,7 @@ FEWEST_FRAMES = 3
 
 def retarget(
     recording: PointRecording,
-    age_months: float = 3.0,
+    age_months: float | None = None,
     spec: InfantSpec | None = None,
     *,
     camera_height_m: float | None = None,
@@ -52,8 +52,9 @@ def retarget(
 ) -> Retargeted:
     """Return the child of a recording of points and its motion.
 
-    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is that of the
-    average child of the age, unless the camera's height is known; what else remains open is said in the account.
+    A camera looks straight down on an infant who lies. With one camera and no depth, overall size is not known, and
+    that of the average child of the age is taken, unless the camera's height is known, or the spec gives the child's
+    length; what else remains open is said in the account.
     Ctrl-C ends the fit with the best motion so far.
 
     In this order: compile the child that the fit starts from; fit some frames, from likely postures on; fit all frames,
@@ -61,13 +62,13 @@ def retarget(
 
     Args:
         recording: Points on the infant; neck and both hips must be among them.
-        age_months: Age of the infant, from 0 to 24.
-        spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
+        age_months: Age of the infant, from 0 to 24; by default, that of the spec.
+        spec: Child to start from, with its name, sex, length, hands and scene; by default, the average child.
         camera_height_m: Height of the camera above the floor, if it is known.
         progress: Called with the number of steps done, and of all.
 
     Raises:
-        RecordingError: If the recording has too few points or frames.
+        RecordingError: If the recording has too few points or frames, or neither age nor spec is given.
         SpecError: If there is no such child.
 
     Example:
@@ -78,6 +79,8 @@ def retarget(
     """
     run = Run(progress, TOTAL)
     check(recording)
+    if age_months is None and spec is None:
+        raise RecordingError(f"{recording.name}: how old the infant is, is not known; give age_months, or a spec")
     child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
     setting = run.compiled(lambda: setting_of(recording, child, camera_height_m))
     state, noise = _first_fit(setting, run)
@@ -86,10 +89,10 @@ def retarget(
     whole = run.improved(whole, lambda: _pulled(whole, state, setting.every))
     state = run.solve(whole, state, STEPS_ALL, setting.free)
     noise = run.improved(noise, lambda: _rescaled(noise, uncertainty_of(whole, state)))
-    child = run.compiled(lambda: child_of(setting, state.logs))
-    setting = of_child(setting, child, state.logs)
+    child, factor = run.compiled(lambda: child_of(setting, state.logs))
+    setting = of_child(setting, child, state.logs + np.log(factor) * (np.arange(len(state.logs)) == 0))
     problem = replace(problem_of(setting, setting.recording, noise), pull=whole.pull)
-    state = run.solve(problem, replace(state, logs=0 * state.logs), STEPS_LAST, setting.only_height)
+    state = run.solve(problem, _scaled(state, factor), STEPS_LAST, setting.only_height)
     return run.finished(lambda: _result(recording, setting, problem, state, run))
 
 
@@ -163,6 +166,13 @@ def _pulled(problem: Problem, state: State, every: int = 1) -> Problem:
     With depth, data say so much of each frame that this makes no difference.
     """
     return problem if problem.observed.tells_size else replace(problem, pull=pull_of(problem, state, every))
+
+
+def _scaled(state: State, factor: float) -> State:
+    """Return the motion of a child whose sizes are new, and all larger by a factor: to the camera it looks the same."""
+    x = state.x.copy()
+    x[:, :3] *= factor
+    return State(x, state.height_m * factor, 0 * state.logs)
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:
