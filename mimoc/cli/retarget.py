@@ -41,8 +41,13 @@ Height = Annotated[
 def retarget(
     recording: PointsPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write.")],
-    age: Annotated[float | None, typer.Option(metavar="MONTHS", min=0, max=24, help="Age; required, unless a spec gives it.")] = None,
-    spec: Annotated[Path | None, typer.Option(metavar="SPEC", help="Child to begin with (.yaml); its length, if it is given, fixes the scale.")] = None,
+    age: Annotated[
+        float | None, typer.Option(metavar="MONTHS", min=0, max=24, help="Age; required, unless a spec gives it.")
+    ] = None,
+    spec: Annotated[
+        Path | None,
+        typer.Option(metavar="SPEC", help="Child to begin with (.yaml); its length, if it is given, fixes the scale."),
+    ] = None,
     rate: Rate = None,
     format: Format = None,
     camera: CameraText = None,

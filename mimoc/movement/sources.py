@@ -51,7 +51,7 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
         MimocError: If there is nothing that can be measured.
     """
     options = options or SourceOptions()
-    is_infant = path.suffix.lower() in SPECS or (path / BUNDLE).is_file()
+    is_infant = _is_infant(path)
     if is_infant and not options.policy:
         raise MovementError(f"{path}: an infant, not a recording; say how it moves with --policy, such as random")
     if options.policy and not is_infant:
@@ -61,6 +61,15 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
     if not path.exists():
         raise MovementError(f"{path}: does not exist; name a recording, or the folder of one")
     return _recorded(path, options, progress)
+
+
+def reads_points(path: Path) -> bool:
+    """Return whether a path stands for points that mimoc did not write itself, or for a folder that may have some."""
+    return not _is_infant(path) and not any((path / mark).is_file() for mark in (POINTS, RECORDING, COHORT))
+
+
+def _is_infant(path: Path) -> bool:
+    return path.suffix.lower() in SPECS or (path / BUNDLE).is_file()
 
 
 def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progress = no_progress) -> list[Filmed]:
