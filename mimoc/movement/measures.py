@@ -7,8 +7,8 @@ from scipy.stats import kurtosis
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.trunk_frame import TrunkPaths, trunk_paths
-from mimoc.movement.units import MOVING_TRUNK_S, movement_units
 from mimoc.quantities.movement import CORE
+from mimoc.quantities.run_movement_units import MOVING_TRUNK_S, movement_units
 
 KICK_TRUNK = 0.25
 """Least extension of a leg that counts as a kick."""

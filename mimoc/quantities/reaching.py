@@ -14,8 +14,8 @@ from mimoc.quantities.movement_details import VON_HOFSTEN
 from mimoc.quantities.quantity import Quantity
 
 Columns = Mapping[str, Any]
-UNITS = "mimoc.movement.units"
-"""The module that counts movement units."""
+UNITS = "mimoc.quantities.run_movement_units"
+"""The module that counts movement units, here and in films."""
 
 
 def _path_m(part: str, columns: Columns) -> float:

@@ -59,7 +59,7 @@ CALIBRATED = (
 )
 STRAIGHT = "the camera is taken to look straight down on a level floor"
 FAR_LENGTH = 0.02
-"""Relative difference of a length that the recording gives from that of the spec, from which on it is said; a choice."""
+"""Relative difference of a length that the recording gives from that of the spec which is said; a choice."""
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
 
@@ -249,9 +249,10 @@ def child_of(setting: Setting, logs: FloatArray) -> tuple[Child, float]:
         return matched(spec, wanted, setting.child.bundle.manifest.child.length_cm * overall), 1.0
     child = matched(spec, {name: wanted[name] for name in names if name in wanted}, None)
     factor = 1.0
-    for _ in range(ROUNDS_LENGTH if setting.length_cm is not None else 0):
-        factor *= setting.length_cm / child.bundle.manifest.child.length_cm
-        child = matched(child.spec, {name: factor * length for name, length in wanted.items()}, None)
+    if setting.length_cm is not None:
+        for _ in range(ROUNDS_LENGTH):
+            factor *= setting.length_cm / child.bundle.manifest.child.length_cm
+            child = matched(child.spec, {name: factor * length for name, length in wanted.items()}, None)
     return child, factor
 
 

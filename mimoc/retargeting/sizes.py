@@ -92,6 +92,7 @@ def starting_spec(spec: InfantSpec | None, age_months: float | None, name: str) 
     """
     if spec is not None:
         return spec if age_months in (None, spec.age_months) else spec.with_(age_months=age_months)
+    assert age_months is not None
     senses: Any = {"proprioception": {}, "vestibular": {}}
     scene: Any = {"kind": "flat", "pose": "supine"}
     return InfantSpec(mimoc=1, name=name, age_months=age_months, senses=senses, scene=scene)
