@@ -32,7 +32,7 @@ def print_movement(measured: MovementMeasures, full: bool) -> None:
     who, what = (counted(count, "infant"), "mean") if count > 1 else (printable(measured.names[0]), "value")
     title = f"{who}: {what} ± SD between {measured.spread_is_over} (n)"
     columns = {what: _cells(measured.means, measured.spreads), **_columns(measured)}
-    table = new_table("measure", *columns, *(["sample", "z"] if sample else []), title=title, padding=0)
+    table = new_table("measure", *columns, *(["sample", "z"] if sample else []), title=title)
     for name in measured.means:
         if name not in core and not full:
             continue
