@@ -136,7 +136,7 @@ def print_toys(manifest: Manifest | WorldManifest) -> None:
     """Print the toys and the objects of the scene, and the notes on the build."""
     console = open_console()
     if manifest.toys:
-        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=f"{len(manifest.toys)} toys")
+        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=counted(len(manifest.toys), "toy"))
         for toy in manifest.toys:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
