@@ -10,9 +10,10 @@ from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
 from mimoc.motion import FORMATS
 from mimoc.motion.reading import read_points
-from mimoc.movement.filming import Filmed
+from mimoc.movement.filming import Filmed, noted
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
 from mimoc.policies.policy import PolicyMaker
+from mimoc.recording.folder import read_infant
 from mimoc.schema.infant import InfantSpec
 
 POINTS = "points.npz"
@@ -79,7 +80,8 @@ def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progre
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
     if (path / POINTS).is_file():
-        return [Filmed(read_points(path / POINTS))]
+        child = read_infant(path).manifest.child if (path / RECORDING).is_file() else None
+        return [noted(Filmed(read_points(path / POINTS)), child)]
     if (path / RECORDING).is_file():
         return [*film_recording(path, progress)]
     if (path / COHORT).is_file():
