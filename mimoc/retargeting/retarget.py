@@ -40,6 +40,7 @@ FIRST_OUTLIER = 20 * OUTLIER
 FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 """Points that a recording must have, and share of them that must be seen."""
 FEWEST_FRAMES = 3
+AGED = "the spec is of a child of {:g} months: at {:g} months, its sizes are those along its percentiles"
 
 
 def retarget(
@@ -93,18 +94,21 @@ def retarget(
     setting = of_child(setting, child, state.logs + np.log(factor) * (np.arange(len(state.logs)) == 0))
     problem = replace(problem_of(setting, setting.recording, noise), pull=whole.pull)
     state = run.solve(problem, _scaled(state, factor), STEPS_LAST, setting.only_height)
-    return run.finished(lambda: _result(recording, setting, problem, state, run))
+    aged = () if spec is None or age_months in (None, spec.age_months) else (AGED.format(spec.age_months, age_months),)
+    return run.finished(lambda: _result(recording, setting, problem, state, run, aged))
 
 
-def _result(recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run) -> Retargeted:
-    """Return what was fitted, within all limits, and its account."""
+def _result(
+    recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run, on_spec: tuple[str, ...]
+) -> Retargeted:
+    """Return what was fitted, within all limits, and its account; *on_spec* are notes on the child it started from."""
     sure = uncertainty_of(replace(problem, shared_sd=setting.shared_sd()), state)
     state = replace(state, x=problem.within_limits(state.x))
     qpos, child = problem.skeleton.qpos(state.x), setting.child
     seen = problem.observed.project(points_of(problem, state), state.height_m)
     fitted = np.full((recording.frames, len(recording.names), seen.shape[-1]), np.nan)
     fitted[:, [recording.names.index(name) for name in setting.recording.names]] = seen
-    notes = (*recording.notes, *setting.notes, *run.notes)
+    notes = (*recording.notes, *on_spec, *setting.notes, *run.notes)
     account = account_of(setting, problem, state, sure, seen, run.seconds, notes)
     height_m = None if recording.unit == "m" else state.height_m
     return Retargeted(recording, child.spec, child.bundle, recording.rate_hz, qpos, height_m, fitted, account)

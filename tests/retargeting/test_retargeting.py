@@ -148,7 +148,8 @@ def test_a_length_that_the_recording_contradicts_is_said():
     spec, _, _, recording = known(5, frames=12, depth_noise_m=0.01)
     true_cm = mimoc.build(spec).manifest.child.length_cm
     wrong = start(spec).with_(body={"individual": {"length_cm": round(true_cm * 0.85, 1)}})
-    result = mimoc.retarget(recording, spec=wrong)
+    result = mimoc.retarget(recording, max(wrong.age_months - 1, 0), wrong)
+    assert any(f"at {max(wrong.age_months - 1, 0):g} months" in note for note in result.account.notes)
     assert any("the recording gives a length of" in note for note in result.account.notes)
 
 
