@@ -5,7 +5,7 @@ from html import escape
 
 from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.provenance import AMONG, who_percentiles
+from mimoc.compiler.provenance import AMONG, SCALE_NOT_KNOWN, who_percentiles
 from mimoc.render.picture_files import encoded
 from mimoc.render.portrait import portrait
 
@@ -26,7 +26,7 @@ def bundle_html(bundle: Bundle) -> str:
         for key, (name, unit) in MEASURES.items()
         if (value := getattr(child, key)) is not None
     ]
-    heading = ("", "", f"WHO percentile, {AMONG[child.sex]}")
+    heading = ("", "", f"WHO percentile, {AMONG[child.sex]}" if child.size_is_known else SCALE_NOT_KNOWN)
     table = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in (heading, *rows))
     title = f"<b>{escape(bundle.manifest.name)}</b>, {child.age_months:g} months"
     return f"<div>{title}<br>{_picture(bundle)}<table>{table}</table></div>"

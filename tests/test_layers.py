@@ -109,12 +109,12 @@ LAYERS = {
     ),
     "multi": layer("runtime.parallel_env", "runtime", "pettingzoo"),
     "reading": layer("", "errors units kinds spec bundle terms run runtime", "mujoco"),
-    "measuring": layer(
-        "quantities.measuring quantities.run_motion",
-        "errors kinds quantities bundle terms runtime",
-        "mujoco",
-    ),
     "motion": layer("motion", f"{LANGUAGE} schema bundle", "mujoco pydantic scipy"),
+    "measuring": layer(
+        "quantities.measuring quantities.run_motion quantities.run_movement_units",
+        "errors kinds quantities bundle terms runtime motion",
+        "mujoco scipy",
+    ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco pydantic"),
     "rollout": layer("runtime.rollout runtime.world_rollout", f"{RUNNING} policies", "mujoco"),
@@ -142,7 +142,7 @@ LAYERS = {
     ),
     "reporting": layer(
         "reporting",
-        f"{BUILDING} compiler {RUNNING} training cohorts plots",
+        f"{BUILDING} compiler {RUNNING} recording training cohorts plots",
         "jinja2 mujoco PIL",
     ),
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),

@@ -3,7 +3,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.base.rounding import SIGNIFICANT_DIGITS, num, rounded
+from mimoc.base.rounding import SIGNIFICANT_DIGITS, num, readable, rounded
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 plain_data = st.recursive(
@@ -56,3 +56,25 @@ def test_rounding_twice_is_rounding_once(data):
 
 def test_integers_and_booleans_are_not_rounded():
     assert rounded({"seed": 2**53, "on": True}) == {"seed": 2**53, "on": True}
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1.62706e-05, 6, "0.000016"),
+        (-1.62706e-05, 3, "-0.000016"),
+        (1e-9, 3, "0"),
+        (-1e-9, 3, "0"),
+        (0.0, 3, "0"),
+        (0.25, 3, "0.25"),
+        (0.123456, 3, "0.123"),
+        (99.96, 3, "100"),
+        (1234567.8, 3, "1234568"),
+        (1e20, 3, "100000000000000000000"),
+        (5, 3, "5"),
+        (float("nan"), 3, "-"),
+        (float("-inf"), 3, "-"),
+    ],
+)
+def test_people_read_numbers_without_exponents(value, digits, text):
+    assert readable(value, digits) == text

@@ -14,6 +14,8 @@ LEAST_NORMAL = sys.float_info.min
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
 
+MOST_DECIMALS = 6
+"""Of numbers that people read: what is smaller counts as none."""
 NEAR_HALF = 1e-6
 """Of the last digit, where it takes the exact decimals of a number to tell whether it is rounded up."""
 TENS = np.array([float(f"1e{exponent}") for exponent in range(23)])
@@ -37,6 +39,23 @@ def num(value: float | bool | Iterable[float]) -> str:
 def significant(value: float, digits: int) -> float:
     """Return a number rounded to some significant digits."""
     return float(f"{value:.{digits}g}")
+
+
+def readable(value: float, digits: int = 3) -> str:
+    """Return a number as people read it: some significant digits, never an exponent, at most six decimals.
+
+    Digits before the point are all shown; `-` stands for what is no number.
+
+    Example:
+        >>> readable(0.000016271), readable(0.25), readable(123456.7), readable(float("nan"))
+        ('0.000016', '0.25', '123457', '-')
+    """
+    if not math.isfinite(value):
+        return "-"
+    size = math.floor(math.log10(abs(value))) if value else 0
+    decimals = min(max(digits - 1 - size, 0), MOST_DECIMALS)
+    text = f"{round(value, decimals) + 0.0:.{decimals}f}"  # The sum turns -0.0 into 0.
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def rounded(data: Any) -> Any:

@@ -66,13 +66,15 @@ class ChildEntry(Model):
     """Head circumference."""
     arm_circumference_cm: Amount | None
     """Upper-arm circumference, if there is an upper arm."""
+    size_is_known: bool = True
+    """Whether the child's overall size is known; otherwise it is of the average child's size."""
 
     @property
     def corrected_age_months(self) -> float:
         """Age of what matures with it: that since term of a child that was born before."""
         return max(0.0, self.age_months - self.months_early)
 
-    _serialized = omitting("months_early", "clothes")
+    _serialized = omitting("months_early", "clothes", "size_is_known")
 
 
 class FaceEntry(Model):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.base.errors import MimocError, counted
+from mimoc.base.rounding import readable
 from mimoc.cli.run import POLICIES_HELP
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
@@ -143,9 +144,9 @@ def _babybench(behaviour: str, policy: str, out: Path, episodes: int | None) -> 
     with console.progress(behaviour) as show:
         count = episodes or babybench.EPISODES
         results = babybench.run_babybench(behaviour, policy, out, count, progress=show)
-    print(f"{behaviour}: {results.score:.4g} in {counted(count, 'episode')}, by BabyBench's formula")
+    print(f"{behaviour}: {readable(results.score, 4)} in {counted(count, 'episode')}, by BabyBench's formula")
     if results.in_sight is not None:
-        print(f"{behaviour}: {results.in_sight:.4g} by where the eyes' cameras look")
+        print(f"{behaviour}: {readable(results.in_sight, 4)} by where the eyes' cameras look")
     print(printable(out))
 
 
@@ -172,7 +173,7 @@ def _print_scores(results: "BenchResults") -> None:
     for cell, scores in results.scored.items():
         interval = "-".join(f"{end:.2f}" for end in scores.success_95 or ())
         means = (scores.mean_return, scores.effort, scores.arc_length, scores.jerk, scores.likeness)
-        numbers = ["" if value is None else f"{value:.3g}" for value in (scores.success, *means)]
+        numbers = ["" if value is None else readable(value) for value in (scores.success, *means)]
         table.add_row(cell.task, f"{cell.age_months:g}", numbers[0], interval, *numbers[1:])
     console.open_console().print(table)
 

@@ -58,7 +58,7 @@ COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
     "run": (run.run, "out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"),
     "train": (train.train, "reach.yaml -o runs/reach --algo ppo --steps 4096"),
     "skill": (skill.skill, "roll --ages 4,6 --seeds 1 --tries 40 --starts 2 -o out/roll"),
-    "movement": (movement.movement, "nine_months.yaml --policy random --seeds 0:2 --seconds 9 --against real"),
+    "movement": (movement.movement, "nine_months.yaml --policy random --seeds 0:3 --seconds 9 --against real"),
     "bench": (bench.bench, "--policy random -o random.json --tasks grasp --ages 12 --episodes 2 --processes 1"),
     "experiment": (pages.experiment, "growth -o out/growth --quick"),
     "check": (bundles.check, "out/nine_months"),

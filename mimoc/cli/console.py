@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -14,6 +15,7 @@ from rich.text import Text
 from rich.tree import Tree
 
 from mimoc.base.errors import counted
+from mimoc.base.rounding import readable
 from mimoc.cli.terminal import printable
 from mimoc.quantities import quantity_of
 from mimoc.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
@@ -26,7 +28,9 @@ if TYPE_CHECKING:
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
 
-PIPE_WIDTH = 200
+PLAIN_S, PLAIN_SHARE = 30.0, 1 / 10
+"""Least time between two lines of progress, in seconds and as a share of the time so far."""
+PIPE_WIDTH = 250
 """Width of the output when it is piped: wide enough that lines are not broken, for `grep`."""
 
 
@@ -45,17 +49,50 @@ def open_console() -> Console:
 def progress(what: str) -> Iterator[Callable[..., None]]:
     """Show a progress bar with the time left if errors go to a terminal; until it is told a total, it only moves.
 
+    Elsewhere there is a line now and then, if it takes long.
+
     Yields:
         The function to call with the steps done and their total, and with another text before the bar if it changes.
     """
     if not sys.stderr.isatty():
-        yield lambda done, total, what=what: None
+        yield PlainProgress(what)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), _Steps(), TimeRemainingColumn())
     above = sys.stdout.isatty()  # What is printed meanwhile goes above the bar, if it goes to the terminal as well.
     with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total, what=what: bar.update(task, completed=done, total=total, description=what)
+
+
+class PlainProgress:
+    """Writes a line with the steps done and the time left, now and then."""
+
+    def __init__(
+        self, what: str, write: Callable[[str], None] | None = None, clock: Callable[[], float] = perf_counter
+    ):
+        self._what, self._write, self._clock = what, write or _to_errors, clock
+        self._begun: tuple[int, float] | None = None
+        self._due_s = 0.0
+
+    def __call__(self, done: int, total: int, what: str = "") -> None:
+        """Write a line if it is due."""
+        now_s = self._clock()
+        begun, begun_s = self._begun = self._begun or (done, now_s)
+        self._due_s = self._due_s or now_s + PLAIN_S
+        if now_s >= self._due_s and begun < done < total:
+            left_s = (now_s - begun_s) / (done - begun) * (total - done)
+            self._write(f"{what or self._what}: {done:,} of {total:,}, {duration(left_s)} left")
+            self._due_s = now_s + max(PLAIN_S, PLAIN_SHARE * (now_s - begun_s))
+
+
+def duration(seconds: float) -> str:
+    """Return a time in a unit that suits it."""
+    minutes = round(seconds / 60)
+    return f"{round(seconds)} s" if seconds < 100 else f"{minutes} min" if minutes < 100 else f"{minutes / 60:.1f} h"
+
+
+def _to_errors(line: str) -> None:
+    print(printable(line), file=sys.stderr, flush=True)
 
 
 class _Steps(MofNCompleteColumn):
@@ -73,13 +110,17 @@ def new_table(*headings: str, title: str | None = None, left: int = 1, **options
 
 
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
-    """Print a child's measures and their WHO percentiles."""
+    """Print a child's measures and their WHO percentiles, of which a child whose size is not known has none."""
     measures = manifest.child.model_dump()
     population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
     title = f"{manifest.name}, {manifest.child.age_months:g} months"
     table = new_table("measure", "value", f"WHO percentile, {population}", title=title)
-    for name, value in percentiles.items():
-        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", f"{value:.0f}")
+    if manifest.child.size_is_known:
+        shown = {name: f"{value:.0f}" for name, value in percentiles.items()}
+    else:
+        shown = {name: "scale not known" for name in INDICATORS if measures[name] is not None}
+    for name, text in shown.items():
+        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", text)
     open_console().print(table)
 
 
@@ -95,7 +136,7 @@ def print_toys(manifest: Manifest | WorldManifest) -> None:
     """Print the toys and the objects of the scene, and the notes on the build."""
     console = open_console()
     if manifest.toys:
-        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=f"{len(manifest.toys)} toys")
+        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=counted(len(manifest.toys), "toy"))
         for toy in manifest.toys:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
@@ -109,6 +150,10 @@ def print_toys(manifest: Manifest | WorldManifest) -> None:
         console.print(Text(f"note: {note}", style="yellow"))
 
 
+DIGITS = 6
+"""Significant digits of what a run gives."""
+
+
 def print_run(summary: Summary, beside: Mapping[str, Summary], heading: str = "value") -> None:
     """Print the summary of a run and its speed, and what comes of the same run of other infants, by what they are."""
     title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
@@ -120,7 +165,7 @@ def print_run(summary: Summary, beside: Mapping[str, Summary], heading: str = "v
             table.add_row(quantity_of(name).title, *map(_value, values))
     console = open_console()
     console.print(table)
-    console.print(f"{counted(summary.episodes, 'episode')}, total reward {summary.total_reward:.6g}")
+    console.print(f"{counted(summary.episodes, 'episode')}, total reward {readable(summary.total_reward, DIGITS)}")
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
 
@@ -128,7 +173,7 @@ def print_run(summary: Summary, beside: Mapping[str, Summary], heading: str = "v
 def _value(value: float | None) -> str:
     if value is None:
         return ""
-    return ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}"
+    return ("no", "yes")[value] if isinstance(value, bool) else readable(value, DIGITS)
 
 
 def print_joints(policy: object) -> None:

@@ -25,15 +25,18 @@ def measure(
     list_: Annotated[bool, typer.Option("--list", help="List all quantities, with unit and definition.")] = False,
 ) -> None:
     """Measure recorded episodes: paths, speeds and movement units of hands and feet, contacts, returns and others."""
-    from mimoc.cli import tables
+    from mimoc.cli import console, tables
     from mimoc.recording.measures import measurable, measure_recordings
 
+    if list_ and (recording or out):
+        raise MimocError("--list says what can be measured, of no recording; leave out the rest")
     if list_:
         tables.print_quantities(measurable().values())
         return
     if recording is None:
         raise MimocError("name the folder of a recording, or list what can be measured with --list")
-    table = measure_recordings(recording, names or ())
+    with console.progress("measuring") as show:
+        table = measure_recordings(recording, names or (), progress=show)
     if out:
         _write(out, table)
         print(printable(out))

@@ -27,6 +27,7 @@ from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
     from mimoc.movement.filming import Filmed
+    from mimoc.movement.simulated import Progress
     from mimoc.movement.sources import SourceOptions
 
 Source = Annotated[
@@ -45,7 +46,9 @@ PolicyName = Annotated[
     typer.Option(metavar="NAME", help=f"How a bundle or a spec moves: {POLICY_NAMES}; or a trained policy.zip."),
 ]
 Phase = Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees over hips, if points are known in space.")]
-REAL = "real"
+REAL, FRONT, SEEDS = "real", "front", "0:12"
+SIMULATED = "is for an infant that is simulated; name a spec or a bundle, and its --policy, or leave it out"
+NO_POINTS = "says how points are read, which mimoc did not write itself, and there are none here; leave it out"
 SHOWN = 2
 """Simulated or measured infants that are animated beside one of those they are compared with."""
 
@@ -54,11 +57,15 @@ def movement(
     source: Source,
     against: Against = None,
     policy: PolicyName = None,
-    seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.")] = "0:12",
-    seconds: Annotated[float, typer.Option(min=2, max=3600, help="How long it moves for each.")] = 33.0,
+    seeds: Annotated[
+        str | None, typer.Option(metavar="FIRST:END", help="Its seeds; END is excluded.", show_default=SEEDS)
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(min=2, max=3600, help="How long it moves for each.", show_default="33")
+    ] = None,
     rate: Rate = None,
     infant: Infant = None,
-    view: ViewName = "front",
+    view: ViewName = FRONT,
     name: Names = None,
     min_score: MinScore = None,
     picture: Picture = None,
@@ -79,33 +86,44 @@ def movement(
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
+    if not policy:
+        _refuse({"beside": beside, "seeds": seeds, "seconds": seconds}, SIMULATED)
+    if not any(sources.reads_points(path) for path in (source, Path(against or REAL)) if str(path) != REAL):
+        of_points = {"rate": rate, "infant": infant, "view": view != FRONT or None, "name": name}
+        _refuse({**of_points, "min-score": min_score, "picture": picture, "up": up}, NO_POINTS)
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
     reading |= {"picture_px": picture_of(picture), "up": up}
-    options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
-    if beside and not policy:
-        raise MimocError("--beside is for an infant that is simulated; name a spec or a bundle, and its --policy")
+    options = sources.SourceOptions(chosen, parse_seeds(seeds or SEEDS), seconds or sources.SECONDS, reading)
     others = {beside: load_counterpart(source, beside)} if beside else {}
     with console.progress("simulating") as show, options_in_messages():
         films = sources.films_in(source, options, show)
         filmed = {name: sources.films_of(other, options, show) for name, other in others.items()}
     sample = _recordings(against, options) if against and against != REAL else []
-    counterparts = {name: measure_all(some) for name, some in filmed.items()}
-    measured = replace(_measured(films, against, sample), beside=counterparts)
+    with console.progress("measuring") as show:
+        counterparts = {name: measure_all(some, show) for name, some in filmed.items()}
+        measured = replace(_measured(films, against, sample, show), beside=counterparts)
     print_movement(measured, full)
     _write(measured, films, sample, (json, plot, phase, gif))
 
 
-def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]") -> Any:
+def _refuse(given: dict[str, object], reason: str) -> None:
+    """Refuse options that have no effect on what is measured."""
+    for name, value in given.items():
+        if value is not None:
+            raise MimocError(f"--{name} {reason}")
+
+
+def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]", show: "Progress") -> Any:
     import numpy as np
 
     from mimoc.movement.real_infants import real_infants
     from mimoc.movement.report import compare, measure_all
 
     if against is None:
-        return measure_all(films)
+        return measure_all(films, show)
     sample = [film.seen for film in others] or real_infants()
-    return compare(films, sample, np.random.default_rng(0))
+    return compare(films, sample, np.random.default_rng(0), show)
 
 
 def _recordings(path: str, options: "SourceOptions") -> "list[Filmed]":

@@ -7,35 +7,38 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from mimoc.base.errors import counted
+from mimoc.base.rounding import readable
 from mimoc.cli.console import new_table, open_console
 from mimoc.cli.terminal import printable
 from mimoc.quantities import QUANTITIES
 from mimoc.quantities.movement import CORE
 
 if TYPE_CHECKING:
-    from mimoc.movement.report import MovementMeasures
+    from collections.abc import Mapping
+
+    from mimoc.movement.report import MovementMeasures, Spread
 
 FAR_SD = 2.0
 """Scores beyond it are marked."""
+SD_DIGITS = 2
 
 
 def print_movement(measured: MovementMeasures, full: bool) -> None:
     """Print the measures of infants, of each side if sides differ, beside counterparts and the sample, if any."""
     console = open_console()
     core = {quantity.name for quantity in CORE}
-    means, scores, sample = measured.means, measured.scores, measured.sample
+    scores, sample = measured.scores, measured.sample
     count = len(measured.infants)
-    title = counted(count, "infant") if count > 1 else printable(measured.names[0])
-    columns = _columns(measured)
-    headings = ["measure", "value" if count == 1 else "mean", *columns, *(["sample", "SD", "z"] if sample else [])]
-    table = new_table(*headings, title=title)
-    for name, value in means.items():
+    who, what = (counted(count, "infant"), "mean") if count > 1 else (printable(measured.names[0]), "value")
+    title = f"{who}: {what} ± SD between {measured.spread_is_over} (n)"
+    columns = {what: _cells(measured.means, measured.spreads), **_columns(measured)}
+    table = new_table("measure", *columns, *(["sample", "z"] if sample else []), title=title)
+    for name in measured.means:
         if name not in core and not full:
             continue
-        others = (f"{values[name]:.3g}" if name in values else "" for values in columns.values())
-        row = [QUANTITIES[name].title, f"{value:.3g}", *others]
+        row: list[str | Text] = [QUANTITIES[name].title, *(cells.get(name, "") for cells in columns.values())]
         if sample and name in sample.means:
-            row += [f"{sample.means[name]:.3g}", f"{sample.deviations[name]:.2g}", _score(scores[name])]
+            row += [_cell(sample.means[name], sample.deviations[name], sample.infants), _score(scores[name])]
         table.add_row(*row)
     console.print(table)
     if sample:
@@ -44,14 +47,24 @@ def print_movement(measured: MovementMeasures, full: bool) -> None:
         console.print(Text(f"note: {printable(note)}", style="yellow"))
 
 
-def _columns(measured: MovementMeasures) -> dict[str, dict[str, float]]:
+def _columns(measured: MovementMeasures) -> dict[str, dict[str, str]]:
     """Return what stands beside the means, by heading: each side if it differs, and the same of counterparts."""
     shows_sides = any(one.sides_differ for one in (measured, *measured.beside.values()))
-    columns = dict(measured.side_means) if shows_sides else {}
-    for name, other in measured.beside.items():
-        sides = other.side_means if shows_sides else {}
-        columns |= {name: other.means} | {f"{name} {side}": means for side, means in sides.items()}
+    columns = {}
+    for name, one in {"": measured, **measured.beside}.items():
+        if name:
+            columns[name] = _cells(one.means, one.spreads)
+        for side, means in one.side_means.items() if shows_sides else ():
+            columns[f"{name} {side}".strip()] = _cells(means, one.side_spreads[side])
     return columns
+
+
+def _cells(means: Mapping[str, float], spreads: Mapping[str, Spread]) -> dict[str, str]:
+    return {name: _cell(value, spreads[name].sd, spreads[name].n) for name, value in means.items()}
+
+
+def _cell(mean: float, sd: float | None, n: int) -> str:
+    return f"{readable(mean)} ± {'-' if sd is None else readable(sd, SD_DIGITS)} ({n})"
 
 
 def _score(score: float) -> Text:
@@ -60,15 +73,19 @@ def _score(score: float) -> Text:
 
 
 def _print_comparison(measured: MovementMeasures) -> None:
-    from mimoc.movement.real_infants import DISTANCES, NAME
+    from mimoc.movement.real_infants import DISTANCES, DRAWS, NAME
 
-    console, sample, distances = open_console(), measured.sample, sorted(measured.distances)
+    console, sample = open_console(), measured.sample
     if sample is None or measured.distance is None:
         return
-    of_all = f", of each {distances[0]:.2f} to {distances[-1]:.2f}" if len(distances) > 1 else ""
+    several = len(measured.distances) > 1
+    each = sorted(measured.distances if several else measured.window_distances)
+    what = "each" if several else measured.spread_is_over
+    of_all = f", of {what} {each[0]:.2f} to {each[-1]:.2f} (n {len(each)})" if each else ""
     real = f" (a real infant to the other 11: {DISTANCES[0]} to {DISTANCES[2]})" if sample.name == NAME else ""
-    mean = " of the mean" if len(distances) > 1 else ""
+    mean = " of the mean" if several else ""
     console.print(f"distance{mean} to {printable(sample.name)}: {measured.distance:.2f}{of_all}{real}")
-    if measured.apart:
-        about = "" if measured.apart.exact else "about "
-        console.print(f"told apart in windows of 8 s: {about}{measured.apart.accuracy:.2f} (.5 is chance, 1 is always)")
+    if apart := measured.apart:
+        about, spread = ("", "standard error") if apart.exact else ("about ", f"SD over {DRAWS} draws of real infants")
+        figure = f"{about}{apart.accuracy:.2f} ± {apart.deviation:.2f} ({spread}; {counted(apart.windows, 'window')})"
+        console.print(f"told apart in windows of 8 s: {figure}; .5 is chance, 1 is always")

@@ -28,11 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mimoc.motion.point_recording import Camera
-    from mimoc.retargeting.result import Account, Retargeted
+    from mimoc.retargeting.result import Account, Interval, Retargeted
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
-AGE_MONTHS = 3.0
 MOST_NAMED = 6
 """Joints that a line of the summary names."""
 _FORMATS = ", ".join((*FORMATS, *announced("mimoc.motion")))
@@ -63,8 +62,13 @@ Pitch = Annotated[
 def retarget(
     recording: PointsPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write.")],
-    age: Annotated[float | None, typer.Option(metavar="MONTHS", min=0, max=24, help="Age; default: 3.")] = None,
-    spec: Annotated[Path | None, typer.Option(metavar="SPEC", help="Child to begin with (.yaml).")] = None,
+    age: Annotated[
+        float | None, typer.Option(metavar="MONTHS", min=0, max=24, help="Age; required, unless a spec gives it.")
+    ] = None,
+    spec: Annotated[
+        Path | None,
+        typer.Option(metavar="SPEC", help="Child to begin with (.yaml); its length, if it is given, fixes the scale."),
+    ] = None,
     rate: Rate = None,
     format: Format = None,
     camera: CameraText = None,
@@ -94,19 +98,20 @@ def retarget(
     from mimoc.retargeting.retarget import retarget as fit
 
     check_writable(out, force)
+    if age is None and not spec:
+        raise MimocError(f"{recording}: how old the infant is, is not known; give its age with --age, or a --spec")
     start = load_spec(spec) if spec else None
     who = {"infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
     place = {"camera": camera_of(camera), "picture_px": picture_of(picture), "up": up}
     with options_in_messages():
         points = read_points(recording, format=format, rate_hz=rate, **place, **who)
-    age_months = age if age is not None else start.age_months if start else AGE_MONTHS
     with console.progress("fitting") as show, options_in_messages():
         known = {"camera_height_m": height, "camera_pitch_deg": camera_pitch, "pose": pose}
-        fitted = fit(points, age_months, start, **known, progress=show)
+        fitted = fit(points, age, start, **known, progress=show)
     result = altered(fitted, senses.split(",") if senses else None, actuation)
     with console.progress("writing") as show:
         write_retargeted(result, out, force=force, progress=show)
-    _print(result)
+    print_account(result)
     print(printable(out))
     if is_unfinished(result):
         print(printable(f"stopped; {out} has the best motion so far"), file=sys.stderr)
@@ -140,7 +145,7 @@ def is_unfinished(result: "Retargeted") -> bool:
     return NOTE in result.account.notes
 
 
-def _print(result: "Retargeted") -> None:
+def print_account(result: "Retargeted") -> None:
     """Print what came of a fit, and what is not known."""
     account, child = result.account, result.bundle.manifest.child
     share, worst = 100 * account.error_median / account.trunk, 100 * account.error_p95 / account.trunk
@@ -149,17 +154,25 @@ def _print(result: "Retargeted") -> None:
     _line("recording", f"{counted(account.frames, 'frame')}, {result.rate_hz:g} a second")
     _line("error", error)
     _line("fitted in", f"{account.seconds:.1f} s, {rate:.0f} frames a second")
-    known = "known" if account.size_is_known else "not known: that of the average child of this age"
-    _line("child", f"{child.age_months:g} months, {child.length_cm:.1f} cm; overall size is {known}")
+    known = "overall size is known" if account.size_is_known else "scale not known: the average child's size was taken"
+    _line("child", f"{child.age_months:g} months, {child.length_cm:.1f} cm; {known}")
     for name, interval in account.lengths_m.items():
-        _line(f"  {name}", f"{100 * interval.value:.1f} cm ({100 * interval.low:.1f} to {100 * interval.high:.1f})")
+        _line(f"  {name}", f"{100 * interval.value:.1f} cm ({_range(interval, 100, 1)})")
     if interval := account.camera_height_m:
-        _line("camera", f"{interval.value:.2f} m above the floor ({interval.low:.2f} to {interval.high:.2f})")
+        _line("camera", f"{interval.value:.2f} m above the floor ({_range(interval, 1, 2)})")
     if (pitch := account.camera_pitch_deg) and pitch.value < 90:
-        _line("  looks down", f"{pitch.value:.0f}° below the horizon ({pitch.low:.0f} to {pitch.high:.0f})")
+        _line("  looks down", f"{pitch.value:.0f}° below the horizon ({_range(pitch, 1, 0)})")
     _print_joints(account)
     for note in account.notes:
         print(printable(f"note: {note}"), file=sys.stderr)
+
+
+def _range(interval: "Interval", scale: float, decimals: int) -> str:
+    """Return an interval as text, with its level."""
+    from mimoc.retargeting.result import LEVEL
+
+    low, high = scale * interval.low, scale * interval.high
+    return f"{LEVEL:.0%}: {low:.{decimals}f} to {high:.{decimals}f}".replace("%", " %")
 
 
 def _print_joints(account: "Account") -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from statistics import fmean, stdev
 from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
+from mimoc.base.rounding import readable
 from mimoc.cli.console import new_table, open_console
 from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
@@ -247,7 +249,7 @@ def _held_out(rows: Sequence[MovementRow], title: str) -> Table:
     """Return a table of what is held out, a row each, and how far those outside are below or above their windows."""
     table = new_table("measure", "months", "value", "asked", "off by", title=title, padding=0)
     for row in rows:
-        error = "never" if row.error is None else f"{row.error:+.3g}" if row.failed else "inside"
+        error = "never" if row.error is None else _signed(row.error) if row.failed else "inside"
         window = _range(row.window) if row.window else ""
         table.add_row(row.name, f"{row.age_months:g}", _movement_value(row), window, error)
     return table
@@ -270,7 +272,7 @@ def _sources(report: MovementReport) -> Mapping[str, Sequence[str]]:
 
 
 def _movement_value(row: MovementRow) -> Text:
-    text = "-" if row.value is None else f"{row.value:.3g}"
+    text = "-" if row.value is None else readable(row.value)
     if row.reason:
         return Text("not tried")
     if row.window and row.window.certainty == "assumption":
@@ -288,6 +290,10 @@ def _range(window: Window) -> str:
     if window.low is None:
         return f"≤ {window.high:g}"
     return f"≥ {window.low:g}" if window.high is None else f"{window.low:g} to {window.high:g}"
+
+
+def _signed(value: float) -> str:
+    return f"{'+' if value > 0 else ''}{readable(value)}"
 
 
 SHOWN = 10
@@ -315,8 +321,8 @@ def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
         return step.step, f"{step.jobs}", f"{step.done}", "", "0", ""
     more = "> " if step.at_least else ""
     hours = (step.jobs - step.done) * step.seconds / processes / 3600
-    seconds = f"{more}{step.seconds:.3g}"
-    return step.step, f"{step.jobs}", f"{step.done}", seconds, f"{more}{hours:.2g}", f"{step.bytes / 1000:.0f}"
+    seconds = f"{more}{readable(step.seconds)}"
+    return step.step, f"{step.jobs}", f"{step.done}", seconds, f"{more}{readable(hours, 2)}", f"{step.bytes / 1000:.0f}"
 
 
 def print_status(status: Status) -> None:
@@ -351,9 +357,11 @@ def print_quantities(quantities: Iterable[Quantity]) -> None:
 
 
 def print_measured(columns: Mapping[str, Sequence[float | None]], title: str) -> None:
-    """Print the quantities of episodes, as means if there are several."""
+    """Print the quantities of episodes: of several, mean, standard deviation (n - 1), and of how many they are."""
     values = {name: [value for value in column if value is not None] for name, column in columns.items()}
-    table = new_table("measure", "value" if max(map(len, values.values()), default=0) == 1 else "mean", title=title)
+    several = max(map(len, values.values()), default=0) > 1
+    table = new_table("measure", *(("mean", "SD", "n") if several else ("value",)), title=title)
     for name, column in values.items():
-        table.add_row(QUANTITIES[name].title, f"{sum(column) / len(column):.3g}")
+        spread = [readable(stdev(column), 2) if len(column) > 1 else "-", f"{len(column)}"]
+        table.add_row(QUANTITIES[name].title, readable(fmean(column)), *(spread if several else ()))
     open_console().print(table)

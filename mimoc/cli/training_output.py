@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from mimoc.base.rounding import readable
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
 from mimoc.quantities.outcome import CURVE
@@ -59,7 +60,7 @@ class Lines:
         elapsed_s, taken = now_s - begun_s, self._done - begun_steps
         parts = [f"{self._done:,} of {self._total:,} steps"]
         parts += [return_of(self._row)] if self._row else []
-        parts += [f"{_duration(elapsed_s / taken * (self._total - self._done))} left"] if taken else []
+        parts += [f"{console.duration(elapsed_s / taken * (self._total - self._done))} left"] if taken else []
         self._write(", ".join(parts))
         self._due_s = now_s + max(LINES_S, LINES_SHARE * elapsed_s)
 
@@ -134,11 +135,4 @@ def _print(line: str) -> None:
 
 
 def _number(value: float) -> str:
-    if isinstance(value, int):
-        return f"{value}"
-    return f"{value:.4g}" if math.isfinite(value) else "-"
-
-
-def _duration(seconds: float) -> str:
-    minutes = round(seconds / 60)
-    return f"{round(seconds)} s" if seconds < 100 else f"{minutes} min" if minutes < 100 else f"{minutes / 60:.1f} h"
+    return f"{value}" if isinstance(value, int) else readable(value, 4)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.cli.arguments import Beside, load_spec
 from mimoc.cli.terminal import FAILED_CHECK
 
@@ -166,6 +166,9 @@ def validate(
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
+    if infant and against == "who" and not infant.body.size_is_known:
+        advice = "give its length, 'body.individual.length_cm', and leave out 'body.size_is_known'"
+        raise MimocError(f"{spec}: scale not known, so that no growth standard says anything of it; {advice}")
     with console.progress("growing") as show:
         findings = VALIDATIONS[against](infant, show, **options)
     if plot:

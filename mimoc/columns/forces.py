@@ -42,7 +42,7 @@ def bind_contacts(env: InfantEnv) -> Group:
     return Group(tuple(columns), touching.values, moment=touching.moment)
 
 
-_SUM = "sum of the normal forces of all contacts of the {} with anything else"
+_SUM = "sum of the normal forces of all contacts of the {} with anything else, its own body included"
 _UPWARD = "upward force of all that is fixed (floor, mattress, furniture) on the {}"
 _GROUND = "ground reaction, the force of all that is fixed on the whole body"
 _TOUCHED = "what presses on the {}: parts of the own body, toys, fixed things"

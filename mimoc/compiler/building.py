@@ -27,7 +27,7 @@ from mimoc.compiler.child import check_available, child_of
 from mimoc.compiler.faces import face_arrays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.model_check import compile_model, trace_model_error
-from mimoc.compiler.notes import notes
+from mimoc.compiler.notes import notes, notes_on_shapes
 from mimoc.compiler.placing import (
     PlacedScene,
     SceneAssets,
@@ -210,6 +210,7 @@ class Builder:
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
         """Return the manifest of a seed."""
         remarks = notes(self.spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
+        remarks += notes_on_shapes(furnished.toys, furnished.things)
         of_scene = {"toys": describe_toys(furnished.toys), "objects": describe_objects(furnished.things)}
         of_scene["poses"] = tuple(pose.name for pose in furnished.scene.keyframes)
         of_scene["caregiver"] = rounded_caregiver(furnished.caregiver)

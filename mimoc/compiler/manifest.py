@@ -136,6 +136,7 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
         months_early=spec.months_early,
         sex=spec.body.individual and spec.body.individual.sex,
         clothes=spec.clothes,
+        size_is_known=spec.body.size_is_known,
         **stature(tree),
     )
 

@@ -4,12 +4,15 @@ A key has none if it is about an option that was not chosen. What is about a par
 have is refused instead (`schema/spec.py`).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.base.kinds import Kinds
+from mimoc.compiler.provenance import SCALE_NOT_KNOWN
 from mimoc.mjcf.mimo import find_target
+from mimoc.mjcf.world import FreeObject
+from mimoc.objects.built_object import PlacedThing
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import dotted, given
@@ -92,7 +95,14 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
         built_for += (f"'body.chest_joint' is false: {target}'s own infants have two joints and commands more",)
     of_toys = toybox.notes if spec.scene.toys else ()
     on_spec = (*_task_notes(spec), *unused_keys(spec), *_said_twice(spec))
-    return (*_impaired(spec), *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
+    scale = () if spec.body.size_is_known else (SCALE_NOT_KNOWN,)
+    return (*_impaired(spec), *scale, *built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
+
+
+def notes_on_shapes(toys: Iterable[FreeObject], things: Iterable[PlacedThing]) -> tuple[str, ...]:
+    """Return the notes on the shapes of toys and objects, each once."""
+    said = (*(toy.notes for toy in toys), *(thing.built.notes for thing in things))
+    return tuple(dict.fromkeys(note for notes in said for note in notes))
 
 
 DIFFERS = "differs from a healthy child"

@@ -161,6 +161,8 @@ def _xml(actuator: str, attribute: str) -> str:
     return f"infant.xml: general[@name='{actuator}']/@{attribute}"
 
 
+SCALE_NOT_KNOWN = "scale not known: of the average child's size, and compared with no standard"
+"""What is said of the measures of a child whose size is not known."""
 MEASURES = {
     "length_cm": ("cm", "crown to sole: how far the geoms reach along the vertical, no joint turned"),
     "weight_kg": ("kg", "sum of all bodies"),
@@ -182,6 +184,7 @@ def trace_child(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]
     }
     for name, (unit, rule) in MEASURES.items():
         value = getattr(child, name)
+        rule += "" if child.size_is_known else f"; {SCALE_NOT_KNOWN}"
         if value is not None:
             yield f"child.{name}", {"value": value, "unit": unit, "rule": rule, "from": sources[name]}
     rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
@@ -210,8 +213,10 @@ def trace_clothes(spec: InfantSpec) -> Iterator[tuple[str, Entry]]:
 def who_percentiles(child: ChildEntry) -> dict[str, float]:
     """Return where a child stands among WHO's children of its age and sex, 0 to 100, by indicator.
 
-    An indicator that WHO has no standard for at that age is left out.
+    An indicator that WHO has no standard for at that age is left out, and all of a child whose size is not known.
     """
+    if not child.size_is_known:
+        return {}
     measures = child.model_dump()
     return {
         indicator: percentile(standard.z_score(measures[indicator], child.corrected_age_months, child.sex or "mean"))

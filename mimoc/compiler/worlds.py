@@ -22,6 +22,7 @@ from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manif
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.manifest import describe_objects, describe_toys
+from mimoc.compiler.notes import notes_on_shapes
 from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, discs_of, surroundings, toys_around
 from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
 from mimoc.compiler.world_places import InfantPart, part_of, places_of, states_of, trace_places, within
@@ -303,6 +304,7 @@ def _notes(built: BuiltWorld) -> Iterator[str]:
         if ignored := sorted(spec.scene.model_fields_set - {"pose", "held"}):
             keys = " and ".join(f"scene.{key}" for key in ignored)
             yield f"'{keys}' of '{name}' has no effect: it is in the scene of this world"
+    yield from notes_on_shapes(built.toys, built.things)
 
 
 def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:

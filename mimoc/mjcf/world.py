@@ -161,6 +161,8 @@ class FreeObject:
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
+    notes: tuple[str, ...] = ()
+    """What is to be known of its shape, for the README of a bundle."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.movement.measures import core_measures
 
 IntArray = npt.NDArray[np.integer]
+BoolArray = npt.NDArray[np.bool_]
 WINDOW_S = 8.0
 SHRINKAGE = 0.5
 """Share of the covariance that is shrunk to its diagonal."""
@@ -63,9 +64,27 @@ def told_apart(first: Windows, second: Windows) -> float:
     Raises:
         MovementError: If a group is too small: it must have two windows when an infant is left out.
     """
+    return float(np.mean([right.mean() for right in _recognised(first, second)]))
+
+
+def told_apart_error(first: Windows, second: Windows) -> float:
+    """Return the standard error of this accuracy, from how much the shares of infants differ within each group.
+
+    With s_g the standard deviation of the shares of windows of the n_g infants of a group that are recognised, it is
+    the root of the sum of s_g^2 / n_g over both groups, divided by 2.
+    """
+    squares = 0.0
+    for right, group in zip(_recognised(first, second), (first, second), strict=True):
+        shares = [right[group.infants == infant].mean() for infant in np.unique(group.infants)]
+        squares += float(np.var(shares, ddof=1)) / len(shares)
+    return squares**0.5 / 2
+
+
+def _recognised(first: Windows, second: Windows) -> tuple[BoolArray, BoolArray]:
+    """Return which windows of each group are taken for its own by a classifier that does not know their infant."""
     if not (first.are_enough and second.are_enough):
-        few = "needs two infants or more, and two windows of 8 s besides those of any one"
-        raise MovementError(f"to be told apart, each group {few}; give more or longer recordings")
+        few = "two infants or seeds, or more, and two windows of 8 s besides those of any one"
+        raise MovementError(f"each group needs {few}; give more or longer recordings")
     values = np.concatenate([first.values, second.values])
     labels = np.repeat([False, True], [len(first.values), len(second.values)])
     infants = np.concatenate([first.infants, second.infants + first.infants.max() + 1])
@@ -74,10 +93,10 @@ def told_apart(first: Windows, second: Windows) -> float:
         held_out = infants == infant
         is_second = _classify(values[~held_out], labels[~held_out], values[held_out])
         right[held_out] = is_second == labels[held_out]
-    return float(np.mean([right[labels == label].mean() for label in (False, True)]))
+    return right[~labels], right[labels]
 
 
-def _classify(values: FloatArray, labels: npt.NDArray[np.bool_], unknown: FloatArray) -> npt.NDArray[np.bool_]:
+def _classify(values: FloatArray, labels: BoolArray, unknown: FloatArray) -> BoolArray:
     """Return which of some unknown windows are of the second group, by a linear discriminant.
 
     With m_1, m_2 the means of the standardised windows of both groups and S the mean of their covariances, a window x

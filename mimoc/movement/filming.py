@@ -1,11 +1,13 @@
 """Simulated infants as a camera above them sees them: at its rate, in whole pixels, in the size of real infants."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
 
 from mimoc.base.errors import MovementError
+from mimoc.bundle.manifest import ChildEntry
+from mimoc.compiler.provenance import SCALE_NOT_KNOWN
 from mimoc.motion.body_points import locate
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
 from mimoc.motion.points import MINI_RGBD_POINTS, SIDES
@@ -39,13 +41,14 @@ class Film:
     places_m: list[FloatArray] = field(default_factory=list)
     """Points of blocks of control steps, shape (s, k, 3) each."""
     _model: mujoco.MjModel | None = None
+    _child: ChildEntry | None = None
     _block: list[FloatArray] = field(default_factory=list)
 
     def watch(self, env: InfantEnv, observation: object = None) -> None:
         """Keep where the infant is now; it may have grown since the last step, but not started a new episode."""
         if env.model is not self._model:
             self._locate()
-            self._model = env.model
+            self._model, self._child = env.model, env.manifest.child
         self.times_s.append(float(env.data.time))
         self._block.append(env.data.qpos.copy())
 
@@ -62,12 +65,20 @@ class Film:
         if not len(times_s) or times_s[-1] < least_s - 1e-6:
             reason = f"record at least {least_s:g} s, since the first {SETTLING_S:g} s is not measured"
             raise MovementError(f"{name}: too short to measure movement; {reason}")
-        return film_places(name, times_s, np.concatenate(self.places_m), SETTLING_S)
+        return noted(film_places(name, times_s, np.concatenate(self.places_m), SETTLING_S), self._child)
 
     def _locate(self) -> None:
         if self._model is not None and self._block:
             self.places_m.append(locate(self._model, np.array(self._block), SPACE_POINTS))
             self._block.clear()
+
+
+def noted(film: Filmed, child: ChildEntry | None) -> Filmed:
+    """Return a film with a note if its child's scale is not known."""
+    if child is None or child.size_is_known:
+        return film
+    notes = (*film.seen.notes, f"{SCALE_NOT_KNOWN}; measures in lengths of the trunk do not depend on it")
+    return replace(film, seen=replace(film.seen, notes=notes))
 
 
 def film_places(name: str, times_s: FloatArray, places_m: FloatArray, start_s: float = 0.0) -> Filmed:

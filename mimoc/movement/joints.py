@@ -8,8 +8,9 @@ import numpy as np
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation, unit_spans
+from mimoc.movement.measures import correlation
 from mimoc.movement.trunk_frame import stand_ins
+from mimoc.quantities.run_movement_units import unit_spans
 
 PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")
 LONGEST_LAG_S = 0.5

@@ -1,7 +1,6 @@
 """The measures of movement of one recording."""
 
 import numpy as np
-import numpy.typing as npt
 from scipy.signal import find_peaks, welch
 from scipy.stats import kurtosis
 
@@ -9,11 +8,8 @@ from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.trunk_frame import TrunkPaths, trunk_paths
 from mimoc.quantities.movement import CORE
+from mimoc.quantities.run_movement_units import MOVING_TRUNK_S, movement_units
 
-IntArray = npt.NDArray[np.integer]
-
-MOVING_TRUNK_S = 0.25
-"""A limb that is faster moves."""
 KICK_TRUNK = 0.25
 """Least extension of a leg that counts as a kick."""
 STILL = 1e-9
@@ -48,21 +44,6 @@ def leg_lengths(body: TrunkPaths) -> list[FloatArray]:
     """Return the distance from hip to foot of both legs, shape (t,) each, [trunk]."""
     pairs = zip(body.sides("foot"), body.sides("hip"), strict=True)
     return [np.linalg.norm(foot - hip, axis=1) for foot, hip in pairs]
-
-
-def movement_units(speed: FloatArray) -> IntArray:
-    """Return the frames of the maxima of the speed that are movement units, [trunk/s]."""
-    return find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]
-
-
-def unit_spans(speed: FloatArray) -> list[tuple[int, int, int]]:
-    """Return the first, the fastest and the last frame of each movement unit, from minimum to minimum of the speed.
-
-    Units that the ends of the recording cut off are left out.
-    """
-    minima = find_peaks(-speed)[0]
-    afters = [(int(peak), int(np.searchsorted(minima, peak))) for peak in movement_units(speed)]
-    return [(int(minima[at - 1]), peak, int(minima[at])) for peak, at in afters if 0 < at < len(minima)]
 
 
 def sample_entropy(values: FloatArray, length: int = 2, tolerance: float = 0.2) -> float:

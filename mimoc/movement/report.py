@@ -1,21 +1,24 @@
 """What is said of some infants' movement: measures, scores, distances, and whether they are told from others."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from mimoc.base.errors import MovementError
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import SIDES
-from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, windows_of
+from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, told_apart_error, windows_of
 from mimoc.movement.filming import Filmed
 from mimoc.movement.joints import joint_measures
 from mimoc.movement.measured import measure_movement
 from mimoc.movement.real_infants import told_from_real
 from mimoc.movement.sample import Sample, distance, standard_scores
 from mimoc.movement.sides import measure_sides
-from mimoc.movement.trunk_frame import stand_ins
+from mimoc.movement.simulated import Progress, no_progress
+from mimoc.movement.trunk_frame import LEAST_S, stand_ins, trunk_paths
 from mimoc.quantities import QUANTITIES
 
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
@@ -32,8 +35,20 @@ class ToldApart:
     """Balanced accuracy, with whole infants left out; .5 is chance."""
     exact: bool
     """Whether the other group are recordings; or else windows drawn from the aggregates of a sample."""
-    deviation: float | None = None
-    """Standard deviation over the draws."""
+    deviation: float
+    """Standard deviation over the draws; of recordings, the standard error, from how infants differ."""
+    windows: int
+    """How many windows there are of the infants that are measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How far the values that a mean is of are apart."""
+
+    n: int
+    """How many there are: infants or, of one infant, windows of its recording."""
+    sd: float | None
+    """Standard deviation (n - 1); None of a single value."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +64,10 @@ class MovementMeasures:
     notes: tuple[str, ...] = ()
     sides: Mapping[str, tuple[Mapping[str, float], ...]] = field(default_factory=dict)
     """The measures of each that a side has, by `left` and `right`."""
+    windows: "MovementMeasures | None" = None
+    """Of one infant: the measures of the windows that its recording is divided into; None if it is too short."""
+    window_s: float | None = None
+    """How long each of these is."""
     beside: Mapping[str, "MovementMeasures"] = field(default_factory=dict)
     """Those of counterparts of an infant, by what they are, such as `healthy`."""
 
@@ -61,6 +80,22 @@ class MovementMeasures:
     def side_means(self) -> dict[str, dict[str, float]]:
         """The same of each side, by `left` and `right`."""
         return {side: _means(infants) for side, infants in self.sides.items()}
+
+    @property
+    def spreads(self) -> dict[str, Spread]:
+        """How far infants or, of a single one, windows of its recording are apart, by measure."""
+        return _spreads(self.means, self.infants if self.windows is None else self.windows.infants)
+
+    @property
+    def side_spreads(self) -> dict[str, dict[str, Spread]]:
+        """The same of each side, by `left` and `right`."""
+        rows = (self if self.windows is None else self.windows).sides
+        return {side: _spreads(means, rows[side]) for side, means in self.side_means.items()}
+
+    @property
+    def spread_is_over(self) -> str:
+        """What these are spreads of, in words."""
+        return "infants" if self.windows is None else f"windows of {self.window_s:g} s"
 
     @property
     def sides_differ(self) -> bool:
@@ -79,6 +114,11 @@ class MovementMeasures:
         return tuple(distance(one, self.sample) for one in self.infants) if self.sample else ()
 
     @property
+    def window_distances(self) -> tuple[float, ...]:
+        """Distance of each window of a single infant's recording to the sample."""
+        return tuple(distance(one, self.sample) for one in self.windows.infants) if self.sample and self.windows else ()
+
+    @property
     def distance(self) -> float | None:
         """Distance of the mean over infants to the sample."""
         return distance(self.means, self.sample) if self.sample else None
@@ -90,6 +130,7 @@ class MovementMeasures:
                 "label": QUANTITIES[name].label,
                 "unit": QUANTITIES[name].unit,
                 "mean": _short(mean),
+                **_spread_data(self.spreads[name]),
                 "infants": [_short(one[name]) if name in one else None for one in self.infants],
                 **self._of_sides(name),
                 **self._compared(name),
@@ -97,23 +138,31 @@ class MovementMeasures:
             for name, mean in self.means.items()
         }
         data: dict[str, Any] = {"infants": list(self.names), "measures": measures, "notes": list(self.notes)}
+        data["spread_is_over"] = self.spread_is_over
         if self.beside:
             data["beside"] = {name: other.to_data() for name, other in self.beside.items()}
         if self.sample:
             data["against"] = {"name": self.sample.name, "infants": self.sample.infants}
             data["distance"] = {"of_mean": _short(self.distance), "infants": [_short(one) for one in self.distances]}
+            if self.windows:
+                data["distance"]["windows"] = [_short(one) for one in self.window_distances]
         if self.apart:
             data["told_apart"] = {
                 "balanced_accuracy": _short(self.apart.accuracy),
                 "window_s": WINDOW_S,
                 "exact": self.apart.exact,
-                "sd_over_draws": _short(self.apart.deviation),
+                "windows": self.apart.windows,
+                "standard_error" if self.apart.exact else "sd_over_draws": _short(self.apart.deviation),
             }
         return data
 
     def _of_sides(self, name: str) -> dict[str, Any]:
         return {
-            side: {"mean": _short(means[name]), "infants": [_short(one.get(name)) for one in self.sides[side]]}
+            side: {
+                "mean": _short(means[name]),
+                **_spread_data(self.side_spreads[side][name]),
+                "infants": [_short(one.get(name)) for one in self.sides[side]],
+            }
             for side, means in self.side_means.items()
             if name in means
         }
@@ -124,6 +173,7 @@ class MovementMeasures:
         return {
             "sample_mean": _short(self.sample.means[name]),
             "sample_sd": _short(self.sample.deviations[name]),
+            "sample_n": self.sample.infants,
             "score": _short(self.scores[name]),
         }
 
@@ -133,14 +183,55 @@ def _means(infants: Sequence[Mapping[str, float]]) -> dict[str, float]:
     return {name: float(np.mean([one[name] for one in infants if name in one])) for name in names}
 
 
-def measure_all(films: Sequence[Filmed]) -> MovementMeasures:
+def _spreads(means: Mapping[str, float], rows: Sequence[Mapping[str, float]]) -> dict[str, Spread]:
+    spreads = {}
+    for name in means:
+        values = [one[name] for one in rows if name in one]
+        spreads[name] = Spread(len(values), float(np.std(values, ddof=1)) if len(values) > 1 else None)
+    return spreads
+
+
+def _spread_data(spread: Spread) -> dict[str, Any]:
+    return {"n": spread.n, "sd": _short(spread.sd)}
+
+
+def measure_all(films: Sequence[Filmed], progress: Progress = no_progress) -> MovementMeasures:
     """Return the measures of some infants.
+
+    Args:
+        films: The infants.
+        progress: Called with how many have been measured, and how many there are.
 
     Raises:
         MovementError: If one cannot be measured.
     """
+    measured = _measured(films, progress)
+    if len(films) > 1:
+        return measured
+    seconds = films[0].seen.frames / films[0].seen.rate_hz
+    window_s = WINDOW_S if seconds >= 2 * WINDOW_S else float(int(seconds / 2))
+    if window_s < LEAST_S:
+        few = f"no spread is known: one recording of less than {2 * LEAST_S:g} s cannot be divided"
+        return replace(measured, notes=(*measured.notes, few))
+    windows = _measured(list(_windows(films[0], window_s)))
+    return replace(measured, windows=windows, window_s=window_s)
+
+
+def _windows(film: Filmed, window_s: float) -> Iterator[Filmed]:
+    """Yield the whole windows that a film has, and in which all is seen that measures need."""
+    frames = round(window_s * film.seen.rate_hz)
+    for start in range(0, film.seen.frames - frames + 1, frames):
+        stop = start + frames
+        window = Filmed(film.seen.window(start, stop), film.space and film.space.window(start, stop))
+        with suppress(MovementError):  # A point that is needed is not seen in it.
+            trunk_paths(window.seen)
+            yield window
+
+
+def _measured(films: Sequence[Filmed], progress: Progress = no_progress) -> MovementMeasures:
     infants, notes = [], dict[str, None]()
-    for film in films:
+    for count, film in enumerate(films):
+        progress(count, len(films))
         infants.append(measure_movement(film.seen) | (joint_measures(film.space) if film.space else {}))
         notes |= dict.fromkeys(film.seen.notes) | dict.fromkeys(_assumptions(film.seen))
     by_film = [measure_sides(film.seen, film.space) for film in films]
@@ -152,6 +243,7 @@ def compare(
     films: Sequence[Filmed],
     sample: Sample | Sequence[PointRecording],
     generator: np.random.Generator,
+    progress: Progress = no_progress,
 ) -> MovementMeasures:
     """Return the measures of some infants beside those of others, and whether the two are told apart.
 
@@ -159,18 +251,19 @@ def compare(
         films: The infants.
         sample: The aggregates of a sample, those of `real_infants()`; or recordings, for the exact figure.
         generator: Draws windows from the aggregates.
+        progress: As of `measure_all`.
 
     Raises:
         MovementError: If one cannot be measured.
     """
-    measured, seen = measure_all(films), [film.seen for film in films]
-    apart = None
-    if min(one.frames / one.rate_hz for one in seen) >= WINDOW_S and (windows := windows_of(seen)).are_enough:
-        apart = _told_apart(windows, sample, generator)
-    few = f"not told apart: this needs two infants or seeds, and two windows of {WINDOW_S:g} s besides those of any one"
+    measured, apart = measure_all(films, progress), None
+    notes = measured.notes
+    try:
+        apart = _told_apart(windows_of([film.seen for film in films]), sample, generator)
+    except MovementError as error:
+        notes = (*notes, f"not told apart: {error}")
     if not isinstance(sample, Sample):
         sample = Sample.of([measure_movement(recording) for recording in sample], f"{len(sample)} recordings")
-    notes = measured.notes if apart else (*measured.notes, few)
     return replace(measured, sample=sample, apart=apart, notes=notes)
 
 
@@ -179,8 +272,10 @@ def _told_apart(
 ) -> ToldApart:
     if isinstance(sample, Sample):
         accuracy, deviation = told_from_real(windows, generator)
-        return ToldApart(accuracy, False, deviation)
-    return ToldApart(told_apart(windows_of(sample), windows), True)
+        return ToldApart(accuracy, False, deviation, len(windows.values))
+    others = windows_of(sample)
+    error = told_apart_error(others, windows)
+    return ToldApart(told_apart(others, windows), True, error, len(windows.values))
 
 
 def _assumptions(recording: PointRecording) -> list[str]:

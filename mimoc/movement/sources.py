@@ -10,9 +10,10 @@ from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
 from mimoc.motion import FORMATS
 from mimoc.motion.reading import read_again, read_points
-from mimoc.movement.filming import Filmed
+from mimoc.movement.filming import Filmed, noted
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
 from mimoc.policies.policy import PolicyMaker
+from mimoc.recording.folder import read_infant
 from mimoc.schema.infant import InfantSpec
 
 POINTS = "points.npz"
@@ -51,7 +52,7 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
         MimocError: If there is nothing that can be measured.
     """
     options = options or SourceOptions()
-    is_infant = path.suffix.lower() in SPECS or (path / BUNDLE).is_file()
+    is_infant = _is_infant(path)
     if is_infant and not options.policy:
         raise MovementError(f"{path}: an infant, not a recording; say how it moves with --policy, such as random")
     if options.policy and not is_infant:
@@ -63,6 +64,15 @@ def films_in(path: Path, options: SourceOptions | None = None, progress: Progres
     return _recorded(path, options, progress)
 
 
+def reads_points(path: Path) -> bool:
+    """Return whether a path stands for points that mimoc did not write itself, or for a folder that may have some."""
+    return not _is_infant(path) and not any((path / mark).is_file() for mark in (POINTS, RECORDING, COHORT))
+
+
+def _is_infant(path: Path) -> bool:
+    return path.suffix.lower() in SPECS or (path / BUNDLE).is_file()
+
+
 def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progress = no_progress) -> list[Filmed]:
     """Return films of an infant that is simulated under the policy of some options; see `film_policy`."""
     return [*film_policy(infant, options.policy or "zero", options.seeds, options.seconds, progress)]
@@ -70,7 +80,8 @@ def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progre
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
     if (path / POINTS).is_file():
-        return [Filmed(read_again(path / POINTS))]
+        child = read_infant(path).manifest.child if (path / RECORDING).is_file() else None
+        return [noted(Filmed(read_again(path / POINTS)), child)]
     if (path / RECORDING).is_file():
         return [*film_recording(path, progress)]
     if (path / COHORT).is_file():

@@ -49,6 +49,8 @@ class BuiltObject:
     """Its ribbon, if it has one."""
     water: WaterEntry | None = None
     """What the runtime must know if it is water."""
+    notes: tuple[str, ...] = ()
+    """What is to be known of its shape, for the README of a bundle."""
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by the end of their keys in `provenance.json`."""
 

@@ -96,8 +96,10 @@ def needs_argument(kind: PolicyKind) -> bool:
 
 
 def usage(kind: PolicyKind) -> str:
-    """Return how a policy is chosen: `zero`, `motion:DIR`, or `reflexes[:MONTHS]` if its argument may be left out."""
-    argument = kind.argument.strip("[]")
-    if not argument:
-        return kind.name
-    return f"{kind.name}[:{argument}]" if kind.argument.startswith("[") else f"{kind.name}:{argument}"
+    """Return how a policy is chosen: `zero`, `motion:DIR`, `reach_for:TARGET[,HAND]`, or `reflexes[:MONTHS]`.
+
+    Brackets are around what may be left out.
+    """
+    if needs_argument(kind):
+        return f"{kind.name}:{kind.argument}"
+    return f"{kind.name}[:{kind.argument[1:-1]}]" if kind.argument else kind.name

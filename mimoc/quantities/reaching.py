@@ -1,6 +1,7 @@
 """What movement columns say of an episode: how each hand and foot moves, touches and bears, and what is looked at.
 
-Left and right are quantities of their own; lengths and speeds are those in the world, in metres and seconds.
+Left and right are quantities of their own; lengths and speeds are those in the world, in metres and seconds, but for
+movement units, which are those of `mimoc.movement`.
 """
 
 import math
@@ -13,31 +14,8 @@ from mimoc.quantities.movement_details import VON_HOFSTEN
 from mimoc.quantities.quantity import Quantity
 
 Columns = Mapping[str, Any]
-LEAST_PEAK_M_S, LEAST_RISE_M_S = 0.05, 0.025
-"""Of a movement unit: about those of the measures in lengths of the trunk (.25 and .125 trunk/s of 0.2 m); chosen."""
-
-
-def movement_units(speeds_m_s: Iterable[float]) -> int:
-    r"""Return how often a speed rises to a peak and falls again, each by a least amount.
-
-    ```
-    speed    A
-            / \    b    C
-           /   \  / \  / \       A and C are units; b is none, for it rises too little
-         _/     \/   \/   \_
-    ```
-
-    Args:
-        speeds_m_s: At successive times.
-    """
-    units, is_rising, extreme = 0, False, math.inf
-    for speed in map(float, speeds_m_s):
-        extreme = max(extreme, speed) if is_rising else min(extreme, speed)
-        if is_rising and speed <= extreme - LEAST_RISE_M_S:
-            units, is_rising, extreme = units + (extreme >= LEAST_PEAK_M_S), False, speed
-        elif not is_rising and speed >= extreme + LEAST_RISE_M_S:
-            is_rising, extreme = True, speed
-    return units
+UNITS = "mimoc.quantities.run_movement_units"
+"""The module that counts movement units, here and in films."""
 
 
 def _path_m(part: str, columns: Columns) -> float:
@@ -47,10 +25,6 @@ def _path_m(part: str, columns: Columns) -> float:
 def _straightness(part: str, columns: Columns) -> float | None:
     points, path_m = list(_points(part, columns)), _path_m(part, columns)
     return math.dist(points[0], points[-1]) / path_m if path_m else None
-
-
-def _units(part: str, columns: Columns) -> int:
-    return movement_units(columns[f"{part}_speed_m_s"])
 
 
 def _touching(part: str, columns: Columns) -> float:
@@ -70,7 +44,7 @@ def _share(flags: Iterable[bool]) -> float:
     return sum(values) / len(values)
 
 
-_COMPUTED: tuple[tuple[str, str, str, str, Callable[[str, Columns], float | None]], ...] = (
+_COMPUTED: tuple[tuple[str, str, str, str, str | Callable[[str, Columns], float | None]], ...] = (
     ("path_m", "path", "m", "length of the path of its centre of mass", _path_m),
     (
         "straightness",
@@ -83,9 +57,9 @@ _COMPUTED: tuple[tuple[str, str, str, str, Callable[[str, Columns], float | None
         "movement_units",
         "movement units",
         "",
-        f"how often its speed rises by {LEAST_RISE_M_S} m/s or more to {LEAST_PEAK_M_S} m/s or more and falls by"
-        f" {LEAST_RISE_M_S} again, not smoothed; these thresholds are chosen",
-        _units,
+        "maxima of its speed in the frame of the trunk (neck and hips), without what is faster than 6 Hz, of at least"
+        " .25 trunk/s, with a prominence of at least .125 trunk/s, as `mimoc movement` counts them, but in space",
+        UNITS,
     ),
     ("touching_share", "share of time in contact", "", "share of rows in which it touches anything", _touching),
     (
@@ -96,7 +70,7 @@ _COMPUTED: tuple[tuple[str, str, str, str, Callable[[str, Columns], float | None
         _looked_at,
     ),
 )
-"""Name, label, unit, definition and function of what is computed of a part."""
+"""Name, label, unit, definition of what is computed of a part, and its function, or the module that has it by name."""
 _REDUCED: tuple[tuple[str, str, str, str, str, Any], ...] = (
     ("speed_mean_m_s", "mean speed", "m/s", "mean speed of its centre of mass", "speed_m_s", "mean"),
     ("speed_max_m_s", "peak speed", "m/s", "largest speed of its centre of mass", "speed_m_s", "max"),
@@ -112,8 +86,8 @@ def _of_part(side: str, part: str) -> Iterator[Quantity]:
         field = f"{name}_{column}"
         yield _of_movement(f"{name}_{end}", f"{title}: {label}", unit, about, reduce=reduce, field=field)
     for end, label, unit, about, function in _COMPUTED:
-        source = VON_HOFSTEN if function is _units else None
-        compute = partial(function, name)
+        source = VON_HOFSTEN if function is UNITS else None
+        compute = function if isinstance(function, str) else partial(function, name)
         yield _of_movement(f"{name}_{end}", f"{title}: {label}", unit, about, compute=compute, source=source)
 
 

@@ -1,6 +1,6 @@
 """Quantities of recorded episodes: a row for each episode of one recording, or of all in a folder."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from mimoc.quantities.quantity import Quantity
 from mimoc.recording.description import RECORDING
 from mimoc.recording.reading import Episode, read_recording
 
+Progress = Callable[[int, int], None]
 MOST = 10_000
 """Recordings in one folder."""
 
@@ -31,12 +32,15 @@ def measurable() -> dict[str, Quantity]:
     }
 
 
-def measure_recordings(source: str | Path, names: Sequence[str] = ()) -> dict[str, list[Any]]:
+def measure_recordings(
+    source: str | Path, names: Sequence[str] = (), *, progress: Progress = lambda done, total: None
+) -> dict[str, list[Any]]:
     """Return quantities of recorded episodes as a tidy table: `pandas.DataFrame(measure_recordings(...))`.
 
     Args:
         source: The folder of a recording, or of several: of a cohort, say.
         names: The quantities; by default, all that any of the episodes has.
+        progress: Called with how many recordings have been measured, and how many there are.
 
     Returns:
         Columns by name, with a row for each episode: `recording`, `infant`, `episode`, `seconds` and the
@@ -56,11 +60,10 @@ def measure_recordings(source: str | Path, names: Sequence[str] = ()) -> dict[st
     for name in names:
         if name not in known:
             raise UnknownNameError("quantity of recordings", name, known)
-    rows = [
-        _row(episode, folder, path, names or known)
-        for path in recordings_in(folder)
-        for episode in read_recording(path)
-    ]
+    rows, paths = [], recordings_in(folder)
+    for done, path in enumerate(paths):
+        rows += [_row(episode, folder, path, names or known) for episode in read_recording(path)]
+        progress(done + 1, len(paths))
     if not rows:
         raise RecordingError(f"{folder}: there are no episodes in this recording")
     empty = [name for name in known if name in rows[0] and all(row[name] is None for row in rows)]

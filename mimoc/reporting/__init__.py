@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
-from mimoc.bundle.io import LOCK, Bundle, read_bundle
+from mimoc.bundle.io import LOCK, Bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.provenance import SPEC_FILE
+from mimoc.recording.description import RECORDING
+from mimoc.recording.folder import read_infant
 from mimoc.reporting.page import Page, render
 from mimoc.schema.counterparts import counterpart
 from mimoc.schema.infant import InfantSpec
@@ -36,7 +38,8 @@ def report(
     """Write a page on an infant, a training run or a cohort; return its path. The same source gives the same bytes.
 
     Args:
-        source: A bundle, its folder, a spec or its file (.yaml, .yml); or the folder of a training run or of a cohort.
+        source: A bundle, its folder, a spec or its file (.yaml, .yml); the folder of a recording of one infant, such
+            as `mimoc retarget` writes; or the folder of a training run or of a cohort.
         path: The page, which ends in .html; an existing one is replaced.
         check: Whether to check that the simulation of an infant is stable, which takes a second or so.
         cohort: The cohort in the folder, so that jobs which are not done yet are counted as well.
@@ -109,6 +112,6 @@ def _infant(source: "Bundle | InfantSpec | str | Path", progress: Progress) -> B
     kinds = "a folder written by 'mimoc build', 'mimoc train' or 'mimoc cohort run', or a spec that ends in .yaml"
     if not place.exists():
         raise MimocError(f"{place}: there is no such folder; name {kinds}")
-    if not (place / LOCK).is_file():
+    if not any((place / mark).is_file() for mark in (LOCK, RECORDING)):
         raise MimocError(f"{place}: neither an infant, a training run nor a cohort; name {kinds}")
-    return read_bundle(place)
+    return read_infant(place)

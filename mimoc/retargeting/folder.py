@@ -25,7 +25,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
 from mimoc.compiler.pipeline import build
-from mimoc.compiler.provenance import SPEC_FILE
+from mimoc.compiler.provenance import SCALE_NOT_KNOWN, SPEC_FILE
 from mimoc.motion import read_npz
 from mimoc.motion.joint_motion import MOTION, JointMotion, motion_of, pack_motion, read_motion
 from mimoc.motion.options import ReadOptions
@@ -191,13 +191,14 @@ def _readme(retargeted: Retargeted, motion: JointMotion) -> str:
     """Return what the folder says of itself."""
     child, account = retargeted.bundle.manifest.child, retargeted.account
     error = 100 * account.error_median / account.trunk
+    size = f"{child.length_cm:.0f} cm long" if account.size_is_known else SCALE_NOT_KNOWN
     unseen = ", ".join(name.removeprefix("robot:") for name in account.unseen)
     told = f"\n\nWhat was filmed does not tell these angles; they are what is usual: {unseen}." if unseen else ""
     return f"""# {retargeted.bundle.manifest.name}: a recorded infant on its own body
 
-A child of {child.age_months:g} months and {child.length_cm:.0f} cm, and {motion.seconds:.1f} s of its motion, fitted by
-mimoc to recorded points (median error {error:.1f} % of the trunk). This folder derives from a recording of a child:
-whatever holds for that recording holds for this folder.{told}
+A child of {child.age_months:g} months ({size}),
+and {motion.seconds:.1f} s of its motion, fitted by mimoc to recorded points (median error {error:.1f} % of the trunk).
+This folder derives from a recording of a child: whatever holds for that recording holds for this folder.{told}
 
 - `mimoc view . -o page.html` shows it beside its points; `mimoc replay .` and `mimoc export .` read it as a recording.
 - `mimoc run . --policy motion` replays it physically, within the infant's strength. Take senses from such a run, with

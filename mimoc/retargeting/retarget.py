@@ -44,11 +44,12 @@ FEWEST_FRAMES = 3
 POSES = "supine", "prone"
 NEARLY_ALWAYS = 0.9
 """Share of frames in which an infant must lie the other way round than is said, to be asked about: others roll."""
+AGED = "the spec is of a child of {:g} months: at {:g} months, its sizes are those along its percentiles"
 
 
 def retarget(
     recording: PointRecording,
-    age_months: float = 3.0,
+    age_months: float | None = None,
     spec: InfantSpec | None = None,
     *,
     camera_height_m: float | None = None,
@@ -59,17 +60,17 @@ def retarget(
     """Return the child of a recording of points and its motion.
 
     A camera looks down on an infant who lies; straight down, unless its pitch is given or the trunk is clearly
-    foreshortened. With one camera and no depth, overall size is that of the average child of the age, unless the
-    camera's height is known; what else remains open is said in the account. Ctrl-C ends the fit with the best motion
-    so far.
+    foreshortened. With one camera and no depth, overall size is not known, and that of the average child of the age is
+    taken, unless the camera's height is known, or the spec gives the child's length; what else remains open is said in
+    the account. Ctrl-C ends the fit with the best motion so far.
 
     In this order: compile the child that the fit starts from; fit some frames, from likely postures on; fit all frames,
     with sizes; compile the child that has them; fit its motion.
 
     Args:
         recording: Points on the infant; neck and both hips must be among them.
-        age_months: Age of the infant, from 0 to 24.
-        spec: Child to start from, with its name, sex, hands and scene; by default, the average child.
+        age_months: Age of the infant, from 0 to 24; by default, that of the spec.
+        spec: Child to start from, with its name, sex, length, hands and scene; by default, the average child.
         camera_height_m: Height of the camera above the floor, if it is known.
         camera_pitch_deg: Angle by which the camera looks down, below the horizon, if it is known: 90 straight down.
         pose: How the infant lies, if it is known; by default as `scene.pose` of *spec* has it. Of points in space or
@@ -77,8 +78,8 @@ def retarget(
         progress: Called with the number of steps done, and of all.
 
     Raises:
-        RecordingError: If the recording has too few points or frames, the camera cannot have this pitch, or the infant
-            lies the other way round in nearly all frames.
+        RecordingError: If the recording has too few points or frames, neither age nor spec is given, the camera cannot
+            have this pitch, or the infant lies the other way round in nearly all frames.
         SpecError: If there is no such child.
 
     Example:
@@ -91,6 +92,8 @@ def retarget(
     if pose is not None:
         check_name("pose of an infant who lies", pose, POSES)
     check(recording)
+    if age_months is None and spec is None:
+        raise RecordingError(f"{recording.name}: how old the infant is, is not known; give age_months, or a spec")
     child = run.compiled(lambda: compile_child(starting_spec(spec, age_months, _name(recording))))
     setting = run.compiled(lambda: setting_of(recording, child, camera_height_m, camera_pitch_deg))
     _check_pose(setting, pose or _stated(spec))
@@ -100,22 +103,25 @@ def retarget(
     whole = run.improved(whole, lambda: _pulled(whole, state, setting.every))
     state = run.solve(whole, state, STEPS_ALL, setting.free)
     noise = run.improved(noise, lambda: _rescaled(noise, uncertainty_of(whole, state)))
-    child = run.compiled(lambda: child_of(setting, state.logs))
-    setting = of_child(setting, child, state.logs)
+    child, factor = run.compiled(lambda: child_of(setting, state.logs))
+    setting = of_child(setting, child, state.logs + np.log(factor) * (np.arange(len(state.logs)) == 0))
     problem = replace(problem_of(setting, setting.recording, noise), pull=whole.pull)
-    state = run.solve(problem, replace(state, logs=0 * state.logs), STEPS_LAST, setting.only_height)
-    return run.finished(lambda: _result(recording, setting, problem, state, run))
+    state = run.solve(problem, _scaled(state, factor), STEPS_LAST, setting.only_height)
+    aged = () if spec is None or age_months in (None, spec.age_months) else (AGED.format(spec.age_months, age_months),)
+    return run.finished(lambda: _result(recording, setting, problem, state, run, aged))
 
 
-def _result(recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run) -> Retargeted:
-    """Return what was fitted, within all limits, and its account."""
+def _result(
+    recording: PointRecording, setting: Setting, problem: Problem, state: State, run: Run, on_spec: tuple[str, ...]
+) -> Retargeted:
+    """Return what was fitted, within all limits, and its account; *on_spec* are notes on the child it started from."""
     sure = uncertainty_of(replace(problem, shared_sd=setting.shared_sd()), state)
     state = replace(state, x=problem.within_limits(state.x))
     qpos, child = problem.skeleton.qpos(state.x), setting.child
     seen = problem.observed.project(points_of(problem, state), state.height_m)
     fitted = np.full((recording.frames, len(recording.names), seen.shape[-1]), np.nan)
     fitted[:, [recording.names.index(name) for name in setting.recording.names]] = seen
-    notes = (*recording.notes, *setting.notes, *run.notes)
+    notes = (*recording.notes, *on_spec, *setting.notes, *run.notes)
     account = account_of(setting, problem, state, sure, seen, run.seconds, notes)
     height_m = None if recording.unit == "m" else state.height_m
     return Retargeted(recording, child.spec, child.bundle, recording.rate_hz, qpos, height_m, fitted, account)
@@ -201,6 +207,13 @@ def _pulled(problem: Problem, state: State, every: int = 1) -> Problem:
     With depth, data say so much of each frame that this makes no difference.
     """
     return problem if problem.observed.tells_size else replace(problem, pull=pull_of(problem, state, every))
+
+
+def _scaled(state: State, factor: float) -> State:
+    """Return the motion of a child whose sizes are new, and all larger by a factor: to the camera it looks the same."""
+    x = state.x.copy()
+    x[:, :3] *= factor
+    return State(x, state.height_m * factor, 0 * state.logs)
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:

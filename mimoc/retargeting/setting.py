@@ -1,5 +1,6 @@
 """What a fit is of: the points that are seen, the hinges and sizes that these tell of, and where it starts."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -16,11 +17,13 @@ from mimoc.retargeting.observations import Observed, camera_from_world
 from mimoc.retargeting.pitch import Pitch, pitch_of
 from mimoc.retargeting.postures import likely_postures
 from mimoc.retargeting.sizes import (
+    LENGTH_SD,
     OVERALL_SD,
     SIZES,
     Child,
     Size,
     at_sizes,
+    gives_length,
     lengths_of,
     matched,
     shape_of,
@@ -42,14 +45,22 @@ HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
 AS_SURE = 8.0
 """How much surer sizes are taken to be while one camera is fitted: it tells of a limb's length only by how it is
 foreshortened, and what is wrong in usual postures, or in where a joint is seen, is wrong in every frame alike."""
+ROUNDS_LENGTH = 2
+"""How often a child is compiled again to be as long as its spec says: then it is so to .1 %."""
 HELD = 0.003
 """Standard deviation of the mean logarithm of sizes while it is held."""
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
-ASSUMED_SIZE = "overall size is that of the average child of the age; one camera tells only proportions"
+ASSUMED_SIZE = (
+    "scale not known: overall size is that of the average child of the age, for one camera tells only proportions; the"
+    " child's length in a spec, or the camera's height, fixes it"
+)
+GIVEN_SIZE = "overall size is that of the length that the spec gives; one camera tells only proportions"
 CALIBRATED = (
     "one camera sees no depth: intervals of angles and lengths are as wide as simulated children that moved otherwise"
     " than is assumed asked for"
 )
+FAR_LENGTH = 0.02
+"""Relative difference of a length that the recording gives from that of the spec which is said; a choice."""
 NOT_LYING = "the trunk is upright: nothing is assumed of its contact with the floor"
 
 
@@ -86,11 +97,18 @@ class Setting:
     """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray
     """Logarithms of the sizes that the child has, relative to the child that the fit started from, shape (s,)."""
+    length_cm: float | None
+    """Length of the child, if its spec gives it."""
+
+    @property
+    def sees_size(self) -> bool:
+        """Whether the recording gives absolute size."""
+        return self.recording.unit == "m" or self.recording.depth_m is not None or self.height_m is not None
 
     @property
     def size_is_known(self) -> bool:
-        """Whether something gives absolute size."""
-        return self.recording.unit == "m" or self.recording.depth_m is not None or self.height_m is not None
+        """Whether the recording or the spec gives absolute size."""
+        return self.sees_size or self.length_cm is not None
 
     def shared_sd(self, as_sure: float = 1.0) -> FloatArray:
         """Return the standard deviation of the height and of the logarithms of sizes, shape (1 + s,).
@@ -99,7 +117,8 @@ class Setting:
             as_sure: How many times as sure as usual sizes are taken to be.
         """
         height_m = HEIGHT_SD_M if self.height_m is None else KNOWN_SD_M
-        return np.array([height_m, OVERALL_SD, *(size.sd / as_sure for size in self.sizes)])
+        overall = OVERALL_SD if self.length_cm is None else LENGTH_SD
+        return np.array([height_m, overall, *(size.sd / as_sure for size in self.sizes)])
 
     @property
     def every(self) -> int:
@@ -108,8 +127,8 @@ class Setting:
 
     @property
     def free(self) -> BoolArray:
-        """Which of the height and the sizes may change: overall size only if something tells of it."""
-        return np.array([True, self.size_is_known, *(True for _ in self.sizes)])
+        """Which of the height and the sizes may change: overall size only if the recording tells of it."""
+        return np.array([True, self.sees_size, *(True for _ in self.sizes)])
 
     @property
     def only_height(self) -> BoolArray:
@@ -123,10 +142,20 @@ class Setting:
         return [
             *([ASSUMED_CAMERA] if in_pixels and self.recording.camera is None else []),
             *([self.pitch.note] if in_pixels else []),
-            *([] if self.size_is_known else [ASSUMED_SIZE]),
+            *self._notes_on_size(),
             *([CALIBRATED] if in_pixels and self.recording.depth_m is None else []),
             *([] if self.start.lies else [NOT_LYING]),
         ]
+
+    def _notes_on_size(self) -> Iterator[str]:
+        if not self.size_is_known:
+            yield ASSUMED_SIZE
+        elif not self.sees_size:
+            yield GIVEN_SIZE
+        elif self.length_cm is not None:
+            seen_cm = self.child.bundle.manifest.child.length_cm
+            if abs(seen_cm / self.length_cm - 1) > FAR_LENGTH:
+                yield f"the recording gives a length of {seen_cm:.1f} cm, and the spec {self.length_cm:.1f} cm"
 
 
 def setting_of(
@@ -167,7 +196,8 @@ def setting_of(
     )
     heights = [1.0, *(other.height_m / start.height_m for other in others)]
     ends, logs = (min(heights), max(heights)), np.zeros(1 + len(sizes))
-    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, ends, logs)
+    length_cm = child.bundle.manifest.child.length_cm if gives_length(child.spec) else None
+    return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, ends, logs, length_cm)
 
 
 def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Problem:
@@ -218,8 +248,10 @@ def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:
     return np.stack([np.interp(np.arange(frames), known, column) for column in x.T], axis=1)
 
 
-def child_of(setting: Setting, logs: FloatArray) -> Child:
-    """Return the compiled child with the sizes that were fitted.
+def child_of(setting: Setting, logs: FloatArray) -> tuple[Child, float]:
+    """Return the compiled child with the sizes that were fitted, and by which factor all of them were changed then.
+
+    This is 1 unless the spec gives the length and the recording tells of proportions only.
 
     Raises:
         SpecError: If there is no such child.
@@ -229,10 +261,16 @@ def child_of(setting: Setting, logs: FloatArray) -> Child:
     factors = dict(zip(names, np.exp(logs[1:]).tolist(), strict=True))
     overall = float(np.exp(logs[0]))
     wanted = {name: length * overall * factors.get(name, 1.0) for name, length in base.items()}
-    if not setting.size_is_known:
-        wanted = {name: wanted[name] for name in names if name in wanted}
-    length_cm = setting.child.bundle.manifest.child.length_cm * overall if setting.size_is_known else None
-    return matched(setting.child.spec, wanted, length_cm)
+    spec = setting.child.spec.with_(body={"size_is_known": setting.size_is_known})
+    if setting.sees_size:
+        return matched(spec, wanted, setting.child.bundle.manifest.child.length_cm * overall), 1.0
+    child = matched(spec, {name: wanted[name] for name in names if name in wanted}, None)
+    factor = 1.0
+    if setting.length_cm is not None:
+        for _ in range(ROUNDS_LENGTH):
+            factor *= setting.length_cm / child.bundle.manifest.child.length_cm
+            child = matched(child.spec, {name: factor * length for name, length in wanted.items()}, None)
+    return child, factor
 
 
 def of_child(setting: Setting, child: Child, logs: FloatArray) -> Setting:
@@ -265,7 +303,7 @@ def usual_noise(recording: PointRecording) -> Noise:
 def _held(setting: Setting) -> FloatArray:
     """Return what keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known."""
     weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
-    return weights / weights.sum() / HELD if not setting.size_is_known else 0 * weights
+    return weights / weights.sum() / HELD if not setting.sees_size else 0 * weights
 
 
 def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:

@@ -15,6 +15,7 @@ from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
 from mimoc.retargeting.skeleton import Shape
+from mimoc.schema.body import LENGTHS
 from mimoc.schema.infant import InfantSpec
 
 PointsOf = Callable[[mujoco.MjModel], list[BodyPoint]]
@@ -26,6 +27,9 @@ LEAST, MOST = 0.6, 1.7
 OVERALL_SD = 0.045
 """Standard deviation of the logarithm of a child's length: 3.5 % by WHO's standards up to two years, and the difference
 between these and the survey of the average child."""
+LENGTH_SD = 0.01
+"""The same of a length that a spec gives: recumbent length is measured to about .6 cm at three months (D: twice the
+technical error of measurement of WHO's observers, .3 cm)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,17 +82,26 @@ def compile_child(spec: InfantSpec) -> Child:
     return Child(spec, bundle, load_model(bundle))
 
 
-def starting_spec(spec: InfantSpec | None, age_months: float, name: str) -> InfantSpec:
+def starting_spec(spec: InfantSpec | None, age_months: float | None, name: str) -> InfantSpec:
     """Return the spec that a fit starts from: the average child's, lying on its back, or the given one of that age.
+
+    One of the two must be given.
 
     Raises:
         SpecError: If the age is not one of an infant's.
     """
     if spec is not None:
-        return spec if spec.age_months == age_months else spec.with_(age_months=age_months)
+        return spec if age_months in (None, spec.age_months) else spec.with_(age_months=age_months)
+    assert age_months is not None
     senses: Any = {"proprioception": {}, "vestibular": {}}
     scene: Any = {"kind": "flat", "pose": "supine"}
     return InfantSpec(mimoc=1, name=name, age_months=age_months, senses=senses, scene=scene)
+
+
+def gives_length(spec: InfantSpec) -> bool:
+    """Return whether a spec says how long its child is."""
+    individual = spec.body.individual
+    return individual is not None and any(getattr(individual, key) is not None for key in LENGTHS)
 
 
 def resized(spec: InfantSpec, factors: Mapping[str, float], length_cm: float | None = None) -> InfantSpec:

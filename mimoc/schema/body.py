@@ -10,7 +10,7 @@ from pydantic_core import PydanticKnownError
 
 from mimoc.base.errors import suggestion
 from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
-from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.expressions import Expression
 from mimoc.schema.looks import LooksSpec
 from mimoc.schema.names import (
@@ -84,6 +84,8 @@ INDICATORS: Mapping[str, str] = {
 }
 """What can be measured of an individual, by the names of WHO's standards, and the key of its percentile."""
 
+LENGTHS = ("length_cm", "length_percentile")
+"""What says how long an individual is."""
 FAT = ("fat_percentile", "fat_percent")
 """Keys of an individual's fat, of which one may be given."""
 
@@ -156,6 +158,10 @@ class BodySpec(Model):
     """An individual child; by default, the average child of the AnthroKids tables. It sets size and maturity of the
     whole body; `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an
     error."""
+    size_is_known: Annotated[bool, Field(strict=True)] = True
+    """Whether the child's overall size is known. It is not if a child was fitted to a film without a scale
+    (`mimoc retarget`): its proportions are its own, but it is of the average child's size, so that it is compared
+    with no growth standard."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )
@@ -185,6 +191,14 @@ class BodySpec(Model):
         return self
 
     @model_validator(mode="after")
+    def _knows_its_size_or_not(self) -> Self:
+        length = self.individual and next((key for key in LENGTHS if getattr(self.individual, key) is not None), None)
+        if length and not self.size_is_known:
+            message = f"contradicts '{length}' of 'individual', which says how long the child is; leave one of them out"
+            raise KeyedError(("size_is_known",), message, against=("individual", length))
+        return self
+
+    @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:
         named = [*(("parts", name) for name in self.parts), *(("remove", index) for index in range(len(self.remove)))]
         limbs = limb_bodies(self.hands, self.extra or ()) if named else ()
@@ -196,3 +210,5 @@ class BodySpec(Model):
                     message = f"'{name}' belongs to '{kind}'; add 'extra: [{kind}]' to the body, or leave this out"
                 raise KeyedError(key, message, against=("hands",))
         return self
+
+    _serialized = omitting("size_is_known")

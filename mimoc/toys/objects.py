@@ -64,6 +64,7 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
         geoms=tuple(geom for geom, _ in pieces),
         materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
+        notes=toy.model.notes,
     )
 
 

@@ -94,6 +94,8 @@ class ToyModel:
     """Mean density, including cavities."""
     source: str
     """Origin of the shape, for the README of a bundle."""
+    notes: tuple[str, ...] = ()
+    """Notes for the user of a bundle with this toy."""
 
 
 _ANGLES = np.linspace(0, math.tau, 48, endpoint=False)

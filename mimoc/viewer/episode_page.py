@@ -138,14 +138,21 @@ class _Film:
         }
 
 
+TOUCH = "sum of the sizes of forces, those of self-touch on both sides [N]"
+"""What a page has of touch: a contact of the infant with itself counts twice, for both parts of the body feel it."""
+VECTOR = " x [N]", " world x [N]"
+"""How the name of the first number of a point ends whose force has three."""
+
+
 def _curves(episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
     yield _curve("action", episode.layout("action"), episode.column("action")[rows])
     yield _curve("reward", ("reward",), episode.column("reward")[rows, None])
     for reading in episode.described.readings:
         if reading.name == "touch":
-            sums_n = [[float(np.abs(forces).sum())] for forces in episode.observation(reading.name)[rows]]
-            yield _curve("touch", ("sum of forces [N]",), np.array(sums_n))
+            is_vector = any(label.endswith(VECTOR) for label in reading.layout[:1])
+            forces = episode.observation(reading.name)[rows].reshape(len(rows), -1, 3 if is_vector else 1)
+            yield _curve("touch", (TOUCH,), np.linalg.norm(forces.astype(float), axis=-1).sum(axis=1, keepdims=True))
         elif reading.kind == "dense":
             values = episode.observation(reading.name)[rows]
             yield _curve(reading.name, reading.layout, values.reshape(len(rows), -1))

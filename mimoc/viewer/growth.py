@@ -158,16 +158,19 @@ SHOWN = ("length_cm", "weight_kg", "head_circumference_cm")
 
 
 def describe_standards(children: Sequence[ChildEntry]) -> dict[str, Any]:
-    """Return WHO's percentiles by age for children of a sex, and the measures of a child, given at each age."""
-    reference = children[0].sex or "mean"
+    """Return WHO's percentiles by age for children of a sex, and the measures of a child, given at each age.
+
+    Of a child whose size is not known there are the measures only, and None for percentiles.
+    """
+    reference, is_known = children[0].sex or "mean", children[0].size_is_known
     ages_months = [child.age_months for child in children]
     charts = {}
     for name in SHOWN:
         values, standard = [getattr(child, name) for child in children], fits.load_tables().who[name]
         scores = [standard.z_score(value, age, reference) for value, age in zip(values, ages_months, strict=True)]
-        chart = who_chart(name, reference)
+        chart = who_chart(name, reference) if is_known else replace(who_chart(name, reference), bands=(), lines=())
         charts[name] = {
             "plot": replace(chart, lines=(*chart.lines, Line(ages_months, values, "", "own"))).to_data(),
-            "percentile": np.array([percentile(score) for score in scores]),
+            "percentile": np.array([percentile(score) for score in scores]) if is_known else None,
         }
-    return {"reference": reference, "percentiles": PERCENTILES, "charts": charts}
+    return {"reference": reference, "percentiles": PERCENTILES if is_known else None, "charts": charts}

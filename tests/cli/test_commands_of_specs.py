@@ -141,3 +141,22 @@ def test_train_takes_a_piped_spec(run):
     assert "trained for 64 control steps" in out
     assert mimoc.read_bundle("runs/bundle").files["spec.yaml"] == SPEC.encode()
     shutil.rmtree("runs")
+
+
+def test_a_child_without_a_scale_is_not_judged_by_who(invoke, here):
+    (here / "kim.yaml").write_text("mimoc: 1\nname: kim\nage_months: 3\nbody: {size_is_known: false}\n")
+    done = invoke("validate", "kim.yaml")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(
+        "kim.yaml: scale not known, so that no growth standard says anything of it; give its length"
+    )
+    assert done.err.count("\n") == 1
+
+
+def test_a_length_contradicts_a_size_that_is_not_known(invoke, here):
+    (here / "kim.yaml").write_text(
+        "mimoc: 1\nname: kim\nage_months: 3\nbody: {size_is_known: false, individual: {length_cm: 60}}\n"
+    )
+    done = invoke("build", "kim.yaml", "-o", "out")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "body.size_is_known: contradicts 'length_cm' of 'individual'" in done.err

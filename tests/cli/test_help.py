@@ -1,11 +1,15 @@
 """Which commands there are, and what their help says; its examples are run."""
 
 import os
+import re
 import shlex
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 from support.commands import Outcome
 from support.full import FULL
 
@@ -92,6 +96,28 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "seen.png",
         "self_touch.yaml",
     ]
+
+
+def commands_below(group: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield all commands with what is typed for them, groups first."""
+    yield path, group
+    for name, command in getattr(group, "commands", {}).items():
+        yield from commands_below(command, (*path, name))
+
+
+@pytest.mark.parametrize(("path", "command"), [*commands_below(typer.main.get_command(commands.app))])
+def test_help_shows_every_text_whole(invoke, path, command, monkeypatch):
+    """Markdown takes only the marks of code away."""
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 2500)
+    shown = "".join(invoke(*path, "--help").out.split())
+    texts = [command.help, command.epilog, *(getattr(option, "help", None) for option in command.params)]
+    texts += [option.metavar for option in command.params]
+    texts += [other.help.partition("\n\n")[0] for other in getattr(command, "commands", {}).values()]
+    for text in filter(None, texts):
+        for line in re.split(r"\n\n|^- ", text.replace("`", ""), flags=re.MULTILINE):
+            assert "".join(line.split()) in shown
+            assert line.count("[") == line.count("]")
+            assert line.count("(") == line.count(")")
 
 
 @pytest.mark.parametrize("command", COHORT_COMMANDS)

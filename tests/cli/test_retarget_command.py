@@ -4,14 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.motions import moved
+from support.motions import moved, retargeted
 from support.store import built
 
 import mimoc
 from mimoc.bundle.model import load_model
+from mimoc.cli.retarget import print_account
 from mimoc.motion.body_points import film
 
 SPEC = {"mimoc": 1, "name": "kim", "age_months": 3, "scene": {"kind": "flat", "pose": "supine"}}
+
+
+@pytest.fixture(scope="module")
+def built_result():
+    bundle = built({**SPEC, "senses": {"proprioception": {}}})
+    return retargeted(bundle, moved(bundle, 0.6))
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +50,20 @@ def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invok
     assert "left_knee" in output
 
 
+def test_an_age_is_needed_without_a_spec(points, tmp_path, invoke):
+    done = invoke("retarget", str(points), "-o", str(tmp_path / "kim"))
+    message = "how old the infant is, is not known; give its age with --age, or a --spec"
+    assert (done.code, done.out, done.err) == (2, "", f"{points}: {message}\n")
+
+
+def test_intervals_are_printed_with_their_level(capsys, built_result):
+    print_account(built_result)
+    out = capsys.readouterr().out
+    assert "trunk         20.0 cm (90 %: 19.0 to 21.0)" in out
+    assert "camera          1.08 m above the floor (90 %: 1.00 to 1.20)" in out
+    assert "scale not known" in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -55,7 +76,7 @@ def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invok
     ],
 )
 def test_bad_options_are_refused_and_nothing_is_written(points, tmp_path, invoke, arguments, message):
-    code, *texts = invoke("retarget", str(points), "-o", str(tmp_path / "kim"), *arguments)
+    code, *texts = invoke("retarget", str(points), "-o", str(tmp_path / "kim"), "--age", "3", *arguments)
     assert code == 2
     assert message in "".join(map(str, texts))
     assert list(tmp_path.iterdir()) == []

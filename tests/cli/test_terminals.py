@@ -14,6 +14,7 @@ from support.commands import drained, finished, finished_together, process
 from support.full import full_but
 
 import mimoc
+from mimoc.cli.console import PlainProgress
 
 SPEC = str(Path(__file__).parents[2] / "configs" / "nine_months.yaml")
 ESCAPE = "\x1b"
@@ -133,3 +134,16 @@ def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp
     assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
     assert "apt-get install libegl1, or libosmesa6" in done.err
     assert len(done.err.splitlines()) == 1
+
+
+def test_elsewhere_than_in_a_terminal_long_work_is_a_line_now_and_then():
+    """Nothing of what is short; then a line in half a minute, and ever fewer."""
+    written, now_s = [], 0.0
+    show = PlainProgress("fitting", written.append, lambda: now_s)
+    for done in range(2001):
+        now_s = 1.0 * done
+        show(done, 2000)
+    assert written[0] == "fitting: 30 of 2,000, 33 min left"
+    assert 5 < len(written) < 40
+    show(2000, 2000)
+    assert written[-1].endswith(" left")

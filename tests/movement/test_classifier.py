@@ -51,7 +51,7 @@ def test_an_infant_that_differs_from_its_group_does_not_teach_the_classifier_its
 
 @pytest.mark.parametrize("groups", [(drawn(0, infants=1), drawn(1)), (drawn(0), drawn(1, infants=1))])
 def test_one_infant_is_no_group(groups):
-    with pytest.raises(MovementError, match="needs two infants or more"):
+    with pytest.raises(MovementError, match="each group needs two infants or seeds, or more"):
         told_apart(*groups)
 
 

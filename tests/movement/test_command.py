@@ -79,6 +79,23 @@ def test_infants_are_compared_with_real_ones(invoke, place):
     assert json.loads((place / "out.json").read_text())["against"]["infants"] == 12
 
 
+def test_every_number_has_a_spread_and_its_n(invoke, place):
+    impaired = SPEC.replace("name: three", "name: impaired\nimpairments: {preset: hemiparesis, side: left}")
+    (place / "impaired.yaml").write_text(impaired)
+    simulated = ("--policy", "random", "--seeds", "0:2", "--seconds", "2", "--beside", "healthy", "--against", "real")
+    for arguments in (("filmed", "--against", "real"), ("filmed/infant0.npz",), ("impaired.yaml", *simulated)):
+        code, out, _ = invoke("movement", *arguments)
+        assert code == 0
+        headings = [cell.strip() for cell in out.splitlines()[2].split("┃")[1:-1]]
+        assert ("healthy" in headings) == ("--beside" in arguments)
+        rows = [line.split("│")[1:-1] for line in out.splitlines() if line.startswith("│")]
+        assert len(rows) == 21
+        for heading, *cells in zip(headings, *rows, strict=True):
+            for cell in map(str.strip, cells):
+                if heading not in ("measure", "z") and cell:
+                    assert re.fullmatch(r"-?[\d.]+ ± [\d.]+ \(\d+\)", cell), (heading, cell)
+
+
 def test_the_same_command_writes_the_same(invoke, place):
     written = []
     for name in ("a.json", "b.json"):
@@ -115,6 +132,14 @@ def test_a_spec_is_simulated_and_drawn(invoke, place):
         (("filmed", "--json", "no/a.json"), "there is no folder no"),
         (("filmed", "--phase", "a.png", "--json", "a.json"), "--phase needs angles"),
         (("three.yaml", "--policy", "random", "--seeds", "2:1"), "is a range of 0 seeds"),
+        (("three.yaml", "--policy", "random", "--rate", "30"), "--rate says how points are read"),
+        (
+            ("three.yaml", "--policy", "random", "--against", "real", "--view", "back"),
+            "--view says how points are read",
+        ),
+        (("filmed", "--seeds", "0:2"), "--seeds is for an infant that is simulated"),
+        (("filmed", "--against", "real", "--seconds", "5"), "--seconds is for an infant that is simulated"),
+        (("filmed", "--beside", "healthy"), "--beside is for an infant that is simulated"),
     ],
 )
 def test_what_is_wrong_is_one_line_and_nothing_is_written(invoke, place, arguments, message):

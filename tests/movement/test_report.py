@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from support.moving import moving, restless
 
@@ -35,6 +36,7 @@ def test_recordings_give_the_exact_figure(generator):
     measured = compare(FILMS, OTHERS, generator)
     assert measured.apart is not None
     assert measured.apart.exact
+    assert 0 <= measured.apart.deviation < 0.3
     assert measured.sample is not None
     assert (measured.sample.name, measured.sample.infants) == ("3 recordings", 3)
 
@@ -50,10 +52,39 @@ def test_too_few_or_too_short_recordings_are_measured_but_not_told_apart(films, 
 def test_it_is_plain_data(generator):
     data = json.loads(json.dumps(compare(FILMS, real_infants(), generator).to_data()))
     speed = data["measures"]["hand_speed_p95_trunk_s"]
-    assert speed.keys() == {"label", "unit", "mean", "infants", "left", "right", "sample_mean", "sample_sd", "score"}
+    sample = {"sample_mean", "sample_sd", "sample_n", "score"}
+    assert speed.keys() == {"label", "unit", "mean", "sd", "n", "infants", "left", "right"} | sample
+    assert (data["spread_is_over"], speed["n"]) == ("infants", 3)
+    assert speed["sd"] == pytest.approx(np.std(speed["infants"], ddof=1), rel=1e-4)
+    assert speed["left"].keys() == {"mean", "sd", "n", "infants"}
     assert (speed["unit"], len(speed["infants"])) == ("trunk/s", 3)
-    assert data["told_apart"].keys() == {"balanced_accuracy", "window_s", "exact", "sd_over_draws"}
+    assert data["told_apart"].keys() == {"balanced_accuracy", "window_s", "windows", "exact", "sd_over_draws"}
     assert data["distance"].keys() == {"of_mean", "infants"}
+
+
+def test_a_single_infant_has_the_spread_of_its_windows(generator):
+    measured = compare(FILMS[:1], real_infants(), generator)
+    windows = [measure_movement(FILMS[0].seen.window(start, start + 240)) for start in (0, 240)]
+    for name in ("hand_units_per_min", "foot_speed_p95_trunk_s", "dimensions"):
+        spread = measured.spreads[name]
+        assert (spread.n, spread.sd) == (2, pytest.approx(np.std([one[name] for one in windows], ddof=1)))
+    assert measured.spread_is_over == "windows of 8 s"
+    assert len(measured.window_distances) == 2
+    assert measured.side_spreads["left"]["hand_units_per_min"].n == 2
+
+
+@pytest.mark.parametrize(("seconds", "over", "n"), [(9.0, "windows of 4 s", 2), (3.0, "infants", 1)])
+def test_a_short_recording_has_the_spread_of_its_halves_or_none(seconds, over, n):
+    measured = measure_all([Filmed(restless(0, seconds))])
+    assert (measured.spread_is_over, measured.spreads["hand_burstiness"].n) == (over, n)
+    assert (measured.spreads["hand_burstiness"].sd is None) == (n == 1)
+    assert any("no spread is known" in note for note in measured.notes) == (n == 1)
+
+
+def test_a_sample_of_short_recordings_is_compared_without_telling_apart(generator):
+    measured = compare(FILMS, [restless(seed, 5.0) for seed in range(3)], generator)
+    assert (measured.apart, "not told apart" in measured.notes[-1]) == (None, True)
+    assert measured.distance is not None
 
 
 def test_what_stands_in_for_what_is_a_note():

@@ -121,5 +121,6 @@ def test_what_is_no_policy_is_one_line(env, bias, text, error, says):
 
 def test_usage_says_what_stands_after_the_colon(bias):
     assert usage(bias) == "bias:COMMAND"
+    assert usage(PolicyKind("go", "goes", "mimoc.policies.zero", argument="TARGET[,HAND]")) == "go:TARGET[,HAND]"
     assert usage(PolicyKind("grow", "grows", "mimoc.policies.zero", argument="[MONTHS]")) == "grow[:MONTHS]"
     assert [part.label for part in parse_policy("zero+bias:2")] == ["zero", "bias"]

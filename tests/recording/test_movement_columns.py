@@ -8,7 +8,11 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import RecordingError, UnknownNameError
-from mimoc.quantities.reaching import movement_units
+from mimoc.base.kinds import function_of
+from mimoc.motion.body_points import film
+from mimoc.movement import measure_movement
+from mimoc.movement.sides import measure_sides
+from mimoc.quantities.run_movement_units import movement_units
 
 STEPS = 40
 
@@ -52,21 +56,51 @@ def test_the_table_has_the_keypoints_to_the_last_digit_of_single_precision(recor
             assert column == keypoints[:, index, axis].tolist()
 
 
-def test_the_movement_units_of_a_hand_can_be_computed_from_the_table_alone(recorded, tables):
-    """With nothing but Python's csv: peaks of the speed of .05 m/s that rise and fall by .025 m/s."""
-    with (tables / "movement.csv").open(newline="") as file:
-        speeds = [float(row["right_hand_speed_m_s"]) for row in csv.DictReader(file)]
-    units, low, high, rising = 0, speeds[0], speeds[0], False
-    for speed in speeds:
-        low, high = min(low, speed), max(high, speed)
-        if not rising and speed - low >= 0.025:
-            rising, high = True, speed
-        elif rising and high - speed >= 0.025:
-            units += high >= 0.05
-            rising, low = False, speed
-    measured = mimoc.measure_recordings(recorded[0], ["right_hand_movement_units"])
-    assert units > 0
-    assert measured["right_hand_movement_units"] == [units]
+def swinging(rate_hz: float, swings_hz: float, sway: float) -> dict[str, np.ndarray]:
+    """Return columns of 10 s of an infant that travels and turns, whose right hand swings by half a trunk of .2 m."""
+    times_s = np.arange(round(10 * rate_hz)) / rate_hz
+    turn = 0.3 * times_s
+    along, across = (np.stack([f(turn), g(turn), 0 * turn], axis=1) for f, g in ((np.cos, np.sin), (np.sin, np.cos)))
+    across *= (-1, 1, 1)
+    middle = np.stack([sway * times_s, 0 * times_s, 0.05 + 0 * times_s], axis=1)
+    swing = 0.05 * np.cos(2 * np.pi * swings_hz * times_s)[:, None]
+    tremor = 0.001 * np.sin(2 * np.pi * 13 * times_s)[:, None]
+    places = {"neck": middle + 0.2 * along, "left_hip": middle + 0.04 * across, "right_hip": middle - 0.04 * across}
+    hands = {"right_hand": middle + 0.1 * along + (swing + tremor) * across, "left_hand": middle + 0.1 * along}
+    feet = {f"{side}_foot": middle - 0.2 * along for side in ("left", "right")}
+    named = {**places, **hands, **feet}
+    columns = {f"{name}_{axis}_m": at[:, index] for name, at in named.items() for index, axis in enumerate("xyz")}
+    return {"time_s": times_s, **columns}
+
+
+@pytest.mark.parametrize("rate_hz", [40.0, 100.0, 200.0])
+def test_movement_units_depend_neither_on_the_rate_nor_on_travel_and_tremor(rate_hz):
+    """Each swing there and back has two maxima of the speed."""
+    from mimoc.quantities import QUANTITIES
+
+    units = {}
+    for side in ("left", "right"):
+        compute = function_of(QUANTITIES[f"{side}_hand_movement_units"].compute, f"{side}_hand_movement_units")
+        units[side] = compute(swinging(rate_hz, 1.0, 0.05))
+    assert units == {"left": 0, "right": 20}
+
+
+def test_measures_of_recordings_and_of_films_count_movement_units_alike(tmp_path):
+    spec = {"mimoc": 1, "name": "kim", "age_months": 3, "senses": {}, "scene": {"kind": "flat", "pose": "supine"}}
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec)), tmp_path / "kept") as env:
+        env.reset(seed=0)
+        qpos, swing = [env.unwrapped.data.qpos.copy()], np.zeros(env.action_space.shape)
+        for step in range(800):
+            swing[:] = 0.3 * np.sin(2 * np.pi * 1.2 * step * 0.01)
+            env.step(swing.astype(np.float32))
+            qpos.append(env.unwrapped.data.qpos.copy())
+        seen = film(env.unwrapped.model, np.array(qpos), 100.0)
+    measured = mimoc.measure_recordings(tmp_path / "kept")
+    assert measure_movement(seen)["hand_units_per_min"] > 60
+    for side, values in measure_sides(seen).items():
+        for part in ("hand", "foot"):
+            filmed = values[f"{part}_units_per_min"] * 8.01 / 60
+            assert measured[f"{side}_{part}_movement_units"][0] == pytest.approx(filmed, rel=0.2, abs=1.5)
 
 
 def test_the_dictionary_says_what_every_column_of_every_table_is(tables):
@@ -129,8 +163,8 @@ def test_a_damaged_dictionary_is_refused_in_one_line(recorded, text, tmp_path, m
 
 
 def test_a_unit_rises_and_falls():
-    assert movement_units([0, 0.1, 0, 0.1, 0.09, 0.1, 0]) == 2
-    assert movement_units([0, 0.04, 0]) == movement_units([0, 0.1]) == movement_units([0.1] * 9) == 0
+    assert movement_units(np.array([0, 0.5, 0, 0.5, 0.45, 0.51, 0])).tolist() == [1, 5]
+    assert not any(len(movement_units(np.array(speed))) for speed in ([0, 0.2, 0], [0, 0.5], [0.5] * 9))
 
 
 def test_recordings_are_measured_by_the_command(recorded, invoke, tmp_path):

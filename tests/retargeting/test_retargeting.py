@@ -1,5 +1,6 @@
 """Known motions of children come back from what a camera sees of them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,13 +8,18 @@ import pytest
 from support.retargeting import known
 
 import mimoc
-from mimoc.base.errors import RecordingError, SpecError
+from mimoc.base.errors import MimocError, RecordingError, SpecError
 from mimoc.bundle.model import load_model
+from mimoc.compiler.explain import explain, find
+from mimoc.compiler.provenance import who_percentiles
 from mimoc.motion.body_points import locate
+from mimoc.movement.report import measure_all
+from mimoc.movement.sources import films_in
 from mimoc.retargeting import fitting
 from mimoc.retargeting.result import QUANTILE, Retargeted
 from mimoc.retargeting.running import INTERRUPTED
 from mimoc.retargeting.sizes import lengths_of
+from mimoc.viewer.growth import describe_standards
 
 
 def off_m(result: Retargeted, model, qpos) -> np.ndarray:
@@ -93,6 +99,63 @@ def test_with_one_camera_and_outliers_the_points_are_where_they_are_seen():
     assert any("average child" in note for note in result.account.notes)
     clean = np.linalg.norm(result.fitted - recording.positions, axis=-1)[30:36, [left, right]]
     assert np.nanmedian(clean) < 0.1 * recording.trunk
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """Return a child and what one camera sees of it, from which overall size is not known."""
+    spec, _, _, recording = known(7, frames=12)
+    return spec, replace(recording, depth_m=None)
+
+
+def test_a_child_without_a_scale_is_compared_with_no_standard(filmed, tmp_path):
+    spec, recording = filmed
+    result = mimoc.retarget(recording, spec.age_months)
+    assert any(note.startswith("scale not known") for note in result.account.notes)
+    for bundle in (result.bundle, mimoc.build(result.spec)):
+        assert who_percentiles(bundle.manifest.child) == {}
+        assert any(note.startswith("scale not known") for note in bundle.manifest.notes)
+        with pytest.raises(MimocError, match="no number of this bundle has 'who'"):
+            find(bundle, "who")
+        assert "scale not known" in explain(bundle, "child.length_cm").lines[1]
+        assert describe_standards([bundle.manifest.child])["percentiles"] is None
+    folder = mimoc.write_retargeted(result, tmp_path / "out")
+    assert "scale not known" in (folder / "README.md").read_text()
+    seen = replace(recording, positions=recording.positions.repeat(6, axis=0), confidence=np.ones((72, 21)))
+    (folder / "points.npz").unlink()
+    mimoc.write_points(seen, folder / "points.npz")
+    assert any(note.startswith("scale not known") for note in measure_all(films_in(folder)).notes)
+    page = mimoc.report(folder, tmp_path / "page.html", check=False).read_text()
+    assert "Scale not known" in page
+    assert not re.search("unusually|of 100 |WHO Child Growth", page)
+
+
+def test_a_length_in_the_spec_fixes_the_scale(filmed):
+    _, recording = filmed
+    length_cm = 68.0
+    spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=4, body={"individual": {"length_cm": length_cm}})
+    result = mimoc.retarget(recording, spec=spec)
+    child = result.bundle.manifest.child
+    assert child.length_cm == pytest.approx(length_cm, rel=2e-3)
+    assert result.spec.body.individual.length_cm == length_cm
+    assert result.account.size_is_known
+    assert who_percentiles(child)
+    assert result.account.error_share < 0.02
+    assert not any("average child" in note for note in result.account.notes)
+
+
+def test_a_length_that_the_recording_contradicts_is_said():
+    spec, _, _, recording = known(5, frames=12, depth_noise_m=0.01)
+    true_cm = mimoc.build(spec).manifest.child.length_cm
+    wrong = start(spec).with_(body={"individual": {"length_cm": round(true_cm * 0.85, 1)}})
+    result = mimoc.retarget(recording, max(wrong.age_months - 1, 0), wrong)
+    assert any(f"at {max(wrong.age_months - 1, 0):g} months" in note for note in result.account.notes)
+    assert any("the recording gives a length of" in note for note in result.account.notes)
+
+
+def test_an_age_is_never_assumed(filmed):
+    with pytest.raises(RecordingError, match="how old the infant is, is not known; give age_months, or a spec"):
+        mimoc.retarget(filmed[1])
 
 
 def test_a_limb_that_is_not_seen_is_said_to_be_unseen():

@@ -76,6 +76,9 @@ def test_touch_is_what_was_observed(known, recorded):
         shown_n[felt["points"][part]] = felt["forces_n"][part]
         assert shown_n == pytest.approx(sizes_n[frame], rel=1e-6)
     assert sizes_n.max() > 0
+    (curve,) = (curve for curve in known["curves"] if curve["name"] == "touch")
+    assert curve["high"] == pytest.approx([sizes_n.sum(axis=1).max()], rel=1e-6)
+    assert "self-touch on both sides" in curve["layout"][0]
 
 
 def test_curves_are_all_numbers_to_a_share_of_their_range(known, recorded):

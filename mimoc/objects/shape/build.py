@@ -41,6 +41,7 @@ def build(spec: ShapeSpec, surroundings: Surroundings) -> BuiltObject:
         mass_kg=solid.mass_kg,
         surface_m=None if hangs else solid.surface_m,
         meshes=solid.meshes,
+        notes=solid.notes,
         origins={"mass": {"value": solid.mass_kg, "unit": "kg", **solid.mass_origin}},
     )
 

@@ -63,6 +63,8 @@ class Solid:
     mass_origin: Entry
     surface_m: tuple[float, float] | None = None
     """Half lengths of the level surface on top of it."""
+    notes: tuple[str, ...] = ()
+    """What is to be known of its shape."""
 
 
 def solid_of(spec: ShapeSpec, name: str, folder: Path) -> Solid:
@@ -159,6 +161,7 @@ def _of_toy(spec: ShapeSpec, name: str, folder: Path) -> Solid:
         mass_kg=mass_kg,
         material=material,
         mass_origin=origin,
+        notes=model.notes,
     )
 
 

@@ -40,7 +40,7 @@ def infant_page(
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)
     size, body, sensed = infant_sections(bundle, model, sources)
-    measured = proportions(model, bundle.manifest.child.corrected_age_months, sources)
+    measured = proportions(model, bundle.manifest.child, sources)
     progress(1, steps)
     others = [beside(bundle, other, name) for name, other in (counterparts or {}).items()]
     checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else UNCHECKED

@@ -13,7 +13,7 @@ from mimoc.base.units import m_to_cm
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.notes import DIFFERS
-from mimoc.compiler.provenance import who_percentiles
+from mimoc.compiler.provenance import SCALE_NOT_KNOWN, who_percentiles
 from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
@@ -59,6 +59,8 @@ def _sentences(bundle: Bundle) -> Iterator[str]:
     head = words.quantity(child.head_circumference_cm, "cm")
     noun = f"{NOUNS[child.sex]} {words.of_age(child.age_months)}"
     yield f"{noun}, {length} long and {weight} heavy, with a head of {head} around."
+    if not child.size_is_known:
+        yield words.sentence(f"{SCALE_NOT_KNOWN}.")
     if child.months_early:
         corrected = f"its corrected age, {child.corrected_age_months:.1f} months, counts"
         yield f"It was born {child.months_early:.1f} months early: {corrected}."
@@ -82,6 +84,8 @@ AMONG = {**words.CHILDREN, None: "the mean of boys and girls, since this infant 
 def growth(child: ChildEntry, sources: Sources) -> Section:
     """Return the section on an infant's size."""
     percentiles = who_percentiles(child)
+    if not child.size_is_known:
+        return Section("size", "Size", (Tiles(tuple(_tiles(child, percentiles, sources))),))
     charts = [draw_svg(_chart(indicator, child, percentiles)) for indicator in load_tables().who]
     caption = (
         f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; 7 of 10 children "
@@ -96,7 +100,7 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
     for indicator, quantity in INDICATORS.items():
         if measures[indicator] is None:
             continue
-        text = "WHO has no standard for this age"
+        text = "WHO has no standard for this age" if child.size_is_known else SCALE_NOT_KNOWN
         if indicator in percentiles:
             text = words.rank(indicator, percentiles[indicator], child.sex, child.corrected_age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
@@ -126,11 +130,13 @@ ABOUT = (
     "Taken on the body with tape and calipers, as on children, and compared with the growth curve of the average child "
     "of this age, which is fitted to the AnthroKids survey (Snyder et al. 1977). The shaded middle is ±{tolerance:g} %."
 )
+UNKNOWN = " The scale is not known: only how these differ from each other is this child's own."
 
 
-def proportions(model: mujoco.MjModel, age_months: float, sources: Sources) -> Section:
+def proportions(model: mujoco.MjModel, child: ChildEntry, sources: Sources) -> Section:
     """Return the section on an infant's measurements."""
-    about = ABOUT.format(tolerance=100 * TOLERANCE)
+    about = ABOUT.format(tolerance=100 * TOLERANCE) + ("" if child.size_is_known else UNKNOWN)
+    age_months = child.corrected_age_months
     headings = ("measurement", MEASURED.heading, AVERAGE.heading, DIFFERENCE.heading, "")
     rows = list(_rows(model, age_months, sources))
     return Section("proportions", "Proportions", (TextBlock(about), table(headings, rows)))

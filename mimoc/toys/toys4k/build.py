@@ -44,6 +44,7 @@ def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMode
         volume=shape.volume,
         density_kg_m3=DENSITY_KG_M3,
         source=f"{file} of {SOURCE if dataset.is_named_as_toys4k(name) else OWN_SOURCE}",
+        notes=_notes(name, file, shape),
     )
 
 
@@ -62,8 +63,13 @@ def load_mesh(path: Path, cache: MeshCache | None = None) -> ToyModel:
         shape = _shape(dataset.read_mesh(path, Path(os.path.realpath(path.parent))), kind, cache)
     except ToyError as error:
         raise ToyError(f"'{file}' {error}; give another file, or repair it") from None
-    name = dataset.legible(path.stem)
-    return ToyModel(name, name, (Part(shape.looks),), shape.solids, shape.volume, DENSITY_KG_M3, f"{file}, {OWN_MESH}")
+    name, parts, source = dataset.legible(path.stem), (Part(shape.looks),), f"{file}, {OWN_MESH}"
+    notes = _notes(name, file, shape)
+    return ToyModel(name, name, parts, shape.solids, shape.volume, DENSITY_KG_M3, source, notes)
+
+
+def _notes(name: str, file: str, shape: Shape) -> tuple[str, ...]:
+    return (f"'{name}' ({file}) has holes: what is open collides as its convex hull",) if shape.has_holes else ()
 
 
 def _shape(content: bytes, kind: str, cache: MeshCache | None) -> Shape:

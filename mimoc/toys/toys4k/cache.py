@@ -73,6 +73,7 @@ def _packed(shape: Shape) -> bytes:
         vertices=np.concatenate([mesh.vertices for mesh in (shape.looks, *hulls)]),
         faces=np.concatenate([mesh.faces for mesh in (shape.looks, *hulls)]),
         volume=np.array(shape.volume),
+        has_holes=np.array(shape.has_holes),
     )
     return file.getvalue()
 
@@ -80,8 +81,8 @@ def _packed(shape: Shape) -> bytes:
 def _unpacked(content: bytes) -> Shape | None:
     """Return the shape in an archive, or None if it is not valid."""
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-        boxes, counts, vertices, faces, volume = (
-            arrays[name] for name in ("boxes", "counts", "vertices", "faces", "volume")
+        boxes, counts, vertices, faces, volume, has_holes = (
+            arrays[name] for name in ("boxes", "counts", "vertices", "faces", "volume", "has_holes")
         )
     ends = np.cumsum(counts, axis=0)[:-1]
     pairs = zip(np.split(vertices, ends[:, 0]), np.split(faces, ends[:, 1]), strict=True)
@@ -91,7 +92,7 @@ def _unpacked(content: bytes) -> Shape | None:
         *(Solid("mesh", (), mesh=mesh) for mesh in hulls),
     ]
     whole = len(looks.faces) <= MOST_FACES_SEEN and solids and 0 < volume < np.inf
-    return Shape(looks, tuple(solids), float(volume)) if whole else None
+    return Shape(looks, tuple(solids), float(volume), bool(has_holes)) if whole else None
 
 
 def _checked(mesh: Mesh) -> Mesh:

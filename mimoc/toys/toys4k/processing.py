@@ -11,7 +11,7 @@ from mimoc.base.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 from mimoc.toys.shape import Mesh, Solid, centre_of, join
 from mimoc.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
-from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
+from mimoc.toys.toys4k.convex import MOST_FACES, MOST_PARTS, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
 
 STEADY_DEG = 5.0
@@ -81,7 +81,7 @@ def _turn_down(normal: FloatArray) -> FloatArray:
     return matrix_from_quaternion(quaternion_between(normal, np.array([0.0, 0.0, -1.0])))
 
 
-VERSION = 2
+VERSION = 3
 """Version of the processing, incremented with each change of its results."""
 MOST_FACES_SEEN = 5000
 MOST_FACES_READ = 4_000_000
@@ -100,6 +100,8 @@ class Shape:
     looks: Mesh
     solids: tuple[Solid, ...]
     volume: float
+    has_holes: bool = False
+    """Whether it has shells that are not closed, so that these collide as their convex hull."""
 
 
 def process(content: bytes, kind: str) -> Shape:
@@ -122,8 +124,10 @@ def process(content: bytes, kind: str) -> Shape:
         parts = [thin_box(looks.vertices)]
     elif (shells := surface.shells.max() + 1) > MOST_SHELLS and len(surface.mesh.faces) < LEAST_FACES * shells:
         parts = [hull(decimate(once, MOST_FACES).vertices)]
+    elif whole:
+        parts = convex_parts(decimate(once, MOST_FACES), simple=not surface.shells.any())
     else:
-        parts = convex_parts(decimate(once, MOST_FACES), simple=whole and not surface.shells.any())
+        parts = _parts_with_holes(surface)
     volume = _volume(surface.mesh if whole else None, parts)
     rotation = _rotation(parts, TOPS[kind])
     low, high = np.min(looks.vertices @ rotation.T, axis=0), np.max(looks.vertices @ rotation.T, axis=0)
@@ -134,7 +138,23 @@ def process(content: bytes, kind: str) -> Shape:
         looks=_placed(looks, rotation, np.array([middle[0], middle[1], low[2]]), scale),
         solids=tuple(box_of(part) if flat else Solid("mesh", (), mesh=part) for part in placed),
         volume=volume * scale**3,
+        has_holes=not (whole or flat),
     )
+
+
+def _parts_with_holes(surface: Surface) -> list[Mesh]:
+    """Return the convex hull of all shells with holes, and convex parts of the closed ones.
+
+    A surface with holes has no inside, so that coacd would take minutes to divide the two sides of its wall.
+    """
+    mesh, closed = surface.mesh, surface.closed
+    torn, whole = (decimate(only_used(mesh.vertices, mesh.faces[which]), MOST_FACES) for which in (~closed, closed))
+    parts = [thin_box(torn.vertices) if is_thin(torn.vertices) else hull(torn.vertices)]
+    if len(whole.faces) and not is_thin(whole.vertices):
+        parts += convex_parts(whole, simple=len(np.unique(surface.shells[closed])) == 1)
+    elif len(whole.faces):
+        parts.append(thin_box(whole.vertices))
+    return parts if len(parts) <= MOST_PARTS else [hull(np.concatenate([torn.vertices, whole.vertices]))]
 
 
 def _looks(surface: Surface) -> tuple[Mesh, Mesh]:

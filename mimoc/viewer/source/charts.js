@@ -11,7 +11,9 @@ export class Charts {
     this.ages = new Ages(ages_months);
     const charts = Object.entries(standards.charts).map(([name, chart]) => this.#chart(name, chart));
     const share = (i) => standards.percentiles[i];
-    const text = `Shaded: the middle ${share(4) - share(0)} % and ${share(3) - share(1)} % of healthy children; WHO, ${WHO[standards.reference]}.`;
+    const text = standards.percentiles
+      ? `Shaded: the middle ${share(4) - share(0)} % and ${share(3) - share(1)} % of healthy children; WHO, ${WHO[standards.reference]}.`
+      : "Scale not known: of the average child's size, and compared with no standard.";
     this.figures = [...charts.map(({ figure }) => figure), element("p", { className: "note", textContent: text })];
     this.charts = charts;
   }
@@ -43,8 +45,8 @@ export class Charts {
     const figure = element("figure", {}, element("figcaption", {}, element("b", { textContent: label }), told), svg);
     const setAge = (age) => {
       const [value] = this.ages.blend(child, age);
-      const [share] = this.ages.blend(percentile, age);
-      told.textContent = `${value.toFixed(1)} ${unit} · ${ordinal(share)} percentile`;
+      const rank = percentile ? `${ordinal(this.ages.blend(percentile, age)[0])} percentile` : "scale not known";
+      told.textContent = `${value.toFixed(1)} ${unit} · ${rank}`;
       dot.setAttribute("cx", x(age));
       dot.setAttribute("cy", y(value));
       return value;

@@ -317,6 +317,42 @@ def test_what_is_where_in_a_scene_counts(load):
     assert len(load(mesh_kinds.glb_of(scene, CORNERS), "glb").parts[0].mesh.faces) == 4
 
 
+def with_holes(mesh: mesh_kinds.Arrays, share: float) -> mesh_kinds.Arrays:
+    """Return a mesh without some of its faces."""
+    vertices, faces = mesh
+    kept = np.random.default_rng(0).random(len(faces)) > share
+    kept[0] = False
+    return vertices, faces[kept]
+
+
+@pytest.mark.usefixtures("reading_here")
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.2, 0.6])
+def test_what_has_holes_collides_as_its_hull_at_once_with_a_note(share, load, monkeypatch):
+    monkeypatch.setattr(convex, "has_coacd", lambda: True)
+    monkeypatch.setattr(convex, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
+    toy = load(with_holes(mesh_kinds.bumpy_ball(1280), share))
+    assert_usable(toy)
+    assert len(toy.solids) == 1
+    assert [note.partition(" has holes")[1:] for note in toy.notes] == [
+        (" has holes", ": what is open collides as its convex hull")
+    ]
+
+
+@pytest.mark.usefixtures("reading_here")
+def test_closed_shells_beside_what_has_holes_are_divided_as_ever(load, monkeypatch):
+    monkeypatch.setattr(convex, "has_coacd", lambda: True)
+    seen = []
+    monkeypatch.setattr(convex, "run_worker", lambda *arguments, **_: seen.append(arguments) or _refuse())
+    ball = with_holes(mesh_kinds.bumpy_ball(320), 0.2)
+    toy = load(mesh_kinds.joined(ball, mesh_kinds.moved(mesh_kinds.box(), 3.0, 0.0, 0.0)))
+    assert_usable(toy)
+    assert (len(seen), len(toy.solids), len(toy.notes)) == (1, 2, 1)
+
+
+def _refuse():
+    raise subprocesses.WorkerError("fails")
+
+
 @pytest.mark.usefixtures("reading_here")
 def test_coacd_keeps_hollows_open(load):
     toy = load(USABLE["torus"]())
