@@ -99,6 +99,13 @@ class Timing:
                 left = ~inside if left is None else left & ~inside
         return [(signal, to_steps(delay.ms, self.timestep_ms), left), *reversed(groups)]
 
+    def delay_steps(self, signal: str, within: Within | None, count: int) -> IntArray:
+        """Return the delay of each of some numbers of a signal in physics steps, shape (count,); see `groups`."""
+        steps = np.zeros(count, np.intp)
+        for _, late, part in self.groups(signal, within):
+            steps[slice(None) if part is None else part] = late
+        return steps
+
     def jitter(self, delay_steps: int) -> int:
         """Return by how many physics steps a delay of some varies at most: never by more than there are."""
         return min(to_steps(self.noise.delay_jitter_ms, self.timestep_ms), delay_steps)

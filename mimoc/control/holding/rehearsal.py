@@ -1,12 +1,19 @@
 """Control of whole control steps by a forward model: what the controller would do in each physics step to come.
 
-A command is kept for a control step, and may arrive after a delay. A copy of the state is simulated up to the moment at
-which a command sent now arrives, with those that are on their way, and then through the control step, in each physics
-step of which the controller acts; their mean is sent. So a posture is held as well with control steps of 20 ms as with
-one command for each physics step.
+A command is kept for a control step, and acts after the delay of its own actuator. In a copy of the state, each actuator
+first obeys the commands that are on their way to it, and then, from when a command sent now acts, the controller. The
+mean of what the controller does in that control step is sent:
+
+    arms  |-- on their way --|=== mean is sent ===|-- not sent --|
+    legs  |-------- on their way --------|=== mean is sent ===|
+         now                              time ->
+
+So a posture is held as well with control steps of 20 ms as with one command for each physics step, and what is slow to
+reach the legs makes no arm act too early or too late.
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
@@ -16,6 +23,9 @@ from mimoc.control.holding.controller import Controller, Servo
 from mimoc.control.holding.driven import DrivenInfant
 from mimoc.senses.sense import FloatArray, IntArray
 
+Propose = Callable[[mujoco.MjData], FloatArray]
+"""Returns the angle that each driven hinge is to go to, shape (n,), in a state with all that is derived from it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Timing:
@@ -23,12 +33,27 @@ class Timing:
 
     control_steps: int
     """Duration of a control step."""
-    delay_steps: int = 0
-    """Time after which a command arrives."""
+    delay_steps: IntArray
+    """Time after which a command acts, of each actuator that is commanded, shape (m,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Those of the commanded actuators whose commands have one delay."""
+
+    begin: int
+    """The physics step from now in which a command sent now begins to act."""
+    end: int
+    commands: IntArray
+    """Indices among all m commands."""
+    actuators: IntArray
+    """Indices in the model."""
+    hinges: IntArray
+    """Indices of the driven hinges that they move."""
 
 
 class Rehearsal:
-    """Looks ahead to where a command takes effect, and finds the command of a control step from there."""
+    """Finds the commands of a control step by looking ahead to when they act, for each joint over its own delay."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, timing: Timing):
         """Prepare a copy of the infant and its world.
@@ -36,42 +61,70 @@ class Rehearsal:
         Args:
             infant: The infant.
             gains: Stiffness and damping of its joints.
-            actuators: Indices of the actuators that are commanded; all others keep their controls.
+            actuators: Indices of the m actuators that are commanded; all others keep their controls.
             timing: When commands act.
         """
         self._model, self._ahead = infant.model, mujoco.MjData(infant.model)
         self._control = Controller(infant, gains, infant.model.opt.timestep)
-        self._actuators, self._timing = actuators, timing
-        self._sent: deque[FloatArray] = deque(maxlen=-(-timing.delay_steps // timing.control_steps) + 1)
+        self._actuators, self._control_steps, self._groups = actuators, timing.control_steps, list[_Group]()
+        moved = np.searchsorted(infant.joints, infant.model.actuator_trnid[actuators, 0]).astype(np.intp)
+        for delay in np.unique(timing.delay_steps).tolist():
+            which = np.flatnonzero(timing.delay_steps == delay).astype(np.intp)
+            self._groups.append(_Group(delay, delay + self._control_steps, which, actuators[which], moved[which]))
+        self._end = max((group.end for group in self._groups), default=0)
+        self._sent: deque[FloatArray] = deque(maxlen=-(-self._end // self._control_steps))
 
-    def reset(self) -> None:
-        """Forget the commands on their way: an episode begins."""
-        self._sent.clear()
-
-    def look(self, data: mujoco.MjData) -> mujoco.MjData:
-        """Return the state in which a command sent now takes effect, with all that is derived from it."""
-        ahead, timing = self._ahead, self._timing
-        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = data.qpos, data.qvel, data.act
-        ahead.ctrl[:], ahead.qacc_warmstart[:] = data.ctrl, data.qacc_warmstart
-        for step in range(timing.delay_steps):
-            age = -((step - timing.delay_steps) // timing.control_steps)  # In control steps: that which acts then.
-            if age <= len(self._sent):
-                ahead.ctrl[self._actuators] = self._sent[-age]
-            mujoco.mj_step(self._model, ahead)
+    def hold(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
+        """Return the commands that keep hinges at angles, shape (m,), and take them to be on their way already."""
+        ahead = self._copied(data)
         mujoco.mj_forward(self._model, ahead)
-        return ahead
+        held = self._control(ahead, target_rad)[self._actuators]
+        self._sent.extend([held] * (self._sent.maxlen or 0))
+        return held
 
-    def send(self, target_rad: FloatArray) -> FloatArray:
-        """Return the commands of the actuators, shape (m,), for a control step that begins where it looked last.
+    def __call__(self, data: mujoco.MjData, propose: Propose) -> FloatArray:
+        """Return the commands to send now, shape (m,).
 
         Args:
-            target_rad: Angle of each driven hinge to go to, shape (n,).
+            data: The present state.
+            propose: Says where hinges go, in the state in which their commands begin to act.
         """
-        ahead, controls = self._ahead, []
-        for step in range(self._timing.control_steps):
+        ahead, target_rad, total = self._copied(data), np.empty(0), np.zeros(len(self._actuators))
+        for step in range(self._end):
             if step:
                 mujoco.mj_step(self._model, ahead)
-            controls.append(self._control(ahead, target_rad)[self._actuators])
-            ahead.ctrl[self._actuators] = controls[-1]
-        self._sent.append(np.mean(controls, axis=0))
+            for group in self._groups:
+                if step == group.begin:
+                    mujoco.mj_forward(self._model, ahead)
+                    target_rad = _with(target_rad, group.hinges, propose(ahead))
+            controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
+            for group in self._groups:
+                if step < group.begin:
+                    self._arrive(group, step)
+                    continue
+                ahead.ctrl[group.actuators] = controls[group.actuators]
+                if step < group.end:
+                    total[group.commands] += controls[group.actuators]
+        self._sent.append(total / self._control_steps)
         return self._sent[-1]
+
+    def _copied(self, data: mujoco.MjData) -> mujoco.MjData:
+        ahead = self._ahead
+        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = data.qpos, data.qvel, data.act
+        ahead.ctrl[:], ahead.qacc_warmstart[:] = data.ctrl, data.qacc_warmstart
+        return ahead
+
+    def _arrive(self, group: _Group, step: int) -> None:
+        """Let the command act that was sent before and acts in a physics step; before the first, controls are kept."""
+        ago = -((step - group.begin) // self._control_steps)  # In control steps.
+        if ago <= len(self._sent):
+            self._ahead.ctrl[group.actuators] = self._sent[-ago][group.commands]
+
+
+def _with(former_rad: FloatArray, hinges: IntArray, proposed_rad: FloatArray) -> FloatArray:
+    """Return the angles to go to when some hinges change theirs: of the first, the others are only foreseen."""
+    if not former_rad.size:
+        return proposed_rad
+    changed_rad = former_rad.copy()
+    changed_rad[hinges] = proposed_rad[hinges]
+    return changed_rad

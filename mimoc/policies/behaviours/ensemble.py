@@ -6,9 +6,10 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.base.units import ms_to_s
 from mimoc.control.holding.controller import Servo, servo
 from mimoc.control.holding.rehearsal import Rehearsal, Timing
+from mimoc.delays.spec import MOTOR
+from mimoc.delays.timing import timing_of, within
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -62,7 +63,22 @@ class Ensemble:
         gains, is_moved = servo(infant, data, loose=self._loose()), self._owners != NOBODY
         self.rows: IntArray = np.flatnonzero(is_moved[self._slots]).astype(np.intp)
         gains = Servo(gains.stiffness_nm * is_moved, gains.damping_nms * is_moved)
-        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], _timing(self._subject))
+        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], self._timing())
+
+    def _timing(self) -> Timing:
+        """Return when the commands of the actuators of `rows` act."""
+        timing, model = timing_of(self._subject.manifest, {}), self._subject.infant.model
+        moved = model.jnt_bodyid[model.actuator_trnid[self._actuators[self.rows], 0]]
+        return Timing(timing.period, timing.delay_steps(MOTOR, within(model, moved), len(moved)))
+
+    def hold(self, data: mujoco.MjData) -> None:
+        """Let actuators that are late hold the pose of a state until their first command acts, as if it was held before.
+
+        Whoever is put into a posture has muscles that are active there; limp for the time of a delay, it would slump.
+        """
+        actuators, is_late = self._actuators[self.rows], self._timing().delay_steps > 0
+        held = self._rehearsal.hold(data, data.qpos[self._subject.infant.angles])
+        data.ctrl[actuators[is_late]] = held[is_late]
 
     @property
     def _slots(self) -> IntArray:
@@ -104,15 +120,8 @@ class Ensemble:
 
     def commands(self, data: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the commands of the actuators of `rows`, for a control step that begins in a state."""
-        return self._rehearsal.send(self.proposed(self._rehearsal.look(data), time_s))
+        return self._rehearsal(data, lambda ahead: self.proposed(ahead, time_s))
 
     def lost(self, data: mujoco.MjData) -> str:
         """Return why the posture of the whole body is lost; nothing if it is not, or there is none."""
         return "" if self.whole is None else self.behaviours[self.whole].lost(data, self._may_touch)
-
-
-def _timing(subject: Subject) -> Timing:
-    """Return when commands act: after the longest of their delays, those to the legs."""
-    motor, timestep_s = dict(subject.manifest.delays)["motor"], subject.infant.model.opt.timestep
-    delay_ms = max(motor.ms, motor.legs_ms or 0.0, *(part.ms for part in motor.parts))
-    return Timing(round(subject.step_s / timestep_s), round(ms_to_s(delay_ms) / timestep_s))
