@@ -6,8 +6,8 @@ The torque of each joint (computed torque, such as Siciliano et al. 2009, Roboti
 
 with the mass matrix M, bias forces h, forces of springs and dampers τ_passive and dry friction f, for a root that does
 not accelerate; k_p = (2π b)², k_d = 4π b is a critically damped spring of bandwidth b. It is clipped to what the infant
-has. Starred is the motion at the time at which a command takes effect: after the delay of commands and the control step
-within which the activation follows. Until then, joints are taken to move on at their present speed.
+has. Starred is the motion at the time at which a command takes effect: after the delay of commands to that joint and the
+control step within which the activation follows. Until then, joints are taken to move on at their present speed.
 """
 
 from collections.abc import Sequence
@@ -24,6 +24,8 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.control.ground_support import unsupported, with_margin
 from mimoc.control.inverse_dynamics import STATE, Joints
 from mimoc.control.torque_mapping import TorqueMapping, find_mapping
+from mimoc.delays.spec import MOTOR
+from mimoc.delays.timing import timing_of, within
 from mimoc.senses.sense import FloatArray, IntArray
 
 BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
@@ -127,19 +129,27 @@ class Tracker:
             ControlError: If the infant has servos.
         """
         self._observed, self._body = data, Body(model, manifest)
-        self.lead_s = ms_to_s(manifest.step_ms + dict(manifest.delays)["motor"].ms)
-        """Time after which a command takes effect."""
+        self.leads_s = self._leads_s(manifest)
+        """Time after which what is commanded takes effect in each degree of freedom, shape (nv,)."""
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
         stiffness[self._body.root_speeds] = (2.0 * np.pi * ROOT_BANDWIDTH_HZ) ** 2
         self._stiffness, self._damping = stiffness, 2.0 * np.sqrt(stiffness)
         self._resting = ~(self._body.of_limbs["arms"] | self._body.of_limbs["legs"])
         """Joints of trunk and head, whose weight the ground carries while the infant touches anything."""
 
+    def _leads_s(self, manifest: Manifest) -> FloatArray:
+        """Return a control step, and the delay of commands to each joint; a wrench at the root has none."""
+        model, joints, timing = self._body.model, self._body.joints, timing_of(manifest, {})
+        leads_s = np.full(model.nv, ms_to_s(manifest.step_ms))
+        moved = within(model, model.jnt_bodyid[joints.indices])
+        leads_s[joints.speeds] += ms_to_s(manifest.timestep_ms) * timing.delay_steps(MOTOR, moved, len(joints.speeds))
+        return leads_s
+
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
         """Return the action, shape (nu,).
 
         Args:
-            wanted: The motion at the time at which the command takes effect, `lead_s` from now.
+            wanted: The motion when the command takes effect: of each degree of freedom, `leads_s` from now.
         """
         body = self._body
         body.look(self._observed)
@@ -178,7 +188,7 @@ class Tracker:
         """Return the accelerations that errors of places and velocities demand, shape (nv,)."""
         model, data = self._body.model, self._body.data
         coming, errors = data.qpos.copy(), np.zeros(model.nv)
-        mujoco.mj_integratePos(model, coming, data.qvel, self.lead_s)
+        mujoco.mj_integratePos(model, coming, self.leads_s * data.qvel, 1.0)
         mujoco.mj_differentiatePos(model, errors, 1.0, coming, wanted.qpos)
         return self._stiffness * errors + self._damping * (wanted.qvel - data.qvel)
 

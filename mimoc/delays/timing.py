@@ -11,7 +11,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
-from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
 from mimoc.senses.custom import CustomSense
@@ -120,8 +120,13 @@ class Timing:
         ]
 
 
+def delays_by_signal(entry: DelaysEntry) -> Mapping[str, DelayEntry]:
+    """Return the delays of a manifest by sense, and under `motor` that of commands."""
+    return {name: delay for name, delay in entry if isinstance(delay, DelayEntry)}
+
+
 def timing_of(manifest: Manifest, senses: Mapping[str, Sense]) -> Timing:
     """Return the time base, the noise, and the delays of an infant's signals and of senses passed as objects."""
-    delays = {name: delay for name, delay in manifest.delays if isinstance(delay, DelayEntry)}
     custom = {name: sense.delay for name, sense in senses.items() if isinstance(sense, CustomSense)}
-    return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)
+    delays = {**delays_by_signal(manifest.delays), **custom}
+    return Timing(manifest.step_ms, manifest.timestep_ms, delays, manifest.delays.legs, manifest.noise)

@@ -21,20 +21,12 @@ import numpy as np
 
 from mimoc.control.holding.controller import Controller, Servo
 from mimoc.control.holding.driven import DrivenInfant
+from mimoc.delays.spec import MOTOR
+from mimoc.delays.timing import Timing, within
 from mimoc.senses.sense import FloatArray, IntArray
 
 Propose = Callable[[mujoco.MjData], FloatArray]
 """Returns the angle that each driven hinge is to go to, shape (n,), in a state with all that is derived from it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """When commands act, in physics steps."""
-
-    control_steps: int
-    """Duration of a control step."""
-    delay_steps: IntArray
-    """Time after which a command acts, of each actuator that is commanded, shape (m,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +54,18 @@ class Rehearsal:
             infant: The infant.
             gains: Stiffness and damping of its joints.
             actuators: Indices of the m actuators that are commanded; all others keep their controls.
-            timing: When commands act.
+            timing: The control step, and the delays of commands.
         """
-        self._model, self._ahead = infant.model, mujoco.MjData(infant.model)
-        self._control = Controller(infant, gains, infant.model.opt.timestep)
-        self._actuators, self._control_steps, self._groups = actuators, timing.control_steps, list[_Group]()
-        moved = np.searchsorted(infant.joints, infant.model.actuator_trnid[actuators, 0]).astype(np.intp)
-        for delay in np.unique(timing.delay_steps).tolist():
-            which = np.flatnonzero(timing.delay_steps == delay).astype(np.intp)
+        model = infant.model
+        self._model, self._ahead = model, mujoco.MjData(model)
+        self._control = Controller(infant, gains, model.opt.timestep)
+        self._actuators, self._control_steps, self._groups = actuators, timing.period, list[_Group]()
+        driving = model.actuator_trnid[actuators, 0]
+        moved = np.searchsorted(infant.joints, driving).astype(np.intp)
+        self.delay_steps = timing.delay_steps(MOTOR, within(model, model.jnt_bodyid[driving]), len(actuators))
+        """Physics steps after which commands act, shape (m,)."""
+        for delay in np.unique(self.delay_steps).tolist():
+            which = np.flatnonzero(self.delay_steps == delay).astype(np.intp)
             self._groups.append(_Group(delay, delay + self._control_steps, which, actuators[which], moved[which]))
         self._end = max((group.end for group in self._groups), default=0)
         self._sent: deque[FloatArray] = deque(maxlen=-(-self._end // self._control_steps))

@@ -7,9 +7,8 @@ import numpy as np
 
 from mimoc.base.errors import PolicyError
 from mimoc.control.holding.controller import Servo, servo
-from mimoc.control.holding.rehearsal import Rehearsal, Timing
-from mimoc.delays.spec import MOTOR
-from mimoc.delays.timing import timing_of, within
+from mimoc.control.holding.rehearsal import Rehearsal
+from mimoc.delays.timing import timing_of
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -63,22 +62,19 @@ class Ensemble:
         gains, is_moved = servo(infant, data, loose=self._loose()), self._owners != NOBODY
         self.rows: IntArray = np.flatnonzero(is_moved[self._slots]).astype(np.intp)
         gains = Servo(gains.stiffness_nm * is_moved, gains.damping_nms * is_moved)
-        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], self._timing())
-
-    def _timing(self) -> Timing:
-        """Return when the commands of the actuators of `rows` act."""
-        timing, model = timing_of(self._subject.manifest, {}), self._subject.infant.model
-        moved = model.jnt_bodyid[model.actuator_trnid[self._actuators[self.rows], 0]]
-        return Timing(timing.period, timing.delay_steps(MOTOR, within(model, moved), len(moved)))
+        timing = timing_of(self._subject.manifest, {})
+        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], timing)
 
     def hold(self, data: mujoco.MjData) -> None:
         """Let actuators that are late hold the pose of a state until their first command acts, as if it was held before.
 
         Whoever is put into a posture has muscles that are active there; limp for the time of a delay, it would slump.
         """
-        actuators, is_late = self._actuators[self.rows], self._timing().delay_steps > 0
-        held = self._rehearsal.hold(data, data.qpos[self._subject.infant.angles])
-        data.ctrl[actuators[is_late]] = held[is_late]
+        held, is_late = (
+            self._rehearsal.hold(data, data.qpos[self._subject.infant.angles]),
+            self._rehearsal.delay_steps > 0,
+        )
+        data.ctrl[self._actuators[self.rows][is_late]] = held[is_late]
 
     @property
     def _slots(self) -> IntArray:
