@@ -6,8 +6,8 @@ The torque of each joint (computed torque, such as Siciliano et al. 2009, Roboti
 
 with the mass matrix M, bias forces h, forces of springs and dampers τ_passive and dry friction f, for a root that does
 not accelerate; k_p = (2π b)², k_d = 4π b is a critically damped spring of bandwidth b. It is clipped to what the infant
-has. Starred is the motion at the time at which a command takes effect: after the delay of commands to that joint and the
-control step within which the activation follows. Until then, joints are taken to move on at their present speed.
+has. Starred is the motion at the time at which a command takes effect: after the delay of commands to that joint and
+the control step within which the activation follows. Until then, joints are taken to move on at their present speed.
 """
 
 from collections.abc import Sequence

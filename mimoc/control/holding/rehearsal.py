@@ -1,8 +1,8 @@
 """Control of whole control steps by a forward model: what the controller would do in each physics step to come.
 
-A command is kept for a control step, and acts after the delay of its own actuator. In a copy of the state, each actuator
-first obeys the commands that are on their way to it, and then, from when a command sent now acts, the controller. The
-mean of what the controller does in that control step is sent:
+A command is kept for a control step, and acts after the delay of its own actuator. In a copy of the state, each
+actuator first obeys the commands that are on their way to it, and then, from when a command sent now acts, the
+controller. The mean of what the controller does in that control step is sent:
 
     arms  |-- on their way --|=== mean is sent ===|-- not sent --|
     legs  |-------- on their way --------|=== mean is sent ===|
@@ -25,8 +25,9 @@ from mimoc.delays.spec import MOTOR
 from mimoc.delays.timing import Timing, within
 from mimoc.senses.sense import FloatArray, IntArray
 
-Propose = Callable[[mujoco.MjData], FloatArray]
-"""Returns the angle that each driven hinge is to go to, shape (n,), in a state with all that is derived from it."""
+Propose = Callable[[mujoco.MjData, IntArray], FloatArray]
+"""From a state with all that is derived from it, and some of the driven hinges, to the angle that each hinge is to go
+to, shape (n,); those of hinges that were not asked for are not used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,15 +60,20 @@ class Rehearsal:
         model = infant.model
         self._model, self._ahead = model, mujoco.MjData(model)
         self._control = Controller(infant, gains, model.opt.timestep)
-        self._actuators, self._control_steps, self._groups = actuators, timing.period, list[_Group]()
+        self._actuators, self._control_steps = actuators, timing.period
         driving = model.actuator_trnid[actuators, 0]
         moved = np.searchsorted(infant.joints, driving).astype(np.intp)
         self.delay_steps = timing.delay_steps(MOTOR, within(model, model.jnt_bodyid[driving]), len(actuators))
         """Physics steps after which commands act, shape (m,)."""
+        self._hinges = np.arange(len(infant.joints))
+        self._beginning = dict[int, _Group]()
         for delay in np.unique(self.delay_steps).tolist():
             which = np.flatnonzero(self.delay_steps == delay).astype(np.intp)
-            self._groups.append(_Group(delay, delay + self._control_steps, which, actuators[which], moved[which]))
-        self._end = max((group.end for group in self._groups), default=0)
+            self._beginning[delay] = _Group(delay, delay + self._control_steps, which, actuators[which], moved[which])
+        self._end = max((group.end for group in self._beginning.values()), default=0)
+        is_halved = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
+        self._finish_step = mujoco.mj_step2 if is_halved else mujoco.mj_step
+        """Makes a physics step from where all but new controls has been computed."""
         self._sent: deque[FloatArray] = deque(maxlen=-(-self._end // self._control_steps))
 
     def hold(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
@@ -83,18 +89,24 @@ class Rehearsal:
 
         Args:
             data: The present state.
-            propose: Says where hinges go, in the state in which their commands begin to act.
+            propose: Says where hinges go, asked in the state in which their commands begin to act; of the first, the
+                others that are still to come are only foreseen.
         """
-        ahead, target_rad, total = self._copied(data), np.empty(0), np.zeros(len(self._actuators))
+        ahead, total, advance = self._copied(data), np.zeros(len(self._actuators)), mujoco.mj_step
+        target_rad: FloatArray | None = None
         for step in range(self._end):
             if step:
-                mujoco.mj_step(self._model, ahead)
-            for group in self._groups:
-                if step == group.begin:
-                    mujoco.mj_forward(self._model, ahead)
-                    target_rad = _with(target_rad, group.hinges, propose(ahead))
-            controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
-            for group in self._groups:
+                advance(self._model, ahead)
+                advance = mujoco.mj_step
+            if beginning := self._beginning.get(step):
+                mujoco.mj_forward(self._model, ahead)
+                advance = self._finish_step
+                if target_rad is None:
+                    target_rad = propose(ahead, self._hinges).copy()
+                else:
+                    target_rad[beginning.hinges] = propose(ahead, beginning.hinges)[beginning.hinges]
+            controls = ahead.ctrl if target_rad is None else self._control(ahead, target_rad)
+            for group in self._beginning.values():
                 if step < group.begin:
                     self._arrive(group, step)
                     continue
@@ -112,15 +124,9 @@ class Rehearsal:
 
     def _arrive(self, group: _Group, step: int) -> None:
         """Let the command act that was sent before and acts in a physics step; before the first, controls are kept."""
-        ago = -((step - group.begin) // self._control_steps)  # In control steps.
+        ago, since = divmod(group.begin - step, self._control_steps)  # In control steps, and in physics steps.
+        if step and since:
+            return  # It acts already.
+        ago += since > 0
         if ago <= len(self._sent):
             self._ahead.ctrl[group.actuators] = self._sent[-ago][group.commands]
-
-
-def _with(former_rad: FloatArray, hinges: IntArray, proposed_rad: FloatArray) -> FloatArray:
-    """Return the angles to go to when some hinges change theirs: of the first, the others are only foreseen."""
-    if not former_rad.size:
-        return proposed_rad
-    changed_rad = former_rad.copy()
-    changed_rad[hinges] = proposed_rad[hinges]
-    return changed_rad

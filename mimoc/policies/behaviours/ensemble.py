@@ -106,17 +106,22 @@ class Ensemble:
             loose |= set(joints[self._owners[joints] == number].tolist())
         return loose
 
-    def proposed(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
-        """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves."""
+    def proposed(self, ahead: mujoco.MjData, time_s: float, hinges: IntArray | None = None) -> FloatArray:
+        """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves.
+
+        Only the behaviours that move some of certain *hinges* are asked; None is all.
+        """
         angles_rad = ahead.qpos[self._subject.infant.angles].copy()
+        asked = range(len(self.behaviours)) if hinges is None else set(self._owners[hinges].tolist())
         for number, behaviour in enumerate(self.behaviours):
-            is_its = self._owners[behaviour.joints] == number
-            angles_rad[behaviour.joints[is_its]] = behaviour.targets(ahead, time_s)[is_its]
+            if number in asked:
+                is_its = self._owners[behaviour.joints] == number
+                angles_rad[behaviour.joints[is_its]] = behaviour.targets(ahead, time_s)[is_its]
         return angles_rad
 
     def commands(self, data: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the commands of the actuators of `rows`, for a control step that begins in a state."""
-        return self._rehearsal(data, lambda ahead: self.proposed(ahead, time_s))
+        return self._rehearsal(data, lambda ahead, hinges: self.proposed(ahead, time_s, hinges))
 
     def lost(self, data: mujoco.MjData) -> str:
         """Return why the posture of the whole body is lost; nothing if it is not, or there is none."""

@@ -1,9 +1,9 @@
 """An attempt of an infant at something, simulated until it fails or succeeds, with control across delays.
 
-The infant's senses tell of the past, and its commands wait on their way to the muscles. An estimate of the present state
-is simulated with the commands that have acted since (`Estimator`), and from there on the control step in which a command
-sent now acts (`Rehearsal`), each signal over its own delay. This forward model is exact but for pushes, which nobody
-announces: the infant learns of them after the delay of its senses.
+The infant's senses tell of the past, and its commands wait on their way to the muscles. From what was sensed, the
+present state is estimated by the commands that have acted since (`Estimator`), and from there on, the control step in
+which a command sent now acts is simulated (`Rehearsal`), each signal over its own delay. This forward model is exact but
+for pushes, which nobody announces: the infant learns of them after the delay of its senses.
 """
 
 from collections import deque
@@ -25,8 +25,8 @@ from mimoc.studies.milestones.infant import Conditions, TrialInfant
 class Estimator:
     """Tells the present state from what the senses told of each joint, after its own delay.
 
-    From the state of the longest delay ago, a copy is simulated under the commands that have acted since; what was sensed
-    later replaces its part on the way.
+    From the state of the longest delay ago, a copy is simulated under the commands that have acted since; what was
+    sensed later replaces its part on the way.
     """
 
     def __init__(self, model: mujoco.MjModel, sensed_steps: IntArray):
@@ -207,7 +207,7 @@ def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Tar
     def controls(step: int) -> FloatArray:
         estimate = estimator(data)
         if step % every == 0:
-            sent = rehearsal(estimate, lambda ahead: target(ahead, step * step_s))
+            sent = rehearsal(estimate, lambda ahead, _: target(ahead, step * step_s))
             for line in lines:
                 line.begin(sent)
         for line in lines:
