@@ -66,15 +66,13 @@ class Ensemble:
         self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], timing)
 
     def hold(self, data: mujoco.MjData) -> None:
-        """Let actuators that are late hold the pose of a state until their first command acts, as if it was held before.
+        """Let actuators that are late hold the pose of a state until their first command acts, as if it was sent before.
 
-        Whoever is put into a posture has muscles that are active there; limp for the time of a delay, it would slump.
+        Limp for the time of their delay, an infant that is put into a posture would slump.
         """
-        held, is_late = (
-            self._rehearsal.hold(data, data.qpos[self._subject.infant.angles]),
-            self._rehearsal.delay_steps > 0,
-        )
-        data.ctrl[self._actuators[self.rows][is_late]] = held[is_late]
+        rehearsal, pose_rad = self._rehearsal, data.qpos[self._subject.infant.angles]
+        is_late = rehearsal.delay_steps > 0
+        data.ctrl[self._actuators[self.rows[is_late]]] = rehearsal.hold(data, pose_rad)[is_late]
 
     @property
     def _slots(self) -> IntArray:
