@@ -66,7 +66,7 @@ class Ensemble:
         self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], timing)
 
     def hold(self, data: mujoco.MjData) -> None:
-        """Let actuators that are late hold the pose of a state until their first command acts, as if it was sent before.
+        """Let actuators that are late hold the pose of a state until their first command acts.
 
         Limp for the time of their delay, an infant that is put into a posture would slump.
         """

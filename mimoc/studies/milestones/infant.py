@@ -51,7 +51,10 @@ class TrialInfant(DrivenInfant):
 
     @property
     def sensed_steps(self) -> IntArray:
-        """Physics steps after which place and speed of each joint are known, shape (njnt,): of the root, by balance too."""
+        """Physics steps after which place and speed of each joint are known, shape (njnt,).
+
+        Those of the root are told by proprioception and balance together.
+        """
         model, timing = self.model, self.timing
         steps = timing.delay_steps("proprioception", within(model, model.jnt_bodyid.astype(np.intp)), model.njnt)
         balance = timing.delay_steps("vestibular", None, model.njnt)

@@ -2,8 +2,8 @@
 
 The infant's senses tell of the past, and its commands wait on their way to the muscles. From what was sensed, the
 present state is estimated by the commands that have acted since (`Estimator`), and from there on, the control step in
-which a command sent now acts is simulated (`Rehearsal`), each signal over its own delay. This forward model is exact but
-for pushes, which nobody announces: the infant learns of them after the delay of its senses.
+which a command sent now acts is simulated (`Rehearsal`), each signal over its own delay. This forward model is exact
+but for pushes, which nobody announces: the infant learns of them after the delay of its senses.
 """
 
 from collections import deque
