@@ -138,11 +138,12 @@ class Tracker:
         """Joints of trunk and head, whose weight the ground carries while the infant touches anything."""
 
     def _leads_s(self, manifest: Manifest) -> FloatArray:
-        """Return a control step, and the delay of commands to each joint; a wrench at the root has none."""
+        """Return a control step and the delay of commands to each joint; for the root, that of trunk and head."""
         model, joints, timing = self._body.model, self._body.joints, timing_of(manifest, {})
-        leads_s = np.full(model.nv, ms_to_s(manifest.step_ms))
+        leads_s = np.full(model.nv, ms_to_s(manifest.step_ms + timing.delays[MOTOR].ms))
         moved = within(model, model.jnt_bodyid[joints.indices])
-        leads_s[joints.speeds] += ms_to_s(manifest.timestep_ms) * timing.delay_steps(MOTOR, moved, len(joints.speeds))
+        delay_steps = timing.delay_steps(MOTOR, moved, len(joints.speeds))
+        leads_s[joints.speeds] = ms_to_s(manifest.step_ms + manifest.timestep_ms * delay_steps)
         return leads_s
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:

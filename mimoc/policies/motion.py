@@ -85,7 +85,7 @@ class MotionPolicy:
 
     def _times_s(self, lead_s: float) -> FloatArray:
         """Return the beginnings of all control steps of the motion and of the one after it, some time ahead."""
-        return self._step_s * (np.arange(self.whole_steps + 2) + lead_s / self._step_s)
+        return np.asarray(self._step_s * (np.arange(self.whole_steps + 2) + lead_s / self._step_s), np.float64)
 
     def _states_when_acted(self) -> States:
         """Return the motion at each control step when its commands take effect, each joint after its own delay."""
@@ -93,8 +93,8 @@ class MotionPolicy:
         of_angles = np.empty(model.nq, np.intp)  # The degree of freedom, or the first, that each number belongs to.
         for joint in range(model.njnt):
             of_angles[model.jnt_qposadr[joint] :] = model.jnt_dofadr[joint]
-        coming = self._motion.at(self._times_s(leads_s[speeds[0]]))
-        for lead_s in np.unique(leads_s[speeds]):
+        coming = self._motion.at(self._times_s(float(leads_s[speeds[0]])))
+        for lead_s in np.unique(leads_s[speeds]).tolist():
             ahead = self._motion.at(self._times_s(lead_s))
             which, turning = leads_s[of_angles[angles]] == lead_s, leads_s[speeds] == lead_s
             coming.qpos[:, which] = ahead.qpos[:, which]

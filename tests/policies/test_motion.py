@@ -66,7 +66,7 @@ def test_the_infant_starts_where_the_motion_does():
 
 
 def test_each_joint_follows_what_is_wanted_when_its_own_command_acts():
-    """Commands take 25 ms to arms and 35 to legs, besides the control step of 10; a wrench at the root only that."""
+    """Commands take 25 ms to arms and 35 to legs, besides the control step of 10."""
     late = built({**SPEC, "senses": {"proprioception": {}}, "delays": {"preset": "physiological"}})
     env, policy = mimoc.InfantEnv(late), MotionPolicy(mimoc.InfantEnv(late), motion := moved(late, 0.4))
     observation, _ = env.reset(seed=0)
@@ -76,4 +76,4 @@ def test_each_joint_follows_what_is_wanted_when_its_own_command_acts():
         column = motion.joints.index(f"robot:{joint}") + 6
         expected_rad = motion.at(np.array([0.05 + lead_s])).qpos[0, column]
         assert wanted.qpos[env.model.joint(f"robot:{joint}").qposadr[0]] == pytest.approx(expected_rad, abs=1e-12)
-    assert wanted.qpos[:7] == pytest.approx(motion.at(np.array([0.06])).qpos[0, :7], abs=1e-12)
+    assert wanted.qpos[:7] == pytest.approx(motion.at(np.array([0.085])).qpos[0, :7], abs=1e-12)

@@ -38,7 +38,8 @@ class Estimator:
         """
         self._model, self._estimate = model, mujoco.MjData(model)
         of_speeds = sensed_steps[model.dof_jntid]
-        of_places = np.repeat(sensed_steps, np.diff(np.append(model.jnt_qposadr, model.nq)))
+        ends = [*model.jnt_qposadr[1:].tolist(), model.nq]
+        of_places = np.repeat(sensed_steps, np.array(ends) - model.jnt_qposadr)
         self._parts = {late: (of_places == late, of_speeds == late) for late in np.unique(sensed_steps).tolist()}
         self._past: deque[tuple[FloatArray, ...]] = deque(maxlen=max(self._parts) + 1)
 
