@@ -46,7 +46,7 @@ FILMS = {
 """By film: age, pose, policy and steps."""
 
 
-DELAYED_AGES, STEPS_MS = (4, 6, 7, 9, 12, 18, 24), (5, 10, 20)
+DELAYED_AGES, STEPS_MS = (4, 6, 9, 12, 18, 24), (5, 10, 20)
 REACHES_S = 3.0
 
 

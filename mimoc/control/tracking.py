@@ -143,7 +143,7 @@ class Tracker:
         leads_s = np.full(model.nv, ms_to_s(manifest.step_ms + timing.delays[MOTOR].ms))
         moved = within(model, model.jnt_bodyid[joints.indices])
         delay_steps = timing.delay_steps(MOTOR, moved, len(joints.speeds))
-        leads_s[joints.speeds] = ms_to_s(manifest.step_ms + manifest.timestep_ms * delay_steps)
+        leads_s[joints.speeds] = ms_to_s(manifest.step_ms) + ms_to_s(manifest.timestep_ms) * delay_steps
         return leads_s
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
