@@ -111,6 +111,7 @@ class MotionPolicy:
 
     def _begin(self) -> None:
         """Put the infant where the motion begins, lifted out of the ground, and let it sense that."""
+        self._tracker.begin()
         env, first = self._env, self._at(self._present, 0)
         env.data.qpos[:], env.data.qvel[:] = first.qpos, first.qvel
         mujoco.mj_forward(env.model, env.data)
