@@ -136,11 +136,8 @@ class Tracker:
             ControlError: If the infant has servos.
         """
         self._observed, self._body = data, Body(model, manifest)
-        self._late, self._ahead = (
-            LateCommands(model, self._body.actuators, timing_of(manifest, {})),
-            mujoco.MjData(model),
-        )
-        self._step_s = ms_to_s(manifest.step_ms)
+        self._late = LateCommands(model, self._body.actuators, timing_of(manifest, {}))
+        self._ahead, self._step_s = mujoco.MjData(model), ms_to_s(manifest.step_ms)
         self.leads_s = self._leads_s()
         """Time after which what is commanded takes effect in each degree of freedom, shape (nv,)."""
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)

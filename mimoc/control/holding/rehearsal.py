@@ -38,10 +38,8 @@ class Rehearsal:
         """
         model = infant.model
         self._model, self._ahead, self._actuators = model, mujoco.MjData(model), actuators
-        self._control, self._late = (
-            Controller(infant, gains, model.opt.timestep),
-            LateCommands(model, actuators, timing),
-        )
+        self._control = Controller(infant, gains, model.opt.timestep)
+        self._late = LateCommands(model, actuators, timing)
         self._all_hinges = np.arange(len(infant.joints))
         self._hinges = np.searchsorted(infant.joints, model.actuator_trnid[actuators, 0]).astype(np.intp)
         is_halved = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
@@ -66,8 +64,8 @@ class Rehearsal:
 
         Args:
             data: The present state.
-            propose: Says where hinges go, asked in the state in which their commands begin to act; of the first, the
-                others that are still to come are only foreseen.
+            propose: Says where hinges go; it is asked once for each delay, in the state in which the commands with that
+                delay begin to act. The first time it is asked for all hinges, later for those alone.
         """
         ahead, late, total = self._copied(data), self._late, np.zeros(len(self._actuators))
         advance, target_rad = mujoco.mj_step, np.empty(0)
@@ -76,11 +74,12 @@ class Rehearsal:
                 advance(self._model, ahead)
                 advance = mujoco.mj_step
             if beginning := late.groups.get(step):
-                mujoco.mj_forward(self._model, ahead)
                 advance, hinges = self._finish_step, self._hinges[beginning.commands]
                 if target_rad.size:
+                    mujoco.mj_step1(self._model, ahead)
                     target_rad[hinges] = propose(ahead, hinges)[hinges]
                 else:
+                    mujoco.mj_forward(self._model, ahead)
                     target_rad = propose(ahead, self._all_hinges).copy()
             controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
             for group in late.groups.values():
