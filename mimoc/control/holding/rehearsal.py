@@ -75,11 +75,10 @@ class Rehearsal:
                 advance = mujoco.mj_step
             if beginning := late.groups.get(step):
                 advance, hinges = self._finish_step, self._hinges[beginning.commands]
+                mujoco.mj_forward(self._model, ahead)
                 if target_rad.size:
-                    mujoco.mj_step1(self._model, ahead)
                     target_rad[hinges] = propose(ahead, hinges)[hinges]
                 else:
-                    mujoco.mj_forward(self._model, ahead)
                     target_rad = propose(ahead, self._all_hinges).copy()
             controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
             for group in late.groups.values():

@@ -57,7 +57,7 @@ LATE = Conditions(delays=True)
         ("sit", 6.0),
         pytest.param("arm_out", 4.0, marks=pytest.mark.full),
         pytest.param("hands_and_knees", 6.0, marks=pytest.mark.full),
-        pytest.param("stand", 9.0, marks=pytest.mark.full),
+        pytest.param("stand", 9.0, marks=[pytest.mark.full, pytest.mark.slow]),
     ],
 )
 def test_delays_that_are_foreseen_cost_no_milestone(name, age_months):
@@ -75,7 +75,7 @@ def test_delays_are_the_infants_own_and_those_of_its_age_if_it_asks_for_none():
 
 
 def _motor_steps(body, joint):
-    moved = [body.model.jnt_bodyid[body.model.joint(f"robot:{joint}").id]]
+    moved = body.model.jnt_bodyid[[body.model.joint(f"robot:{joint}").id]]
     return body.timing.delay_steps("motor", within(body.model, moved), 1)[0]
 
 
@@ -83,7 +83,7 @@ def test_the_present_is_estimated_from_what_each_joint_told_after_its_own_delay(
     """Without pushes, nothing is unknown; a push is known as late as the sense that tells of it."""
     body = infant(12.0)
     data, estimator = body.placed(-90.0, {}), Estimator(body.model, body.sensed_steps)
-    generator = np.random.default_rng(0)
+    generator, estimate = np.random.default_rng(0), data
     for step in range(40):
         data.xfrc_applied[body.pushed, 2] = 20.0 if step >= 30 else 0.0
         estimate = estimator(data)
