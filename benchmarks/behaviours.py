@@ -1,9 +1,10 @@
 """Behaviours by age, and a film of each: the table and the pictures of docs/behaviours.md.
 
-    python benchmarks/behaviours.py [--ages 0 3 6 9 12 18] [--films docs/behaviours] [--only sit ...]
+    python benchmarks/behaviours.py [--ages 0 3 6 9 12 18] [--films docs/behaviours] [--only sit ...] [--delays]
 
 Each is run for ten seconds by the average child of each age, without pushes. If a folder for films is given, they are
-written instead of the table.
+written instead of the table. With `--delays`, it is the table of reaches under physiological delays, by control step
+(with `--only sit`, that of sitting).
 """
 
 import argparse
@@ -45,8 +46,13 @@ FILMS = {
 """By film: age, pose, policy and steps."""
 
 
-def opened(age_months, pose, **scene) -> Any:
+DELAYED_AGES, STEPS_MS = (4, 6, 9, 12, 18, 24), (5, 10, 20)
+REACHES_S = 3.0
+
+
+def opened(age_months, pose, step_ms=10, delays="none", **scene) -> Any:
     spec: Any = {"mimoc": 1, "name": "child", "age_months": age_months, "senses": {"proprioception": {}}}
+    spec |= {"control": {"step_ms": step_ms}, "delays": {"preset": delays}}
     env = mimoc.make(mimoc.InfantSpec(**{**spec, "scene": {"kind": "flat", "pose": pose, **scene}})).unwrapped
     env.reset(seed=0)
     return env
@@ -81,12 +87,30 @@ def cell(name, age_months):
     return "yes" if metrics["held_share"] else f"no, {metrics['held_s']:.1f} s"
 
 
+def delayed_cell(name, age_months, step_ms):
+    """Return the same of an infant with physiological delays: for how long it holds, or how near its palm stays."""
+    policy, pose = ROWS[name]
+    env = opened(age_months, pose, step_ms, "physiological")
+    target = places(env)
+    run = Run(env, policy.format(**target), seed=0)
+    seconds = REACHES_S if name == "reach_for" else 10.0
+    for _ in range(round(1000 * seconds / step_ms)):
+        run.step()
+    if name == "reach_for":
+        palm_m = env.data.body("right_hand").xipos
+        return f"{1000 * np.linalg.norm(palm_m - np.fromstring(target['above'][1:-1], sep=',')):.1f} mm"
+    metrics = run.summary().metrics
+    return "yes" if metrics["held_share"] else f"no, {metrics['held_s']:.1f} s"
+
+
 def main():
     parser = argparse.ArgumentParser(description="Behaviours by age, and a film of each.")
-    parser.add_argument("--ages", type=float, nargs="+", default=AGES)
+    parser.add_argument("--ages", type=float, nargs="+")
     parser.add_argument("--films", type=Path)
     parser.add_argument("--only", nargs="+", help="these behaviours or films alone")
+    parser.add_argument("--delays", action="store_true", help="under physiological delays, by control step")
     given = parser.parse_args()
+    ages = given.ages or (DELAYED_AGES if given.delays else AGES)
     if given.films:
         for name in given.only or FILMS:
             age_months, pose, policy, steps = FILMS[name]
@@ -94,9 +118,16 @@ def main():
             summary = mimoc.record(env, policy, given.films / f"{name}.gif", steps=steps, height_px=160, rate_hz=10)
             print(name, dict(summary.metrics), flush=True)
         return
-    print(f"| behaviour | {' | '.join(f'{age:g}' for age in given.ages)} |", flush=True)
+    if given.delays:
+        print(f"| behaviour | control step | {' | '.join(f'{age:g}' for age in ages)} |", flush=True)
+        for name in given.only or ("reach_for",):
+            for step_ms in STEPS_MS:
+                cells = " | ".join(delayed_cell(name, age, step_ms) for age in ages)
+                print(f"| `{name}` | {step_ms} ms | {cells} |", flush=True)
+        return
+    print(f"| behaviour | {' | '.join(f'{age:g}' for age in ages)} |", flush=True)
     for name in given.only or ROWS:
-        print(f"| `{name}` | {' | '.join(cell(name, age) for age in given.ages)} |", flush=True)
+        print(f"| `{name}` | {' | '.join(cell(name, age) for age in ages)} |", flush=True)
 
 
 if __name__ == "__main__":

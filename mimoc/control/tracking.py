@@ -6,8 +6,9 @@ The torque of each joint (computed torque, such as Siciliano et al. 2009, Roboti
 
 with the mass matrix M, bias forces h, forces of springs and dampers τ_passive and dry friction f, for a root that does
 not accelerate; k_p = (2π b)², k_d = 4π b is a critically damped spring of bandwidth b. It is clipped to what the infant
-has. Starred is the motion at the time at which a command takes effect: after the delay of commands and the control step
-within which the activation follows. Until then, joints are taken to move on at their present speed.
+has. Starred is the motion at the time at which a command takes effect: after the delay of commands to that joint and
+the control step within which the activation follows. Until a command acts, a copy of the state is simulated with those
+that are on their way; in the control step after that, joints are taken to move on at their speed then.
 """
 
 from collections.abc import Sequence
@@ -23,7 +24,9 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.ground_support import unsupported, with_margin
 from mimoc.control.inverse_dynamics import STATE, Joints
+from mimoc.control.late_commands import LateCommands
 from mimoc.control.torque_mapping import TorqueMapping, find_mapping
+from mimoc.delays.timing import timing_of
 from mimoc.senses.sense import FloatArray, IntArray
 
 BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
@@ -56,6 +59,7 @@ class Body:
         mapping, actuation = find_mapping(manifest.actuation.model), bind_actuation(manifest.actuation, model)
         names = dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0])
         self.model, self.data, self.joints = model, mujoco.MjData(model), Joints([*names], model)
+        self.actuators: IntArray = actuation.actuators
         self.torques: TorqueMapping = mapping(actuation, self.joints.indices, model, ms_to_s(manifest.step_ms))
         limbs = {"arms": manifest.anatomy.arms, "legs": manifest.anatomy.legs}
         self.of_limbs = {name: self._moving([limb.root for limb in each_side]) for name, each_side in limbs.items()}
@@ -73,9 +77,7 @@ class Body:
 
     def look(self, observed: mujoco.MjData) -> None:
         """Take over a state, with all that is derived from it."""
-        state = np.empty(mujoco.mj_stateSize(self.model, STATE))
-        mujoco.mj_getState(self.model, observed, state, STATE)
-        mujoco.mj_setState(self.model, self.data, state, STATE)
+        copy_state(self.model, observed, self.data)
         self.data.qfrc_applied[:] = 0.0
         mujoco.mj_forward(self.model, self.data)
 
@@ -112,6 +114,13 @@ class Body:
         return bodies[self.is_own[bodies].any(axis=1)]
 
 
+def copy_state(model: mujoco.MjModel, source: mujoco.MjData, target: mujoco.MjData) -> None:
+    """Copy what determines all that follows, without what is derived from it."""
+    state = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, source, state, STATE)
+    mujoco.mj_setState(model, target, state, STATE)
+
+
 class Tracker:
     """Returns the action that follows a motion in the present state, at each control step."""
 
@@ -127,26 +136,61 @@ class Tracker:
             ControlError: If the infant has servos.
         """
         self._observed, self._body = data, Body(model, manifest)
-        self.lead_s = ms_to_s(manifest.step_ms + dict(manifest.delays)["motor"].ms)
-        """Time after which a command takes effect."""
+        self._late = LateCommands(model, self._body.actuators, timing_of(manifest, {}))
+        self._ahead, self._step_s = mujoco.MjData(model), ms_to_s(manifest.step_ms)
+        self.leads_s = self._leads_s()
+        """Time after which what is commanded takes effect in each degree of freedom, shape (nv,)."""
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
         stiffness[self._body.root_speeds] = (2.0 * np.pi * ROOT_BANDWIDTH_HZ) ** 2
         self._stiffness, self._damping = stiffness, 2.0 * np.sqrt(stiffness)
         self._resting = ~(self._body.of_limbs["arms"] | self._body.of_limbs["legs"])
         """Joints of trunk and head, whose weight the ground carries while the infant touches anything."""
 
+    def _leads_s(self) -> FloatArray:
+        """Return a control step, and the delay of commands to each joint; a wrench at the root acts at once."""
+        model, late = self._body.model, self._late
+        leads_s = np.full(model.nv, self._step_s)
+        moved = model.jnt_dofadr[model.actuator_trnid[self._body.actuators, 0]]
+        leads_s[moved] += model.opt.timestep * late.delay_steps
+        return leads_s
+
+    def begin(self) -> None:
+        """Begin an episode, in which no command is on its way."""
+        self._late.forget()
+
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
         """Return the action, shape (nu,).
 
         Args:
-            wanted: The motion at the time at which the command takes effect, `lead_s` from now.
+            wanted: The motion when the command takes effect: of each degree of freedom, `leads_s` from now.
         """
+        model, late, ahead = self._body.model, self._late, self._observed
+        if late.last:
+            ahead = self._ahead
+            copy_state(model, self._observed, ahead)
+        action = np.zeros(len(self._body.actuators), np.float32)
+        for step in range(late.last + 1):
+            if step:
+                mujoco.mj_step(model, ahead)
+            for group in late.groups.values():
+                if step < group.begin:
+                    late.arrive(group, step, ahead.ctrl)
+                elif step == group.begin:
+                    action[group.commands] = self._action(ahead, wanted)[group.commands]
+                    if late.last:
+                        ahead.ctrl[group.actuators] = action[group.commands]
+        late.send(action.astype(np.float64))
+        return action
+
+    def _action(self, ahead: mujoco.MjData, wanted: Wanted) -> npt.NDArray[np.float32]:
+        """Return the action for the state in which it acts, shape (nu,)."""
         body = self._body
-        body.look(self._observed)
+        body.look(ahead)
         model, data, speeds = body.model, body.data, body.joints.speeds
         if not np.isfinite(data.qpos).all():  # The simulation became unstable; the episode is over.
             body.torques.rest(model, data)
-            return body.torques.command(np.zeros(len(speeds))).astype(np.float32)
+            self._given_nm = np.zeros(len(speeds))
+            return body.torques.command(self._given_nm).astype(np.float32)
         moving = np.zeros(model.nv)
         moving[speeds] = (wanted.qacc + self._feedback(wanted))[speeds]
         forces, limits_nm = body.needed(moving, wanted.qvel)
@@ -159,7 +203,8 @@ class Tracker:
     def assistance(self, wanted: Wanted) -> FloatArray:
         """Return the wrench that lets the root follow, too, when the latest action is taken, shape (6,).
 
-        The torques of that action and contacts accelerate the root by a; the wrench accelerates it by what is missing,
+        The torques of that action, or those that act if it is late, and contacts accelerate the root by a; the wrench
+        accelerates it by what is missing,
 
             w = S (q̈* + k_p (q* - q) + k_d (q̇* - q̇) - a),  [N] in the world's frame and [N m] in the body's,
 
@@ -169,16 +214,19 @@ class Tracker:
         model, data, root = body.model, body.data, body.root_speeds
         if not root.size or not np.isfinite(data.qpos).all():
             return np.zeros(root.size)
+        if self._late.last:
+            body.look(self._observed)
         demanded = wanted.qacc + self._feedback(wanted)
-        data.qfrc_applied[body.joints.speeds] = self._given_nm
-        mujoco.mj_forward(model, data)
+        if not self._late.last:
+            data.qfrc_applied[body.joints.speeds] = self._given_nm
+            mujoco.mj_forward(model, data)
         return body.root_inertia() @ (demanded - data.qacc)[root]
 
     def _feedback(self, wanted: Wanted) -> FloatArray:
         """Return the accelerations that errors of places and velocities demand, shape (nv,)."""
         model, data = self._body.model, self._body.data
         coming, errors = data.qpos.copy(), np.zeros(model.nv)
-        mujoco.mj_integratePos(model, coming, data.qvel, self.lead_s)
+        mujoco.mj_integratePos(model, coming, data.qvel, self._step_s)
         mujoco.mj_differentiatePos(model, errors, 1.0, coming, wanted.qpos)
         return self._stiffness * errors + self._damping * (wanted.qvel - data.qvel)
 

@@ -133,7 +133,7 @@ class Schedule:
         self._motor_noise: NoisyMotors | None = None
         if is_disturbed(timing.noise, actuation):
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
-            self._motor_noise = NoisyMotors(noise, timestep_s, actuation, streams)
+            self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._jittered = [
             line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
@@ -190,6 +190,8 @@ class Schedule:
             commands.begin(controls)
         for samples in self._jittered:
             samples.begin()
+        if self._motor_noise:
+            self._motor_noise.begin()
         return self._segments or self._cut()
 
     def command(self, segment: Segment, data: mujoco.MjData) -> None:
@@ -201,7 +203,7 @@ class Schedule:
             else:
                 commands.apply(noise.commanded if noise else data.ctrl)
         if noise:
-            noise(data)
+            noise(data, bool(segment.commands))
         if self.companions:
             self.companions.before_step(data)
 

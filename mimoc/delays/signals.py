@@ -63,7 +63,7 @@ class DelayedCommands:
         """Physics steps of a control step after which commands arrive."""
         self.length = delay_steps // control_steps
         """Number of commands on their way."""
-        self._part, self._columns, self._actuators = part, _as_slice(part), _as_slice(actuators)
+        self._part, self._columns, self._actuators = part, as_slice(part), as_slice(actuators)
         self.reset()
 
     def reset(self) -> None:
@@ -96,7 +96,7 @@ class DelayedCommands:
                 check_controls(controls, self._part, where)
 
 
-def _as_slice(indices: IntArray) -> IntArray | slice:
+def as_slice(indices: IntArray) -> IntArray | slice:
     """Return indices that follow each other as a slice, which is read and written faster."""
     first = int(indices[0]) if len(indices) else 0
     return slice(first, first + len(indices)) if (np.diff(indices) == 1).all() else indices

@@ -11,7 +11,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
-from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
 from mimoc.senses.custom import CustomSense
@@ -99,6 +99,13 @@ class Timing:
                 left = ~inside if left is None else left & ~inside
         return [(signal, to_steps(delay.ms, self.timestep_ms), left), *reversed(groups)]
 
+    def delay_steps(self, signal: str, within: Within | None, count: int) -> IntArray:
+        """Return the delay of each of some numbers of a signal in physics steps, shape (count,); see `groups`."""
+        steps = np.zeros(count, np.intp)
+        for _, late, part in self.groups(signal, within):
+            steps[slice(None) if part is None else part] = late
+        return steps
+
     def jitter(self, delay_steps: int) -> int:
         """Return by how many physics steps a delay of some varies at most: never by more than there are."""
         return min(to_steps(self.noise.delay_jitter_ms, self.timestep_ms), delay_steps)
@@ -113,8 +120,13 @@ class Timing:
         ]
 
 
+def delays_by_signal(entry: DelaysEntry) -> Mapping[str, DelayEntry]:
+    """Return the delays of a manifest by sense, and under `motor` that of commands."""
+    return {name: delay for name, delay in entry if isinstance(delay, DelayEntry)}
+
+
 def timing_of(manifest: Manifest, senses: Mapping[str, Sense]) -> Timing:
     """Return the time base, the noise, and the delays of an infant's signals and of senses passed as objects."""
-    delays = {name: delay for name, delay in manifest.delays if isinstance(delay, DelayEntry)}
     custom = {name: sense.delay for name, sense in senses.items() if isinstance(sense, CustomSense)}
-    return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)
+    delays = {**delays_by_signal(manifest.delays), **custom}
+    return Timing(manifest.step_ms, manifest.timestep_ms, delays, manifest.delays.legs, manifest.noise)

@@ -104,7 +104,7 @@ def quaternion_between(start: FloatArray, end: FloatArray) -> Quaternion:
         across = np.eye(3)[np.abs(start).argmin()]
         x, y, z = (across - (across @ start) * start).tolist()
         return _normalised((0.0, x, y, z))
-    x, y, z = np.cross(start, end).tolist()
+    x, y, z = cross(start, end).tolist()
     return _normalised((1 + cosine, x, y, z))
 
 
@@ -130,3 +130,12 @@ def _normalised(quaternion: Quaternion) -> Quaternion:
     w, x, y, z = quaternion
     length = math.hypot(w, x, y, z)
     return w / length, x / length, y / length, z / length
+
+
+def cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the cross products of vectors, shape (..., 3): to the bit as `numpy.cross`, which few vectors wait for."""
+    return one.take(_NEXT, -1) * other.take(_LAST, -1) - one.take(_LAST, -1) * other.take(_NEXT, -1)
+
+
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+"""Of each axis, the index of the one after it and of the one before it."""

@@ -27,6 +27,8 @@ from mimoc.actuation.binding import Actuation
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.base.units import ms_to_s
+from mimoc.delays.signals import as_slice
+from mimoc.delays.spec import MOTOR
 from mimoc.noise.spec import NoiseEntry, low_pass_key, noise_keys
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.filter import Filter
@@ -202,6 +204,21 @@ class LowPass:
         kept = math.exp(-elapsed_s / self.time_constant_s)
         return kept * values + math.sqrt(1 - kept * kept) * drawn
 
+    def series(self, values: FloatArray, step_s: float, drawn: FloatArray) -> FloatArray:
+        """Return the values after each of t equal times, shape (t, k, n), as if each was asked for by itself.
+
+        Args:
+            values: Those before, shape (k, n).
+            step_s: From one time to the next.
+            drawn: Random numbers, shape (t, k, n).
+        """
+        kept = math.exp(-step_s / self.time_constant_s)
+        series, faded = math.sqrt(1 - kept * kept) * drawn, np.empty_like(drawn[0])
+        for now in series:
+            np.add(now, np.multiply(values, kept, out=faded), out=now)
+            values = now
+        return series
+
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
@@ -253,9 +270,12 @@ class MotorNoise(Noise):
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the controls that commands become, shape (k, n), and the state of the noise."""
-        xp = draw.xp
         state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
-        return xp.minimum(xp.maximum(sample, self.low), self.high) * (1 + self.share * state), state
+        return self.in_range(draw.xp, sample) * (1 + self.share * state), state
+
+    def in_range(self, xp: Any, commands: Any) -> Any:
+        """Return commands within their range, shape (k, n)."""
+        return xp.minimum(xp.maximum(commands, self.low), self.high)
 
 
 @dataclass(frozen=True)
@@ -272,13 +292,18 @@ class BandLimited(Noise):
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the controls, shape (k, n), and the state: of the noise, and of each filter, shape (k, 3 n)."""
         xp, count = draw.xp, sample.shape[1]
-        first = second = xp.minimum(xp.maximum(sample, self.noise.low), self.noise.high)
+        first = second = self.noise.in_range(xp, sample)
         if state is not None:
             kept = xp.exp(-draw.elapsed_s * self.cut_off_rad_s)
-            first = kept * state[:, count : 2 * count] + (1 - kept) * first
-            second = kept * state[:, 2 * count :] + (1 - kept) * first
+            first, second = passed(kept, first, state[:, count : 2 * count], state[:, 2 * count :])
         controls, noise = self.noise(draw, second, None if state is None else state[:, :count])
         return controls, xp.concat([noise, first, second], axis=1)
+
+
+def passed(kept: Any, commands: Any, first: Any, second: Any) -> tuple[Any, Any]:
+    """Return what the first and the second of two filters give of commands, and keep of what they gave before."""
+    first = kept * first + (1 - kept) * commands
+    return first, kept * second + (1 - kept) * first
 
 
 def is_disturbed(entry: NoiseEntry, actuation: Actuation) -> bool:
@@ -296,27 +321,66 @@ def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise | Ba
 
 
 class NoisyMotors:
-    """The commands of one infant, and the noise with which they drive its actuators."""
+    """The commands of one infant, and the noise with which they drive its actuators.
 
-    def __init__(self, noise: Noise, timestep_s: float, actuation: Actuation, streams: NoiseStreams):
-        self._noise, self._timestep_s = SignalNoise(noise, "motor", streams), timestep_s
-        self._actuators = actuation.actuators
+    The noise of all physics steps of a control step is drawn at its beginning: the same numbers as one after the other.
+    """
+
+    def __init__(
+        self,
+        noise: MotorNoise | BandLimited,
+        physics_steps: int,
+        timestep_s: float,
+        actuation: Actuation,
+        streams: NoiseStreams,
+    ):
+        """Disturb the commands of control steps of some *physics_steps*."""
+        self._streams, self._steps, self._timestep_s = streams, physics_steps, timestep_s
+        self._actuators, self._count = as_slice(actuation.actuators), len(actuation.actuators)
+        self._noise = noise.noise if isinstance(noise, BandLimited) else noise
+        self._kept = np.exp(-timestep_s * noise.cut_off_rad_s) if isinstance(noise, BandLimited) else None
+        self._commands: FloatArray | None = None
+        self._disturbed = np.empty((1, self._count))
 
     def reset(self, data: mujoco.MjData) -> None:
         """Begin anew, with the controls of now as commands."""
         self.commanded = data.ctrl.copy()
         """Control of each actuator of the model without noise, shape (nu,)."""
-        self._noise(math.inf, self.commanded[self._actuators])
+        self._level = self._drawn(1)[0]
+        commands = self._in_range()
+        self._filters = () if self._kept is None else (commands, commands)
 
-    def __call__(self, data: mujoco.MjData) -> None:
-        """Set the controls for the next physics step."""
-        data.ctrl[self._actuators] = self._noise(self._timestep_s, self.commanded[self._actuators])
+    def begin(self) -> None:
+        """Draw the noise of the next control step."""
+        levels = self._noise.low_pass.series(self._level, self._timestep_s, self._drawn(self._steps))
+        self._level, self._factors, self._commands = levels[-1], iter(self._noise.share * levels + 1), None
+
+    def __call__(self, data: mujoco.MjData, have_arrived: bool = True) -> None:
+        """Set the controls for the next physics step; *have_arrived* says whether there are new commands."""
+        if have_arrived or self._commands is None:
+            self._commands = self._in_range()
+        commands = self._commands
+        if self._kept is not None:
+            self._filters = passed(self._kept, commands, *self._filters)
+            commands = self._noise.in_range(NUMPY, self._filters[1])
+        np.multiply(commands, next(self._factors), out=self._disturbed)
+        data.ctrl[self._actuators] = self._disturbed[0]
+
+    def _drawn(self, count: int) -> FloatArray:
+        """Return random numbers for some physics steps, shape (count, 1, n)."""
+        return self._streams[MOTOR].standard_normal((count, 1, self._count))
+
+    def _in_range(self) -> FloatArray:
+        """Return the commands of the noisy actuators within their range, shape (1, n)."""
+        return self._noise.in_range(NUMPY, self.commanded[self._actuators][None])
 
     @property
     def state(self) -> list[Any]:
-        """The commands, and the present noise."""
-        return [self.commanded, self._noise.state]
+        """The commands, and the present noise, before or after a control step."""
+        return [self.commanded, [-math.inf, np.concatenate([self._level, *self._filters], axis=1)]]
 
     @state.setter
     def state(self, state: list[Any]) -> None:
-        self.commanded, self._noise.state = state
+        self.commanded, (_, kept) = state
+        self._level, *filters = np.split(kept, 1 if self._kept is None else 3, axis=1)
+        self._filters = tuple(filters)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import ms_to_s
 from mimoc.control.tracking import Body, Demand, Tracker, Wanted
-from mimoc.motion.joint_motion import JointMotion, read_motion
+from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.motion_report import Followed
 from mimoc.policies.starting import begin_here
 from mimoc.runtime.env import InfantEnv
@@ -54,15 +54,14 @@ class MotionPolicy:
             self._bind()  # The scene has changed.
         if env.steps == 0:
             self._begin()
-        now_s = env.steps * self._step_s
-        is_moving = env.steps < self.whole_steps
-        coming = self._at(now_s + self._tracker.lead_s)
+        coming = self._at(self._coming, env.steps)
         action = self._tracker(coming)
         if self._root == "assisted":
             self._assist(self._tracker.assistance(coming))
-        if is_moving:
-            self._demand.add(self._at(now_s))
-            self._log(self._at(now_s))
+        if env.steps < self.whole_steps:
+            now = self._at(self._present, env.steps)
+            self._demand.add(now)
+            self._log(now)
         return action
 
     def metrics(self) -> Mapping[str, float]:
@@ -82,22 +81,38 @@ class MotionPolicy:
         self._tracker = Tracker(env.model, env.data, env.manifest)
         self._body = Body(env.model, env.manifest)
         self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
-        times_s = self._step_s * np.arange(self.whole_steps + 2 + round(self._tracker.lead_s / self._step_s))
-        self._states = self._motion.at(times_s)
+        self._present, self._coming = self._motion.at(self._times_s(0.0)), self._states_when_acted()
 
-    def _at(self, time_s: float) -> Wanted:
-        """Return the motion at a time of whole control steps, the rest of the world where it was at the beginning."""
+    def _times_s(self, lead_s: float) -> FloatArray:
+        """Return the beginnings of all control steps of the motion and of the one after it, some time ahead."""
+        return np.asarray(self._step_s * (np.arange(self.whole_steps + 2) + lead_s / self._step_s), np.float64)
+
+    def _states_when_acted(self) -> States:
+        """Return the motion at each control step when its commands take effect, each joint after its own delay."""
+        model, (angles, speeds), leads_s = self._model, self._places, self._tracker.leads_s
+        of_angles = np.empty(model.nq, np.intp)  # The degree of freedom, or the first, that each number belongs to.
+        for joint in range(model.njnt):
+            of_angles[model.jnt_qposadr[joint] :] = model.jnt_dofadr[joint]
+        coming = self._motion.at(self._times_s(float(leads_s[speeds[0]])))
+        for lead_s in np.unique(leads_s[speeds]).tolist():
+            ahead = self._motion.at(self._times_s(lead_s))
+            which, turning = leads_s[of_angles[angles]] == lead_s, leads_s[speeds] == lead_s
+            coming.qpos[:, which] = ahead.qpos[:, which]
+            coming.qvel[:, turning], coming.qacc[:, turning] = ahead.qvel[:, turning], ahead.qacc[:, turning]
+        return coming
+
+    def _at(self, states: States, step: int) -> Wanted:
+        """Return the motion at a control step, the rest of the world where it was at the beginning."""
         model, (angles, speeds) = self._model, self._places
-        step = min(round(time_s / self._step_s), len(self._states.qpos) - 1)
+        at = min(step, len(states.qpos) - 1)
         qpos, qvel, qacc = self._rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
-        qpos[angles], qvel[speeds], qacc[speeds] = (
-            array[step] for array in (self._states.qpos, self._states.qvel, self._states.qacc)
-        )
+        qpos[angles], qvel[speeds], qacc[speeds] = states.qpos[at], states.qvel[at], states.qacc[at]
         return Wanted(qpos, qvel, qacc)
 
     def _begin(self) -> None:
         """Put the infant where the motion begins, lifted out of the ground, and let it sense that."""
-        env, first = self._env, self._at(0.0)
+        self._tracker.begin()
+        env, first = self._env, self._at(self._present, 0)
         env.data.qpos[:], env.data.qvel[:] = first.qpos, first.qvel
         mujoco.mj_forward(env.model, env.data)
         env.data.qpos[self._places[0]] += self._lift()

@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 from scipy.spatial.transform import Rotation
 
 from mimoc.geometry.rotations import (
+    cross,
     direction,
     matrix_from_axis,
     matrix_from_euler,
@@ -87,3 +88,10 @@ def test_between_opposite_directions_it_is_half_a_turn(start):
 def test_azimuth_goes_from_x_to_y_and_elevation_up(azimuth_deg, elevation_deg, wanted):
     found = direction(np.radians(azimuth_deg), np.radians(elevation_deg))
     np.testing.assert_allclose(found, wanted, atol=1e-15)
+
+
+@given(st.lists(st.tuples(vectors, vectors), min_size=1, max_size=3))
+def test_cross_products_are_numpys_to_the_bit(pairs):
+    one, other = np.array(pairs).swapaxes(0, 1)
+    assert cross(one, other).tobytes() == np.cross(one, other).tobytes()
+    assert cross(one[0], other[0]).tobytes() == np.cross(one[0], other[0]).tobytes()

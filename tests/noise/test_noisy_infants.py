@@ -10,7 +10,17 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import mimoc
-from mimoc.noise.noise import Draw, LowPass, MotorNoise, Noise, Smooth
+from mimoc.noise.noise import (
+    Draw,
+    LowPass,
+    MotorNoise,
+    Noise,
+    NoiseStreams,
+    NoisyMotors,
+    SignalNoise,
+    Smooth,
+    bind_motor_noise,
+)
 from mimoc.noise.spec import NoiseEntry
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import stack_terms
@@ -170,6 +180,27 @@ def test_motor_noise_is_a_share_of_the_command_and_lasts_60_ms(library, share, t
     correlation = (normed[lag:] * normed[:-lag]).mean()
     assert correlation == pytest.approx(np.exp(-lag * timestep_s / 0.06), abs=0.15)
     assert np.abs(normed.mean(axis=0)).max() < 0.5
+
+
+@pytest.mark.parametrize("bandwidth_hz", [None, 5.0])
+def test_the_noise_of_a_control_step_is_that_of_its_physics_steps_one_after_the_other(bandwidth_hz, built):
+    """To the bit; new commands arrive in the middle of control steps, and the state between two of them is the same."""
+    env = mimoc.InfantEnv(built(actuation={"bandwidth_hz": bandwidth_hz}))
+    noise = bind_motor_noise(NoiseEntry(motor=0.2), env.actuation)
+    motors = NoisyMotors(noise, 4, 0.005, env.actuation, NoiseStreams(1))
+    alone, generator, data = SignalNoise(noise, "motor", NoiseStreams(1)), np.random.default_rng(0), env.data
+    motors.reset(data)
+    alone(np.inf, motors.commanded[env.actuation.actuators])
+    for _ in range(3):
+        motors.begin()
+        for step in range(4):
+            if has_arrived := step % 2 == 1:
+                motors.commanded[:] = generator.uniform(-2, 2, len(motors.commanded))
+            motors(data, has_arrived)
+            expected = alone(0.005, motors.commanded[env.actuation.actuators])
+            assert data.ctrl[env.actuation.actuators].tobytes() == expected.tobytes()
+        assert motors.state[1][1].tobytes() == alone.state[1].tobytes()
+        motors.state = copy.deepcopy(motors.state)
 
 
 def test_a_command_beyond_its_range_is_no_noisier_than_one_at_its_end(library):

@@ -22,7 +22,7 @@ from mimoc.companions.caregiver.run_motion import (
 from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.geometry.adult import SIDES, Adult, Palm, Side, neck
 from mimoc.geometry.leaning import Frame, lean
-from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
+from mimoc.geometry.rotations import FloatArray, cross, quaternion_from_matrix
 
 PARTS = ("head", "neck", "trunk")
 AWAY_RAD = math.radians(75)
@@ -202,7 +202,7 @@ class CaregiverBody:
         gaze = gaze / np.linalg.norm(gaze)
         up = up - (up @ gaze) * gaze
         up /= np.linalg.norm(up)
-        return np.column_stack([gaze, np.cross(up, gaze), up])
+        return np.column_stack([gaze, cross(up, gaze), up])
 
     def _gaze(self, data: mujoco.MjData, infant: Infant) -> FloatArray:
         """Return the axes of the head now, shape (3, 3)."""

@@ -16,6 +16,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
 from mimoc.base.units import GRAVITY_M_S2
@@ -47,7 +48,10 @@ class DelayedMotors:
         self._low, self._high = model.actuator_ctrlrange.T
         self._weakest_nm, self._strongest_nm = (model.actuator_forcerange * self._gear[:, None]).T
         self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
-        self._gain = model.actuator_gainprm[:, 0]
+        self._full = model.actuator_gainprm[:, 0] * self._gear
+        """Torque of each motor's or servo's activation."""
+        self._able = np.abs(self._full) > LEAST_NM
+        self._all_able = bool(self._able.all())
         self.biases: Any = model.actuator_biasprm if bias is None else bias
         """Bias parameters beside which torques are counted, shape (nu, mjNBIAS)."""
         self._bias = AffineBias(*(self.biases[:, column] for column in range(len(AffineBias._fields))))
@@ -68,9 +72,12 @@ class DelayedMotors:
             speeds_rad_s: Speed that each driven hinge will have at the end of the interval, shape (n,).
         """
         wanted = torques_nm[self._slot]
-        full, at_rest = self._of_muscles(scratch) if self._muscles else self._of_motors(scratch, speeds_rad_s)
-        able = np.abs(full) > LEAST_NM
-        level = np.divide(self._clipped(wanted) - at_rest, full, out=np.zeros_like(full), where=able)
+        if self._muscles:
+            full, at_rest = self._of_muscles(scratch)
+            level = _divided(wanted - at_rest, full, np.abs(full) > LEAST_NM)
+        else:
+            missing = self._clipped(wanted) - self._of_motors(scratch, speeds_rad_s)
+            level = missing / self._full if self._all_able else _divided(missing, self._full, self._able)
         level = self._in_range(level)
         if self._filtered.size:
             now = activations[self._states]
@@ -82,19 +89,17 @@ class DelayedMotors:
 
     def _clipped(self, torques_nm: FloatArray) -> FloatArray:
         """Return torques within the limits of motors, so that no activation winds up beyond them."""
-        if self._muscles:
-            return torques_nm
         return np.minimum(np.maximum(torques_nm, self._weakest_nm), self._strongest_nm)
 
-    def _of_motors(self, scratch: mujoco.MjData, speeds_rad_s: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return each motor's or servo's torque per activation, and what it gives at zero activation.
+    def _of_motors(self, scratch: mujoco.MjData, speeds_rad_s: FloatArray) -> FloatArray:
+        """Return what each motor or servo gives at zero activation.
 
         Servos are stiff: what counts is the angle and the speed at the end of the interval.
         """
         bias, speeds = self._bias, self._gear * speeds_rad_s[self._slot]
         lengths = scratch.actuator_length + self._interval_s * speeds
         at_rest = bias.at_zero + bias.by_length * lengths + bias.by_velocity * speeds
-        return self._gain * self._gear, at_rest * self._gear
+        return at_rest * self._gear
 
     def _of_muscles(self, scratch: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
         """Return the torque of each muscle's activation, and what all muscles of its hinge give at rest."""
@@ -105,6 +110,11 @@ class DelayedMotors:
             torques.append(scratch.actuator_force * self._gear)
         at_rest = np.asarray(np.bincount(self._slot, torques[1], self._count), np.float64)
         return torques[0] - torques[1], at_rest[self._slot]
+
+
+def _divided(torques_nm: FloatArray, full_nm: FloatArray, able: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the activations that give torques; zero where there is no power."""
+    return np.divide(torques_nm, full_nm, out=np.zeros_like(full_nm), where=able)
 
 
 FREQUENCY_RAD_S = 14.0

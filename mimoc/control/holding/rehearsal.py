@@ -1,34 +1,31 @@
 """Control of whole control steps by a forward model: what the controller would do in each physics step to come.
 
-A command is kept for a control step, and may arrive after a delay. A copy of the state is simulated up to the moment at
-which a command sent now arrives, with those that are on their way, and then through the control step, in each physics
-step of which the controller acts; their mean is sent. So a posture is held as well with control steps of 20 ms as with
-one command for each physics step.
+In a copy of the state, each actuator first obeys the commands that are on their way to it, and the controller from when
+a command sent now acts (`LateCommands`). The mean of what the controller does in the control step that begins then is
+sent; what it does of the arms after that is not, but foreseen for the legs, to which commands take longer.
+
+So a posture is held as well with control steps of 20 ms as with one command for each physics step, and what is slow to
+reach the legs makes no arm act too early or too late.
 """
 
-from collections import deque
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
 
 from mimoc.control.holding.controller import Controller, Servo
 from mimoc.control.holding.driven import DrivenInfant
+from mimoc.control.late_commands import LateCommands
+from mimoc.delays.timing import Timing
 from mimoc.senses.sense import FloatArray, IntArray
 
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """When commands act, in physics steps."""
-
-    control_steps: int
-    """Duration of a control step."""
-    delay_steps: int = 0
-    """Time after which a command arrives."""
+Propose = Callable[[mujoco.MjData, IntArray], FloatArray]
+"""From a state with all that is derived from it, and some of the driven hinges, to the angle that each hinge is to go
+to, shape (n,); those of hinges that were not asked for are not used."""
 
 
 class Rehearsal:
-    """Looks ahead to where a command takes effect, and finds the command of a control step from there."""
+    """Finds the commands of a control step by looking ahead to when they act, for each joint over its own delay."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, timing: Timing):
         """Prepare a copy of the infant and its world.
@@ -36,42 +33,66 @@ class Rehearsal:
         Args:
             infant: The infant.
             gains: Stiffness and damping of its joints.
-            actuators: Indices of the actuators that are commanded; all others keep their controls.
-            timing: When commands act.
+            actuators: Indices of the m actuators that are commanded; all others keep their controls.
+            timing: The control step, and the delays of commands.
         """
-        self._model, self._ahead = infant.model, mujoco.MjData(infant.model)
-        self._control = Controller(infant, gains, infant.model.opt.timestep)
-        self._actuators, self._timing = actuators, timing
-        self._sent: deque[FloatArray] = deque(maxlen=-(-timing.delay_steps // timing.control_steps) + 1)
+        model = infant.model
+        self._model, self._ahead, self._actuators = model, mujoco.MjData(model), actuators
+        self._control = Controller(infant, gains, model.opt.timestep)
+        self._late = LateCommands(model, actuators, timing)
+        self._all_hinges = np.arange(len(infant.joints))
+        self._hinges = np.searchsorted(infant.joints, model.actuator_trnid[actuators, 0]).astype(np.intp)
+        is_halved = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
+        self._finish_step = mujoco.mj_step2 if is_halved else mujoco.mj_step
+        """Makes a physics step from where all but new controls has been computed."""
 
-    def reset(self) -> None:
-        """Forget the commands on their way: an episode begins."""
-        self._sent.clear()
+    @property
+    def delay_steps(self) -> IntArray:
+        """Physics steps after which commands act, shape (m,)."""
+        return self._late.delay_steps
 
-    def look(self, data: mujoco.MjData) -> mujoco.MjData:
-        """Return the state in which a command sent now takes effect, with all that is derived from it."""
-        ahead, timing = self._ahead, self._timing
-        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = data.qpos, data.qvel, data.act
-        ahead.ctrl[:], ahead.qacc_warmstart[:] = data.ctrl, data.qacc_warmstart
-        for step in range(timing.delay_steps):
-            age = -((step - timing.delay_steps) // timing.control_steps)  # In control steps: that which acts then.
-            if age <= len(self._sent):
-                ahead.ctrl[self._actuators] = self._sent[-age]
-            mujoco.mj_step(self._model, ahead)
+    def hold(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
+        """Return the commands that keep hinges at angles, shape (m,), and take them to be on their way already."""
+        ahead = self._copied(data)
         mujoco.mj_forward(self._model, ahead)
-        return ahead
+        held = self._control(ahead, target_rad)[self._actuators]
+        self._late.hold(held)
+        return held
 
-    def send(self, target_rad: FloatArray) -> FloatArray:
-        """Return the commands of the actuators, shape (m,), for a control step that begins where it looked last.
+    def __call__(self, data: mujoco.MjData, propose: Propose) -> FloatArray:
+        """Return the commands to send now, shape (m,).
 
         Args:
-            target_rad: Angle of each driven hinge to go to, shape (n,).
+            data: The present state.
+            propose: Says where hinges go; it is asked once for each delay, in the state in which the commands with that
+                delay begin to act. The first time it is asked for all hinges, later for those alone.
         """
-        ahead, controls = self._ahead, []
-        for step in range(self._timing.control_steps):
+        ahead, late, total = self._copied(data), self._late, np.zeros(len(self._actuators))
+        advance, target_rad = mujoco.mj_step, np.empty(0)
+        for step in range(late.last + late.control_steps):
             if step:
-                mujoco.mj_step(self._model, ahead)
-            controls.append(self._control(ahead, target_rad)[self._actuators])
-            ahead.ctrl[self._actuators] = controls[-1]
-        self._sent.append(np.mean(controls, axis=0))
-        return self._sent[-1]
+                advance(self._model, ahead)
+                advance = mujoco.mj_step
+            if beginning := late.groups.get(step):
+                advance, hinges = self._finish_step, self._hinges[beginning.commands]
+                mujoco.mj_forward(self._model, ahead)
+                if target_rad.size:
+                    target_rad[hinges] = propose(ahead, hinges)[hinges]
+                else:
+                    target_rad = propose(ahead, self._all_hinges).copy()
+            controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
+            for group in late.groups.values():
+                if step < group.begin:
+                    late.arrive(group, step, ahead.ctrl)
+                    continue
+                ahead.ctrl[group.actuators] = controls[group.actuators]
+                if step < group.end:
+                    total[group.commands] += controls[group.actuators]
+        late.send(commands := total / late.control_steps)
+        return commands
+
+    def _copied(self, data: mujoco.MjData) -> mujoco.MjData:
+        ahead = self._ahead
+        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = data.qpos, data.qvel, data.act
+        ahead.ctrl[:], ahead.qacc_warmstart[:] = data.ctrl, data.qacc_warmstart
+        return ahead

@@ -9,6 +9,7 @@ by which the spring K = I w² of the controller just makes up for its damper D =
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -54,6 +55,12 @@ class Aim:
         inverse = weighted @ np.linalg.inv(by_joint @ weighted + self.damping**2 * np.eye(len(velocity)))
         resting = RESTING_PER_S * (rest_rad - now_rad)
         speeds = inverse @ velocity + resting - inverse @ (by_joint @ resting)
-        low_rad, high_rad = infant.model.jnt_range[infant.joints[self.joints]].T
+        low_rad, high_rad = self._range_rad
+        return np.minimum(np.maximum(now_rad + LEAD_S * speeds, low_rad), high_rad)
+
+    @cached_property
+    def _range_rad(self) -> tuple[FloatArray, FloatArray]:
+        """Between which angles the joints stay, shape (m,) each."""
+        low_rad, high_rad = self.infant.model.jnt_range[self.infant.joints[self.joints]].T
         margin_rad = np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
-        return np.clip(now_rad + LEAD_S * speeds, low_rad + margin_rad, high_rad - margin_rad)
+        return low_rad + margin_rad, high_rad - margin_rad

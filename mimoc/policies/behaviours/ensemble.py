@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.base.units import ms_to_s
 from mimoc.control.holding.controller import Servo, servo
-from mimoc.control.holding.rehearsal import Rehearsal, Timing
+from mimoc.control.holding.rehearsal import Rehearsal
+from mimoc.delays.timing import timing_of
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -62,7 +62,17 @@ class Ensemble:
         gains, is_moved = servo(infant, data, loose=self._loose()), self._owners != NOBODY
         self.rows: IntArray = np.flatnonzero(is_moved[self._slots]).astype(np.intp)
         gains = Servo(gains.stiffness_nm * is_moved, gains.damping_nms * is_moved)
-        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], _timing(self._subject))
+        timing = timing_of(self._subject.manifest, {})
+        self._rehearsal = Rehearsal(infant, gains, self._actuators[self.rows], timing)
+
+    def hold(self, data: mujoco.MjData) -> None:
+        """Let actuators that are late hold the pose of a state until their first command acts.
+
+        Limp for the time of their delay, an infant that is put into a posture would slump.
+        """
+        rehearsal, pose_rad = self._rehearsal, data.qpos[self._subject.infant.angles]
+        is_late = rehearsal.delay_steps > 0
+        data.ctrl[self._actuators[self.rows[is_late]]] = rehearsal.hold(data, pose_rad)[is_late]
 
     @property
     def _slots(self) -> IntArray:
@@ -94,25 +104,23 @@ class Ensemble:
             loose |= set(joints[self._owners[joints] == number].tolist())
         return loose
 
-    def proposed(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
-        """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves."""
+    def proposed(self, ahead: mujoco.MjData, time_s: float, hinges: IntArray | None = None) -> FloatArray:
+        """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves.
+
+        Only the behaviours that move some of certain *hinges* are asked; None is all.
+        """
         angles_rad = ahead.qpos[self._subject.infant.angles].copy()
+        asked = range(len(self.behaviours)) if hinges is None else set(self._owners[hinges].tolist())
         for number, behaviour in enumerate(self.behaviours):
-            is_its = self._owners[behaviour.joints] == number
-            angles_rad[behaviour.joints[is_its]] = behaviour.targets(ahead, time_s)[is_its]
+            if number in asked:
+                is_its = self._owners[behaviour.joints] == number
+                angles_rad[behaviour.joints[is_its]] = behaviour.targets(ahead, time_s)[is_its]
         return angles_rad
 
     def commands(self, data: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the commands of the actuators of `rows`, for a control step that begins in a state."""
-        return self._rehearsal.send(self.proposed(self._rehearsal.look(data), time_s))
+        return self._rehearsal(data, lambda ahead, hinges: self.proposed(ahead, time_s, hinges))
 
     def lost(self, data: mujoco.MjData) -> str:
         """Return why the posture of the whole body is lost; nothing if it is not, or there is none."""
         return "" if self.whole is None else self.behaviours[self.whole].lost(data, self._may_touch)
-
-
-def _timing(subject: Subject) -> Timing:
-    """Return when commands act: after the longest of their delays, those to the legs."""
-    motor, timestep_s = dict(subject.manifest.delays)["motor"], subject.infant.model.opt.timestep
-    delay_ms = max(motor.ms, motor.legs_ms or 0.0, *(part.ms for part in motor.parts))
-    return Timing(round(subject.step_s / timestep_s), round(ms_to_s(delay_ms) / timestep_s))

@@ -64,8 +64,10 @@ class BehaviourPolicy:
         kept = env.manifest.constraints
         if self._ensemble.start is not None and not (kept.locks or kept.welds):
             _place(env, self._infant, self._ensemble.start)
-        observation = begin_here(env)
+        mujoco.mj_fwdPosition(env.model, env.data)
         self._ensemble.begin(env.data)
+        self._ensemble.hold(env.data)
+        observation = begin_here(env)
         if reason := self._ensemble.lost(env.data):
             label, advice = self._labels[self._ensemble.whole or 0], "choose another scene.pose, or hold other parts"
             raise PolicyError(f"'{label}' cannot begin where held parts or locked joints are ({reason}); {advice}")

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from mimoc.geometry.rotations import cross
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.senses.touch.adaptation import stroking
 from mimoc.senses.touch.contacts import ContactForces
@@ -42,7 +43,7 @@ def sliding_speeds(
     """
     turning, moving = np.split(data.cvel.take(bodies, 0), 2, axis=-1)
     away_m = places_m[:, None] - data.subtree_com.take(roots.take(bodies), 0)
-    velocities = moving + np.cross(turning, away_m)
+    velocities = moving + cross(turning, away_m)
     relative = velocities[:, 1] - velocities[:, 0]
     across = relative - (relative * normals).sum(axis=1, keepdims=True) * normals
     return np.sqrt((across * across).sum(axis=1))

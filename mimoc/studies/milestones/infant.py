@@ -8,20 +8,21 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
-from mimoc.base.units import ms_to_s
+from mimoc.compiler.child import child_of
 from mimoc.compiler.validation.measuring import compile_infant
 from mimoc.compiler.variants import at_age_unchecked, errors_at
 from mimoc.control.holding.driven import DrivenInfant
-from mimoc.delays.build_presets import PRESETS, given_keys
+from mimoc.delays.build_presets import delays
+from mimoc.delays.timing import Timing, delays_by_signal, within
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, IntArray
 
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
 
-SENSED = ("proprioception", "vestibular")
-"""The senses that tell posture and balance."""
+INTERVAL_MS = 5.0
+"""How often commands are sent in trials with delays."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +43,22 @@ class Conditions:
 class TrialInfant(DrivenInfant):
     """A driven infant with what a trial has to know of it, which an apparatus can hold."""
 
-    delays_s: tuple[float, float]
-    """Its delays of senses and of commands."""
+    timing: Timing
+    """When its senses tell and its commands act, in trials with delays."""
     toneless_bias: FloatArray | None = None
     """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them; None
     if it has no servos."""
+
+    @property
+    def sensed_steps(self) -> IntArray:
+        """Physics steps after which place and speed of each joint are known, shape (njnt,).
+
+        Those of the root are told by proprioception and balance together.
+        """
+        model, timing = self.model, self.timing
+        steps = timing.delay_steps("proprioception", within(model, model.jnt_bodyid.astype(np.intp)), model.njnt)
+        balance = timing.delay_steps("vestibular", None, model.njnt)
+        return np.where(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE, np.maximum(steps, balance), steps)
 
     def fixed(self, dofs: Collection[int]) -> "TrialInfant":
         """Return an infant some of whose degrees of freedom are held by an apparatus."""
@@ -80,7 +92,7 @@ def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
     """Return the infant of a model that was compiled from some spec, perhaps with other things in its world."""
     joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
     bias = compile_infant(_with_actuation(spec, arousal=0.0)).actuator_biasprm if _has_servos(spec) else None
-    return TrialInfant(model, joints, longest_delays_s(spec), bias)
+    return TrialInfant(model, joints, own_timing(spec), bias)
 
 
 def slackened(spec: InfantSpec) -> InfantSpec:
@@ -121,18 +133,11 @@ def _has_servos(spec: InfantSpec) -> bool:
     return spec.actuation.model == "position"
 
 
-def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:
-    """Return the longest delays of posture senses and of commands, those of the legs: the whole state waits for them.
-
-    They are those of the spec, or physiological ones of its age if it asks for none.
-    """
-    sensory_ms = max(_longest_ms(spec, signal) for signal in SENSED)
-    return ms_to_s(sensory_ms), ms_to_s(_longest_ms(spec, "motor"))
-
-
-def _longest_ms(spec: InfantSpec, signal: str) -> float:
-    if keys := given_keys(spec.delays, signal):
-        return float(getattr(spec.delays, keys[0]))
-    preset = "physiological" if spec.delays.preset == "none" else spec.delays.preset
-    entry = PRESETS[preset](signal, spec.age_months, spec.control.timestep_ms)
-    return max(entry.ms, entry.legs_ms or 0.0)
+def own_timing(spec: InfantSpec) -> Timing:
+    """Return the time base of a spec's infant with its own delays; if it asks for none, with those of its age."""
+    asked, timestep_ms = spec.delays, spec.control.timestep_ms
+    if asked.preset == "none":
+        asked = asked.model_copy(update={"preset": "physiological"})
+    entry = delays(spec.model_copy(update={"delays": asked}), child_of(spec).tree)
+    step_ms = max(round(INTERVAL_MS / timestep_ms), 1) * timestep_ms
+    return Timing(step_ms, timestep_ms, delays_by_signal(entry), entry.legs)

@@ -1,10 +1,9 @@
 """An attempt of an infant at something, simulated until it fails or succeeds, with control across delays.
 
-A forward model predicts the state in which a command will take effect.
-The infant's senses tell of a past state, and its commands wait on their way to the muscles. From the newest state that
-is known, a copy of the model is simulated with the commands that were sent since, up to the moment at which a command
-sent now arrives; the controller acts on that prediction. The forward model is exact but for pushes, which nobody
-announces: the infant learns of them after the delay of its senses.
+The infant's senses tell of the past, and its commands wait on their way to the muscles. From what was sensed, the
+present state is estimated by the commands that have acted since (`Estimator`), and from there on, the control step in
+which a command sent now acts is simulated (`Rehearsal`), each signal over its own delay. This forward model is exact
+but for pushes, which nobody announces: the infant learns of them after the delay of its senses.
 """
 
 from collections import deque
@@ -14,50 +13,51 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.controller import Controller, servo
-from mimoc.senses.sense import FloatArray
+from mimoc.control.holding.controller import Controller, Servo, servo
+from mimoc.control.holding.rehearsal import Rehearsal
+from mimoc.delays.timing import within
+from mimoc.noise.noise import NoiseStreams
+from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.studies.certainty import Basis
 from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
-INTERVAL_S = 0.005
-"""How often a prediction is made and a new command sent; at 20 ms the same infants fall a few months longer."""
 
+class Estimator:
+    """Tells the present state from what the senses told of each joint, after its own delay.
 
-class Predictor:
-    """Delays states and commands, and predicts over the delays."""
+    From the state of the longest delay ago, a copy is simulated under the commands that have acted since; what was
+    sensed later replaces its part on the way.
+    """
 
-    def __init__(self, model: mujoco.MjModel, delays_s: tuple[float, float], first: FloatArray):
-        """Fill the delay lines.
+    def __init__(self, model: mujoco.MjModel, sensed_steps: IntArray):
+        """Begin without a past.
 
         Args:
             model: The infant and its floor.
-            delays_s: Delays of senses and commands.
-            first: The controls, shape (nu,), that were sent before the start.
+            sensed_steps: Physics steps after which the place and speed of each joint are known, shape (njnt,).
         """
-        sensory, self._motor = (round(delay_s / model.opt.timestep) for delay_s in delays_s)
-        self._model, self._ahead = model, mujoco.MjData(model)
-        self._states: deque[tuple[FloatArray, ...]] = deque(maxlen=sensory + 1)
-        self._sent: deque[FloatArray] = deque([first] * (sensory + self._motor + 1), maxlen=sensory + self._motor + 1)
+        self._model, self._estimate = model, mujoco.MjData(model)
+        of_speeds = sensed_steps[model.dof_jntid]
+        ends = [*model.jnt_qposadr[1:].tolist(), model.nq]
+        of_places = np.repeat(sensed_steps, np.array(ends) - model.jnt_qposadr)
+        self._parts = {late: (of_places == late, of_speeds == late) for late in np.unique(sensed_steps).tolist()}
+        self._past: deque[tuple[FloatArray, ...]] = deque(maxlen=max(self._parts) + 1)
 
-    def sense(self, data: mujoco.MjData) -> None:
-        """Take note of the present state, which the infant knows of later."""
-        self._states.append((data.qpos.copy(), data.qvel.copy(), data.act.copy()))
+    def __call__(self, data: mujoco.MjData) -> mujoco.MjData:
+        """Return the estimate of a state, which the infant knows of later: its controls are those that act until now.
 
-    def predict(self) -> mujoco.MjData:
-        """Return the state in which a command sent now takes effect, as far as the infant can know."""
-        ahead = self._ahead
-        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = self._states[0]
-        mujoco.mj_forward(self._model, ahead)
-        steps = len(self._states) - 1 + self._motor
-        for controls in list(self._sent)[len(self._sent) - steps :]:
-            ahead.ctrl[:] = controls
-            mujoco.mj_step(self._model, ahead)
-        return ahead
-
-    def send(self, controls: FloatArray) -> FloatArray:
-        """Send controls on their way, and return those that arrive now."""
-        self._sent.append(controls)
-        return self._sent[-1 - self._motor]
+        It is to be called after each physics step, before the next controls.
+        """
+        estimate, past = self._estimate, self._past
+        past.append((data.qpos.copy(), data.qvel.copy(), data.act.copy(), data.ctrl.copy()))
+        estimate.qpos[:], estimate.qvel[:], estimate.act[:], estimate.ctrl[:] = past[0]
+        for late in range(len(past) - 2, -1, -1):
+            qpos, qvel, _, estimate.ctrl[:] = past[-1 - late]
+            mujoco.mj_step(self._model, estimate)
+            if late in self._parts:
+                places, speeds = self._parts[late]
+                estimate.qpos[places], estimate.qvel[speeds] = qpos[places], qvel[speeds]
+        return estimate
 
 
 CHECKED_EVERY_S = 0.05
@@ -192,20 +192,31 @@ def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> 
     if not conditions.delays:
         control = Controller(infant, gains, step_s)
         return lambda step: control(data, target(data, step * step_s))
-    every = max(round(INTERVAL_S / step_s), 1)
-    control = Controller(infant, gains, every * step_s)
-    sent = control(data, target(data, 0.0))
-    predictor = Predictor(infant.model, infant.delays_s, sent)
+    return _delayed(infant, gains, data, target)
 
-    def delayed(step: int) -> FloatArray:
-        nonlocal sent
-        predictor.sense(data)
+
+def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Target) -> Callable[[int], FloatArray]:
+    """Return the function from a physics step to the controls that arrive in it, sent by what is known of the state."""
+    model, step_s, every = infant.model, infant.model.opt.timestep, infant.timing.period
+    actuators = np.arange(model.nu)
+    estimator, rehearsal = Estimator(model, infant.sensed_steps), Rehearsal(infant, gains, actuators, infant.timing)
+    lines = infant.timing.commands(
+        within(model, model.jnt_bodyid[model.actuator_trnid[:, 0]]), actuators, NoiseStreams(0)
+    )
+    arrived = rehearsal.hold(data, target(data, 0.0)).copy()
+
+    def controls(step: int) -> FloatArray:
+        estimate = estimator(data)
         if step % every == 0:
-            ahead = predictor.predict()
-            sent = control(ahead, target(ahead, step * step_s))
-        return predictor.send(sent)
+            sent = rehearsal(estimate, lambda ahead, _: target(ahead, step * step_s))
+            for line in lines:
+                line.begin(sent)
+        for line in lines:
+            if step % every in line.applied_after:
+                line.apply(arrived)
+        return arrived
 
-    return delayed
+    return controls
 
 
 def _push_n(attempt: Attempt, conditions: Conditions, time_s: float) -> FloatArray:

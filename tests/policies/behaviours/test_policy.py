@@ -130,6 +130,73 @@ def test_commands_that_are_late_are_foreseen():
     assert ran(infant(delays={"motor_ms": 40}), "sit", 4.0).summary().metrics["held_share"] == 1.0
 
 
+LATE: Any = {"delays": {"preset": "physiological"}}
+AGES_MONTHS, STEPS_MS = (4, 6, 9, 12, 18, 24), (5, 10, 20)
+
+
+def some_of(cells, quick):
+    return [pytest.param(*cell, marks=() if cell in quick else pytest.mark.full) for cell in cells]
+
+
+def palm_errors_m(env, seconds=3.0):
+    """Return how far the right palm is from a place above the shoulder in the last half second of a reach."""
+    env.reset(seed=0)
+    shoulder, elbow, hand = (env.data.body(f"right_{part}").xpos.copy() for part in ("upper_arm", "lower_arm", "hand"))
+    arm_m = np.linalg.norm(elbow - shoulder) + np.linalg.norm(hand - elbow)
+    place_m, errors_m = (shoulder + np.array([0.05, 0.0, 0.7 * arm_m])).round(3), list[float]()
+    run = Run(env, "hold+reach_for({}, {}, {}, right)".format(*place_m), seed=0)
+    for _ in range(round(1000 * seconds / env.manifest.step_ms)):
+        run.step()
+        errors_m.append(float(np.linalg.norm(env.data.body("right_hand").xipos - place_m)))
+    return errors_m[-round(500 / env.manifest.step_ms) :]
+
+
+@pytest.mark.parametrize(
+    ("age_months", "step_ms"), some_of([*itertools.product(AGES_MONTHS, STEPS_MS)], [(4, 20), (12, 10), (24, 5)])
+)
+def test_a_hand_arrives_under_the_delays_of_its_age(age_months, step_ms):
+    env = infant(age_months, {"pose": "supine"}, control={"step_ms": step_ms}, **LATE)
+    assert max(palm_errors_m(env)) < 0.01
+
+
+@pytest.mark.parametrize("region", ["right_arm", "right_hand", "legs"])
+def test_a_hand_arrives_if_commands_to_one_part_take_longer(region):
+    env = infant(12, {"pose": "supine"}, impairments={"delay": {region: 3}}, **LATE)
+    assert max(palm_errors_m(env)) < 0.01
+
+
+@pytest.mark.parametrize(("age_months", "step_ms"), some_of([*itertools.product((6, 7), STEPS_MS)], [(6, 10), (7, 20)]))
+def test_infants_of_six_and_seven_months_sit_under_the_delays_of_their_age(age_months, step_ms):
+    run = ran(infant(age_months, control={"step_ms": step_ms}, **LATE), "sit", 10.0)
+    assert run.summary().metrics["held_share"] == 1.0
+
+
+def test_what_is_foreseen_comes_true_for_each_joint_after_its_own_delay():
+    """Commands take 20 ms to the arms and 30 to the legs: two and three control steps.
+
+    In between, arms have the mean of what was foreseen of them, so that of legs all but that is known.
+    """
+    env = infant(12, **LATE)
+    run, asked = Run(env, "sit", seed=0), []
+    (sit,) = ensemble_of(run).behaviours
+    targets = sit.targets
+
+    def recorded(ahead, time_s):
+        asked.append(ahead.qpos.copy())
+        return targets(ahead, time_s)
+
+    sit.targets = recorded
+    seen = []
+    for _ in range(30):
+        seen.append(env.data.qpos.copy())
+        run.step()
+    arm, leg = (env.model.joint(f"robot:left_{name}").qposadr[0] for name in ("elbow", "knee"))
+    in_20_ms, in_30_ms = np.array(asked[::2]), np.array(asked[1::2])
+    assert np.ptp(np.array(seen)[:, [arm, leg]], axis=0).min() > 3e-3
+    assert in_20_ms[:-2, arm] == pytest.approx(np.array(seen)[2:, arm], abs=1e-6)
+    assert in_30_ms[:-3, leg] == pytest.approx(np.array(seen)[3:, leg], abs=3e-4)
+
+
 def test_a_hand_comes_to_a_place_and_the_eyes_to_another(nine):
     metrics = ran(nine, "sit+look_at(0.5, 0.3, 0.3)+reach_for(0.15, -0.1, 0.25)", 2.0).summary().metrics
     assert metrics["reached_s"] < 2.0

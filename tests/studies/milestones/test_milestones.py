@@ -8,8 +8,10 @@ import pytest
 
 from mimoc.control.holding.controller import Controller, servo
 from mimoc.control.holding.postures import seat
+from mimoc.delays.timing import within
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions, compile_at, try_out
+from mimoc.studies.milestones.trial import Estimator
 
 USUAL = Conditions()
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
@@ -43,6 +45,53 @@ def test_later_milestones_come_within_two_months_of_real_infants(name, too_young
 def test_standing_comes_before_the_end_of_who_window_and_not_before_its_start():
     assert not try_out(TRIALS["stand"], infant(6.5), USUAL).success
     assert try_out(TRIALS["stand"], infant(13), USUAL).success
+
+
+LATE = Conditions(delays=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "age_months"),
+    [
+        ("prone_head", 2.5),
+        ("sit", 6.0),
+        pytest.param("arm_out", 4.0, marks=pytest.mark.full),
+        pytest.param("hands_and_knees", 6.0, marks=pytest.mark.full),
+        pytest.param("stand", 9.0, marks=[pytest.mark.full, pytest.mark.slow]),
+    ],
+)
+def test_delays_that_are_foreseen_cost_no_milestone(name, age_months):
+    assert try_out(TRIALS[name], infant(age_months), LATE).success
+
+
+def test_delays_are_the_infants_own_and_those_of_its_age_if_it_asks_for_none():
+    """At 12 months, commands take 20 ms to the arms, and the senses 20 ms from the arms and 30 from the legs."""
+    usual = infant(12.0)
+    impaired = compile_at(CHILD.with_(impairments={"delay": {"right_arm": 2}}), 12.0, USUAL)
+    assert [_motor_steps(usual, joint) for joint in ("left_elbow", "right_elbow", "left_knee")] == [4, 4, 6]
+    assert [_motor_steps(impaired, joint) for joint in ("left_elbow", "right_elbow", "left_knee")] == [4, 8, 6]
+    sensed = [usual.sensed_steps[usual.model.joint(f"robot:{joint}").id] for joint in ("left_elbow", "left_knee")]
+    assert sensed == [4, 6]
+
+
+def _motor_steps(body, joint):
+    moved = body.model.jnt_bodyid[[body.model.joint(f"robot:{joint}").id]]
+    return body.timing.delay_steps("motor", within(body.model, moved), 1)[0]
+
+
+def test_the_present_is_estimated_from_what_each_joint_told_after_its_own_delay():
+    """Without pushes, nothing is unknown; a push is known as late as the sense that tells of it."""
+    body = infant(12.0)
+    data, estimator = body.placed(-90.0, {}), Estimator(body.model, body.sensed_steps)
+    generator, estimate = np.random.default_rng(0), data
+    for step in range(40):
+        data.xfrc_applied[body.pushed, 2] = 20.0 if step >= 30 else 0.0
+        estimate = estimator(data)
+        if step <= 30:
+            assert estimate.qpos == pytest.approx(data.qpos, abs=1e-9)
+        data.ctrl[:] = generator.uniform(-0.3, 0.3, body.model.nu)
+        mujoco.mj_step(body.model, data)
+    assert np.abs(estimate.qpos - data.qpos).max() > 1e-4
 
 
 @pytest.mark.parametrize("name", ["arm_out", "hands_and_knees"])
