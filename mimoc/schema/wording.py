@@ -145,6 +145,9 @@ def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
 
 
 def _wrong_count(known: Outline, value: Any) -> str:
+    if "prefixItems" not in known.schema:
+        most = known.schema.get("maxItems", known.schema.get("maxProperties"))
+        return f"expected at most {most} values, got {len(value)}"
     return f"expected {len(known.schema['prefixItems'])} values, got {len(value)}; write {_list_of(known)}"
 
 
@@ -171,6 +174,8 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
             return "this is empty; write a text, or remove the key"
+        case "too_short" if (least := known.schema.get("minItems", 1)) > 1:
+            return f"expected at least {least} values, got {len(details['input'])}"
         case "too_short":
             return "this list is empty; name one or more, or remove the key"
         case "string_too_long":
