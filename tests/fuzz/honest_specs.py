@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from fuzz.from_schema import OMITTED, Drawing, Hints
@@ -22,9 +22,11 @@ from mimoc.base.errors import SpecError
 from mimoc.fits import measure
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
-from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, unsided
+from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
+from mimoc.schema.regions import RANGED
 from mimoc.schema.source import in_memory
 from mimoc.schema.yaml_document import dump
+from mimoc.senses import SENSES
 from mimoc.toys.builtin import NAMES as TOYS
 
 MOST_KEYS = 3
@@ -34,11 +36,25 @@ ENDS, NEAR = 0.1, 0.4
 ROUNDS = 40
 """How often keys are left out because of which a spec is refused."""
 AGES_MONTHS = (0, 3, 6, 9, 12, 24)
+FINGERS = {*limb_bodies("five_finger")} - {*limb_bodies("mitten")}
 NAMES = ("one", "two", "three")
 PARTS = ("head", "chest", "left_hand", "right_foot")
 
+NEEDED = ("name", "kind", "do")
+"""Keys without which their section makes no sense."""
+
 Section = tuple[str, ...]
 """Keys that lead to a section."""
+
+
+class Case(NamedTuple):
+    """What is drawn, and what it is used for."""
+
+    sections: tuple[Section, ...]
+    dear: tuple[str, ...]
+    """Names of dear uses."""
+    seed: tuple[int, ...]
+    """Of the draw."""
 
 
 def _among(*values: Any) -> Any:
@@ -66,6 +82,12 @@ def _measurements(generator: np.random.Generator) -> dict[str, float]:
     return {key: round(100 * average_m[unsided(key)] * float(generator.uniform(0.8, 1.25)), 2) for key in keys.tolist()}
 
 
+def _contractures(generator: np.random.Generator) -> dict[str, list[float]]:
+    """Return ranges that often leave something of those of joints."""
+    names = generator.permutation(sorted(RANGED))[: generator.integers(1, MOST_KEYS)].tolist()
+    return {name: [_between(-90, 0)(generator), _between(0, 90)(generator) - 5] for name in names}
+
+
 HINTS: Hints = {
     "measurements": _measurements,
     # What needs files, plug-ins or names that are said elsewhere in the spec.
@@ -73,7 +95,8 @@ HINTS: Hints = {
     "source": _among("builtin"),
     "toy": _among(*TOYS),
     "name": _among(*NAMES),
-    "start_at": _among(*NAMES),
+    "start_at": _among(NAMES[0]),
+    "range": _contractures,
     "object": _among(*NAMES),
     "above": _among(*NAMES, *PARTS),
     "at": _place,
@@ -90,6 +113,8 @@ HINTS: Hints = {
     **{f"{sense}_ms": _among(0.0, 10.0, 50.0, 100.0, 200.0) for sense in ("vestibular", "vision", "hearing", "pain")},
     "delay_jitter_ms": _among(0.0, 10.0, 50.0),
     "at_s": _among(0.0, 0.01, 0.05),
+    **dict.fromkeys(("delay_ms", "pause_ms", "duration_ms"), _among(0.0, 10.0, 400.0, 1000.0)),
+    "yoked_s": _among([0.0], [0.01, 0.05]),
 }
 LEAST = {"spacing_cm": 0.5}
 """Of numbers below some keys: less only takes longer."""
@@ -135,7 +160,8 @@ class SpecDrawing(Drawing):
         return self.value({**node, "properties": plain} if plain and len(path) == 1 else node)
 
     def _object(self, node: Any) -> dict[str, Any]:
-        known, needed = node.get("properties", {}), node.get("required", ())
+        known = node.get("properties", {})
+        needed = [key for key in known if key in node.get("required", ()) or "const" in known[key]]
         free = [key for key in known if key not in needed]
         most = min(len(free), MOST_KEYS)
         chosen = {*needed, *self.generator.permutation(free)[: self.generator.integers(min(1, most), most + 1)].tolist()}
@@ -147,7 +173,7 @@ class SpecDrawing(Drawing):
         return {key: value for key, value in drawn.items() if value is not OMITTED}
 
     def _keyed(self, key: str, node: Any) -> Any:
-        if key in self.hints:
+        if key in self.hints and not (key == "object" and "enum" in node):
             return self.hints[key](self.generator)
         if key in LEAST:
             node = self.resolved(node)
@@ -168,15 +194,32 @@ class SpecDrawing(Drawing):
 
 
 def drawn(pair: Sequence[Section], generator: np.random.Generator) -> dict[str, Any]:
-    """Return a spec with two sections, or one; others are there only if these need them."""
+    """Return a spec with two sections, or one, and what these need of others."""
     drawing = SpecDrawing(generator)
     data: dict[str, Any] = {"mimoc": 1, "name": "kim", "age_months": pick(generator, AGES_MONTHS)}
     for path in pair:
-        value = drawing.section(path)
-        data = _merged(data, path, value)
-    for sense in data.get("senses", {}).values():
-        if isinstance(sense, dict) and "fovy_deg" in sense:
-            sense.setdefault("width_px", 16)
+        data = _merged(data, path, drawing.section(path))
+    return _completed(data)
+
+
+def _completed(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a spec with the senses, parts and objects that are meant in it."""
+    body, scene, delays, noise = (data.get(key, {}) for key in ("body", "scene", "delays", "noise"))
+    for sense in SENSES:
+        if any(key.startswith(f"{sense}_") for key in (*delays, *noise)):
+            data.setdefault("senses", {}).setdefault(sense, {})
+    if noise.get("delay_jitter_ms"):
+        data.setdefault("delays", {}).setdefault("preset", "physiological")
+    if any(key.endswith("percentile") for key in body.get("individual", {})):
+        body["individual"].setdefault("sex", "female")
+    spacing_cm = data.get("senses", {}).get("touch", {}).get("spacing_cm", {})
+    if {*body.get("remove", ()), *body.get("parts", {}), *spacing_cm} & FINGERS:
+        data.setdefault("body", {})["hands"] = "five_finger"
+    if "start_at" in scene:
+        scene.setdefault("objects", [{"kind": "mat"}])
+        scene["start_at"] = NAMES[0]
+    for item, name in zip(scene.get("objects", ()), NAMES, strict=False):
+        item["name"] = name
     return data
 
 
@@ -205,6 +248,9 @@ def honest(data: dict[str, Any], build: Callable[[mimoc.InfantSpec], Any] = mimo
 def _remove(data: Any, key: str) -> None:
     """Remove a key, `scene.objects[1].at`, or what it is below of, if that is not there or the key is needed."""
     steps: list[Any] = [int(step) if step.isdigit() else step for step in key.replace("[", ".").replace("]", "").split(".")]
+    if steps == ["age_months"]:
+        data["age_months"] = 12
+        return
     parents = [data]
     for step in steps[:-1]:
         inside = parents[-1]
@@ -212,46 +258,46 @@ def _remove(data: Any, key: str) -> None:
             break
         parents.append(inside[step])
     at, inside = steps[len(parents) - 1], parents[-1]
-    if isinstance(inside, dict) and (at not in inside or at in ("name", "kind", "do", "sex")):
+    if isinstance(inside, dict) and (at not in inside or at in NEEDED):
         at, inside = steps[len(parents) - 2], parents[-2]
     del inside[at]
 
 
-def cases(seed: int) -> list[tuple[tuple[Section, ...], tuple[str, ...], int]]:
-    """Return every pair of sections with one of the dear uses, and every section with all of them, in any order.
+def cases(seed: int, count: int) -> list[Case]:
+    """Return every section alone, then every pair with one of the dear uses, and again with others, up to a count.
 
-    Each section is put to each dear use with some others. With each goes the seed of its draw.
+    In each round each section is put to each dear use with some others.
     """
-    every = sections()
-    found = [
-        ((first, second), (tuple(DEAR)[(every.index(first) + every.index(second)) % len(DEAR)],))
-        for first, second in combinations(every, 2)
-    ]
-    found += [((section,), tuple(DEAR)) for section in every]
-    order = np.random.default_rng(seed).permutation(len(found)).tolist()
-    return [(*found[index], number) for number, index in enumerate(order)]
+    every, uses = sections(), tuple(DEAR)
+    pairs = [*combinations(range(len(every)), 2)]
+    found = [((section,), (uses[number % len(uses)],)) for number, section in enumerate(every)]
+    while len(found) < count:
+        shift = 3 * len(found) // len(pairs)
+        found += [((every[one], every[two]), (uses[(one + two + shift) % len(uses)],)) for one, two in pairs]
+    return [Case(pair, dear, (seed, number)) for number, (pair, dear) in enumerate(found[:count])]
 
 
-def use_drawn(pair: Sequence[Section], dear: Sequence[str], generator: np.random.Generator, folder: Path) -> int:
-    """Draw a spec of a pair of sections and use it; return how many times it was refused before it was valid.
+def use_drawn(case: Case, folder: Path) -> int:
+    """Draw a spec of a case and use it in a folder; return how many times it was refused before it was valid.
 
     Raises:
-        AssertionError: If anything fails; the message has the spec.
+        AssertionError: If anything fails; the message has the spec, and how to repeat it.
     """
-    data = drawn(pair, generator)
+    generator = np.random.default_rng(case.seed)
+    data = drawn(case.sections, generator)
     try:
         data, refused = honest(data)
-        check(data, dear, generator, folder)
+        check(data, case.dear, generator, folder)
     except Exception as error:
-        raise AssertionError(f"{type(error).__name__}: {error}\nwith the spec\n{dump(data)}") from error
+        raise AssertionError(f"{type(error).__name__}: {error}\nin {case}, the spec\n{dump(data)}") from error
     return refused
 
 
 def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
     """Draw a spec of any two sections, and put it to one of the dear uses."""
     every = sections()
-    pair = [every[index] for index in generator.choice(len(every), 2, replace=False)]
-    use_drawn(pair, [pick(generator, tuple(DEAR))], generator, folder)
+    pair = tuple(every[index] for index in generator.choice(len(every), 2, replace=False).tolist())
+    use_drawn(Case(pair, (pick(generator, tuple(DEAR)),), tuple(generator.integers(2**32, size=2).tolist())), folder)
 
 
 FUZZER = Fuzzer(
@@ -261,6 +307,6 @@ FUZZER = Fuzzer(
     attempt=attempt,
     short=1,
     longest_s=60.0,
-    largest_mb=2048,
+    largest_mb=2048,  # A process has OpenGL, and keeps what it has read of all infants.
     honest=True,
 )
