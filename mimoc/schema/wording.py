@@ -1,5 +1,6 @@
 """Translation of pydantic's validation errors into messages that say what to do."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -220,7 +221,7 @@ def _range(known: Outline) -> str:
     """Return the range of a number as text."""
     schema = known.schema
     unit = _UNIT_WORDS.get(known.unit or "", known.unit or "")
-    if "minimum" in schema:
+    if "minimum" in schema and schema["minimum"] > schema.get("exclusiveMinimum", -math.inf):
         return f"{schema['minimum']:.16g} to {schema['maximum']:.16g} {unit}".strip()
     highest = f"at most {schema['maximum']:g}" if "maximum" in schema else f"less than {schema['exclusiveMaximum']:g}"
     return f"more than {schema['exclusiveMinimum']:g} and {highest} {unit}".strip()

@@ -18,7 +18,7 @@ from mimoc.base.errors import MimocError, SpecError
 
 FUZZERS = (
     *("bundles", "policies", "recordings", "specs", "meshes", "pictures", "scenes"),
-    *("cohorts", "trainings", "honest_cohorts", "points"),
+    *("cohorts", "trainings", "honest_cohorts", "honest_specs", "points"),
 )
 """Modules beside this one."""
 LONGEST_S = 5.0

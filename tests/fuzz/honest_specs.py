@@ -5,6 +5,7 @@ are drawn, each with equal weight. What the schema admits and mimoc refuses must
 these name are left out then, until there is an infant, which must go through everything (`honest_uses.py`).
 """
 
+import json
 from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import combinations
@@ -20,6 +21,7 @@ from fuzz.mutations import pick
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.fits import measure
+from mimoc.schema.impairments import PRESETS
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
@@ -148,14 +150,16 @@ class SpecDrawing(Drawing):
     def is_section(self, node: Any) -> bool:
         """Return whether a node has keys of its own, or is a list of what has."""
         node = self.resolved(node)
-        node = self.resolved(node.get("items", node))
-        return bool(node.get("properties")) or "discriminator" in node
+        items = map(self.resolved, node.get("items", {}).get("oneOf", ()))
+        return bool(node.get("properties")) or any("properties" in kind for kind in items)
 
     def section(self, path: Section) -> Any:
         """Return what is drawn of a section."""
         node = self.schema
         for key in path:
             node = self.resolved(node["properties"][key])
+        if "items" in node:
+            return self.value(node)
         plain = {key: child for key, child in node.get("properties", {}).items() if not self.is_section(child)}
         return self.value({**node, "properties": plain} if plain and len(path) == 1 else node)
 
@@ -188,8 +192,8 @@ class SpecDrawing(Drawing):
             return float(pick(self.generator, (least, most) if "minimum" in node else (most,)))
         if usual and draw < ENDS + NEAR:
             return round(float(np.clip(usual * self.generator.lognormal(0, 0.4), least, most)), 3)
-        if least >= 0 and most > 100 * max(least, 0.01):  # Such as from 0.01 to 100.
-            return round(float(np.exp(self.generator.uniform(np.log(max(least, 0.01)), np.log(most)))), 3)
+        if least >= 0 and most >= 1000:  # Such as from 0.1 to 1000.
+            return round(float(np.exp(self.generator.uniform(np.log(max(least, 0.1)), np.log(most)))), 3)
         return round(float(self.generator.uniform(least, most)), 3)
 
 
@@ -215,6 +219,12 @@ def _completed(data: dict[str, Any]) -> dict[str, Any]:
     spacing_cm = data.get("senses", {}).get("touch", {}).get("spacing_cm", {})
     if {*body.get("remove", ()), *body.get("parts", {}), *spacing_cm} & FINGERS:
         data.setdefault("body", {})["hands"] = "five_finger"
+    sided, impairments = {name for name, preset in PRESETS.items() if preset.has_side}, data.get("impairments", {})
+    if impairments.get("preset", "hemiparesis") in sided and {"preset", "side"} & impairments.keys():
+        impairments.setdefault("preset", "hemiparesis")
+        impairments.setdefault("side", "left")
+    else:
+        impairments.pop("side", None)
     if "start_at" in scene:
         scene.setdefault("objects", [{"kind": "mat"}])
         scene["start_at"] = NAMES[0]
@@ -237,8 +247,8 @@ def honest(data: dict[str, Any], build: Callable[[mimoc.InfantSpec], Any] = mimo
         except SpecError as error:
             assert is_clear(error), f"not clear: {error!r}"
             before = dump(data)
-            for problem in error.problems:
-                _remove(data, problem.key)
+            for key in sorted({problem.key for problem in error.problems}, reverse=True):  # The last of a list first.
+                _remove(data, key)
             assert dump(data) != before, f"refused at a key that is not there: {error}"
         else:
             return data, refused
@@ -260,7 +270,8 @@ def _remove(data: Any, key: str) -> None:
     at, inside = steps[len(parents) - 1], parents[-1]
     if isinstance(inside, dict) and (at not in inside or at in NEEDED):
         at, inside = steps[len(parents) - 2], parents[-2]
-    del inside[at]
+    if isinstance(inside, dict) or at < len(inside):
+        del inside[at]
 
 
 def cases(seed: int, count: int) -> list[Case]:
@@ -289,7 +300,8 @@ def use_drawn(case: Case, folder: Path) -> int:
         data, refused = honest(data)
         check(data, case.dear, generator, folder)
     except Exception as error:
-        raise AssertionError(f"{type(error).__name__}: {error}\nin {case}, the spec\n{dump(data)}") from error
+        told = f"{type(error).__name__}: {error}"
+        raise AssertionError(f"{told}\n{case}, the spec, which is YAML in a line:\n{json.dumps(data)}") from error
     return refused
 
 

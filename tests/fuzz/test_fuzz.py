@@ -7,7 +7,7 @@ from fuzz.strange_infants import CANARIES
 from support.full import FULL
 
 SEED = 2026
-IN_FULL = {"honest_cohorts": FULL}
+IN_FULL = dict.fromkeys(("honest_cohorts", "honest_specs"), FULL)
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=IN_FULL.get(name, ())) for name in FUZZERS])
