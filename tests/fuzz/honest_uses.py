@@ -9,6 +9,7 @@ import numpy as np
 from fuzz.fuzzing import is_clear
 from fuzz.honest_cohorts import called
 from fuzz.mutations import pick
+from support.pages import few_ages
 from support.same import assert_same
 
 import mimoc
@@ -96,7 +97,8 @@ def record(bundle: Path, _: np.random.Generator, __: Any) -> None:
     differing = [str(path) for path in files if len({(place / path).read_bytes() for place in places}) > 1]
     assert not differing, f"two recordings with one seed differ: {differing}"
     assert "came out again" in called("replay", places[0])
-    called("view", places[0], "-o", bundle.parent / "recording.html", "--no-open")
+    with few_ages():
+        called("view", places[0], "-o", bundle.parent / "recording.html", "--no-open")
 
 
 def grow(bundle: Path, generator: np.random.Generator, _: Any) -> None:
