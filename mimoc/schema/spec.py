@@ -31,7 +31,6 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
-
 MERGED = ("chest", "upper_body")
 """Parts of the trunk that are one, unless the chest has joints."""
 
@@ -39,7 +38,9 @@ MERGED = ("chest", "upper_body")
 def parts_left(body: BodySpec) -> dict[str, str]:
     """Return the parts that an infant has, by name, and the muscle group of each."""
     gone, group_of = set(body.remove), dict[str, str]()
-    for side, part in assemble(body.hands, body.chest_joint, "published", body.extra or ()).parts:  # Parents come first.
+    for side, part in assemble(
+        body.hands, body.chest_joint, "published", body.extra or ()
+    ).parts:  # Parents come first.
         name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
         if name in gone or parent in gone:
             gone.add(name)
@@ -62,7 +63,9 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
             _refuse(("body", "parts", name), f"'{name}' is removed, so it has no size")
     for key in body.measurements:
         sides = [side for side in SIDES if key.startswith(f"{side}_")] or ["", *SIDES]
-        measured = ((side, part) for side, part in anatomy.parts if part.name.format(side=side) in left and side in sides)
+        measured = (
+            (side, part) for side, part in anatomy.parts if part.name.format(side=side) in left and side in sides
+        )
         if unsided(key) in anatomy.follows - replace(anatomy, parts=tuple(measured)).follows:
             _refuse(("body", "measurements", key), "all that follows this is removed")
     for path, names in groups.items():

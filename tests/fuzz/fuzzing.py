@@ -95,6 +95,11 @@ def is_clear(error: MimocError) -> bool:
     return all(line and line.isprintable() for line in lines) and (len(lines) == 1 or isinstance(error, SpecError))
 
 
+def check_clear(error: MimocError) -> None:
+    """Raise an AssertionError unless an error is clear."""
+    assert is_clear(error), f"not clear: {error!r}"
+
+
 def peak_mb() -> float:
     """Return the most memory that this process, or one that it started, has ever had."""
     return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024

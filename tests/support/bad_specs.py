@@ -136,7 +136,8 @@ SPECS = {
     + "body: {remove: [left_lower_arm]}\nsenses: {touch: {spacing_cm: {left_hand: 1}}}\n",
     "two distances on one part": HEAD + "senses: {touch: {spacing_cm: {chest: 1, upper_body: 2}}}\n",
     "gaps to nothing": HEAD
-    + "scene:\n  objects:\n  - {name: cup, at: {x_cm: 30}, distance_cm: 5}\n  - {name: ball, above: head, distance_cm: 5}\n"
+    + "scene:\n  objects:\n  - {name: cup, at: {x_cm: 30}, distance_cm: 5}\n"
+    + "  - {name: ball, above: head, distance_cm: 5}\n"
     + "  - {name: box, at: on cup, distance_cm: 5}\n  - {name: rod, distance_cm: 5}\n",
     "more objects than there can be": HEAD + f"scene: {{objects: [{', '.join(['{name: x}'] * 51)}]}}\n",
     "more answers than there can be": HEAD

@@ -98,7 +98,11 @@ def test_a_child_that_was_born_early_is_as_at_term_before():
 
 @pytest.mark.parametrize(
     ("impairments", "said"),
-    [({"range": {"left_elbow": [-10, -1]}}, "before 9 months"), ({"gestation_weeks": 30}, "before 2.3 months"), (None, "")],
+    [
+        ({"range": {"left_elbow": [-10, -1]}}, "before 9 months"),
+        ({"gestation_weeks": 30}, "before 2.3 months"),
+        (None, ""),
+    ],
 )
 def test_a_page_says_at_which_ages_there_is_no_such_child(impairments, said):
     """A newborn's elbow cannot be as straight as this contracture leaves it; the ages of this page are 0, 9 and 24."""

@@ -120,7 +120,9 @@ def test_a_child_that_was_born_early_has_no_age_before_its_term(live):
         lambda: many.grow(to=1),
         lambda: many.reset(options={"age_months": 1}),
     ):
-        with pytest.raises(MimocError, match=r"age_months: at 1 months: a child .* is not at term yet, .* 2\.3 or more$"):
+        with pytest.raises(
+            MimocError, match=r"age_months: at 1 months: a child .* is not at term yet, .* 2\.3 or more$"
+        ):
             ask()
     many.close()
     assert env.age_months == 6
