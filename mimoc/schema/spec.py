@@ -205,6 +205,14 @@ class InfantKeys(FileModel):
         return self
 
     @model_validator(mode="after")
+    def _caregiver_holds_parts_that_are_there(self) -> Self:
+        for number, act in enumerate(self.scene.caregiver.script if self.scene.caregiver else ()):
+            if act.part is not None and act.part not in (left := parts_left(self.body)):
+                message = f"this infant has no '{act.part}'; {suggestion(act.part, sorted(left))}"
+                raise KeyedError(("scene", "caregiver", "script", number, "part"), message, against=("body",))
+        return self
+
+    @model_validator(mode="after")
     def _delayed_senses_are_on(self) -> Self:
         for name, section in self.senses:
             if section is None and getattr(self.delays, f"{name}_ms"):

@@ -151,6 +151,7 @@ SPECS = {
     "an offer of nothing": HEAD + "scene: {caregiver: {script: [{do: offer}]}}\n",
     "an offer of what is not there": HEAD + "scene: {caregiver: {script: [{do: offer, object: ball}]}}\n",
     "a look with a pitch": HEAD + "scene: {caregiver: {script: [{do: look_at, pitch_hz: 300}]}}\n",
+    "an act on a finger of a mitten": HEAD + "scene: {caregiver: {script: [{do: hold, part: left_thdistal}]}}\n",
     "an act that takes no time": HEAD + "scene: {caregiver: {script: [{do: look_at, duration_ms: 0}]}}\n",
     "acts out of order": HEAD + "scene: {caregiver: {script: [{at_s: 2, do: look_at}, {at_s: 1, do: look_away}]}}\n",
     "an answer between physics steps": HEAD + "scene: {caregiver: {answers: {delay_ms: 402}}}\n",
