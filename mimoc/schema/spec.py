@@ -31,10 +31,6 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
-MERGED = ("chest", "upper_body")
-"""Parts of the trunk that are one, unless the chest has joints."""
-
-
 def parts_left(body: BodySpec) -> dict[str, str]:
     """Return the parts that an infant has, by name, and the muscle group of each."""
     gone, group_of = set(body.remove), dict[str, str]()
@@ -198,10 +194,6 @@ class InfantKeys(FileModel):
             if touch.regions is not None and groups[name] not in single_groups(touch.regions):
                 message = f"'{name}' is moved by '{groups[name]}', which is none of the regions; add it, or remove this"
                 raise KeyedError((*key, name), message, against=("senses", "touch", "regions"))
-        trunk_cm = {name: touch.spacing_cm[name] for name in MERGED if name in touch.spacing_cm}
-        if len({*trunk_cm.values()}) > 1 and not self.body.chest_joint:
-            message = f"it is one part with '{MERGED[1]}' without 'body.chest_joint', and both have other distances"
-            raise KeyedError((*key, MERGED[0]), f"{message}; leave one of the two out", against=(*key, MERGED[1]))
         return self
 
     @model_validator(mode="after")

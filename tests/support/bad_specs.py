@@ -134,7 +134,6 @@ SPECS = {
     "skin points of parts without skin": HEAD + "senses: {touch: {regions: [trunk], spacing_cm: {head: 0.5}}}\n",
     "skin points of parts on removed ones": HEAD
     + "body: {remove: [left_lower_arm]}\nsenses: {touch: {spacing_cm: {left_hand: 1}}}\n",
-    "two distances on one part": HEAD + "senses: {touch: {spacing_cm: {chest: 1, upper_body: 2}}}\n",
     "gaps to nothing": HEAD
     + "scene:\n  objects:\n  - {name: cup, at: {x_cm: 30}, distance_cm: 5}\n"
     + "  - {name: ball, above: head, distance_cm: 5}\n"
