@@ -31,6 +31,7 @@ from mimoc.tasks import TASKS
 from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
+
 def parts_left(body: BodySpec) -> dict[str, str]:
     """Return the parts that an infant has, by name, and the muscle group of each."""
     gone, group_of = set(body.remove), dict[str, str]()
