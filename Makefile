@@ -8,6 +8,7 @@ TESTS ?= tests
 MINUTES ?= 10
 SEED ?= 0
 LIVES ?= 200
+SPECS ?= 2000
 SOAK ?=
 DEVICE ?= cuda:0
 STEPS ?= 3000000
@@ -101,8 +102,9 @@ matrix: ## Test several versions of MuJoCo and Python, and the oldest of all els
 consumers: opengl ## Let libraries of others read default bundles, in .consumers (15 GB; minutes after the first time).
 	@$(PYTHON) .ci/consumers.py
 
-fuzz: $(FULL) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0), and with calls in any order (LIVES=1000); docs/trust.md.
+fuzz: $(FULL) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0), with honest specs (SPECS=2000: 40 minutes), and with calls in any order (LIVES=1000); docs/trust.md.
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
+	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py honest_specs --tries $(SPECS) --minutes 1000 --seed $(SEED)
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/lives.py --sequences $(LIVES)
 
 soak: $(FULL) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.

@@ -33,8 +33,16 @@ class Voice:
     @property
     def fundamental_hz(self) -> float:
         """Fundamental frequency now."""
+        return self._fundamental_hz(float(self.commanded[0]))
+
+    @property
+    def first_hz(self) -> float:
+        """Fundamental frequency at the start of every episode, whatever was commanded in the one before."""
+        return self._fundamental_hz(0.0)
+
+    def _fundamental_hz(self, pitch: float) -> float:
         low_hz, high_hz = self.entry.low_hz, self.entry.high_hz
-        return low_hz * (high_hz / low_hz) ** (min(max(float(self.commanded[0]), -1.0), 1.0) / 2 + 0.5)
+        return low_hz * (high_hz / low_hz) ** (min(max(pitch, -1.0), 1.0) / 2 + 0.5)
 
     @property
     def level_db(self) -> float:

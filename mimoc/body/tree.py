@@ -202,6 +202,10 @@ class BodyTree:
         """Return the body that has a part's geoms: the one of that name, or the one it is merged into."""
         return dict(self.merged).get(part, part)
 
+    def parts_of(self, body: str) -> tuple[str, ...]:
+        """Return the names of the parts whose geoms a body has, in the order of these: its own, and those merged."""
+        return (body, *(part for part, home in self.merged if home == body))
+
     @property
     def geoms(self) -> Mapping[str, Geom]:
         """Every geom by name."""

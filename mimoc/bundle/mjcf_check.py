@@ -203,6 +203,8 @@ class _Reader:
         self._sinks: dict[str, dict[str, Callable[[str], None]]] = {}
         """What takes the values of each attribute, by element."""
         self._file, self._at_once, self._depth, self._muscles = file, at_once, 0, False
+        self._unmeasured: list[tuple[int, bool]] = []
+        """Lines of actuators without a lengthrange, and whether they are muscles by types of their own."""
         self._parser: Any = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._begin, self._end
 
@@ -212,6 +214,9 @@ class _Reader:
             self._parser.Parse(content, True)
         except (expat.ExpatError, UnicodeDecodeError) as error:
             raise BundleError(f"{self._file}: it is not XML ({error})") from None
+        for line, is_muscle in self._unmeasured:
+            if is_muscle or self._muscles:
+                raise BundleError(f"{self._file}:{line}: a muscle without a lengthrange")
 
     def _begin(self, element: str, attributes: dict[str, str]) -> None:
         sinks = self._sinks.get(element) or self._sinks_of(element)
@@ -237,10 +242,15 @@ class _Reader:
         return self._sinks[element]
 
     def _check_muscle(self, attributes: dict[str, str]) -> None:
-        """MuJoCo finds the lengths of a muscle that does not give them by simulating it, which takes long."""
-        self._muscles |= "muscle" in (attributes.get("gaintype"), attributes.get("biastype"))
-        if self._muscles and "joint" in attributes and not _is_range(attributes.get("lengthrange", "")):
-            self._refuse("a muscle without a lengthrange")
+        """MuJoCo finds the lengths of a muscle that does not give them by simulating it, which takes long.
+
+        An actuator is a muscle by its own types, or by those of the defaults, which may stand after it.
+        """
+        types = attributes.get("gaintype"), attributes.get("biastype")
+        if "joint" not in attributes:
+            self._muscles |= "muscle" in types
+        elif ("muscle" in types or None in types) and not _is_range(attributes.get("lengthrange", "")):
+            self._unmeasured.append((self._parser.CurrentLineNumber, "muscle" in types))
 
     def _end(self, element: str) -> None:
         self._depth -= 1

@@ -38,12 +38,13 @@ def bind_companions(
         KindError: If one of them is none.
     """
     companions = dict[str, Companion]()
-    if bundle.manifest.caregiver and NAME not in custom:
+    if bundle.manifest.caregiver:
         companions[NAME] = Caregiver()
     for name, companion in custom.items():
         check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
+    own = {name for name, companion in custom.items() if type(companion) is not type(companions.get(name))}
     companions |= custom
     kinds = sorted({item.kind for item in bundle.manifest.objects} & OBJECTS.keys() - custom.keys())
     acting = {name: code for name in kinds if (code := OBJECTS[name].run)}
@@ -51,7 +52,7 @@ def bind_companions(
     for name, companion in companions.items():
         companion.bind(model, bundle, streams[channel_of(name)])
     bound = Companions(
-        companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}
+        companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}, own
     )
     for listener in (*companions.values(), *senses.values()):
         listener.listen_to(bound, voice)

@@ -9,7 +9,7 @@ Before each physics step, `before_step` moves bodies, and after it, `after_step`
 control step is cut at every physics step; without any, nothing is done.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -106,12 +106,15 @@ class Companions(Mapping[str, Companion]):
         companions: Mapping[str, Companion],
         streams: NoiseStreams,
         of_senses: Mapping[str, Companion] = MappingProxyType({}),
+        custom: Collection[str] = (),
     ):
         """Keep companions that are bound to the infant's model, and draw from the streams of its environment.
 
         Those of senses, by the name of the sense, see each physics step after all others; they are part of the infant.
         """
         self._companions, self._streams = dict(companions), streams
+        self.custom = frozenset(custom)
+        """Names of those that a script has passed and the bundle alone does not give."""
         self._all = {**companions, **{f"senses.{name}": companion for name, companion in of_senses.items()}}
         self.before: FloatArray = NOTHING
         """MuJoCo's state from which the last physics step was made, shape (n,); n is 0 before the first."""

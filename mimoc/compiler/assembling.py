@@ -136,7 +136,7 @@ def _joint(joint: Joint) -> PrintedJoint:
         frictionloss_nm=joint.frictionloss_nm,
         armature_kgm2=joint.armature_kgm2,
         springref_rad=deg_to_rad(joint.springref_deg),
-        settings=(("margin", (deg_to_rad(joint.margin_deg),)),) if joint.margin_deg else (),
+        settings=(("margin", deg_to_rad(joint.margin_deg)),) if joint.margin_deg else (),
     )
 
 

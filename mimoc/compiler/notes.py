@@ -51,6 +51,8 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
                 yield f"impairments.{key}", "senses.vision is off"
     if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != TouchSpec().density:
         yield "senses.touch.density", "senses.touch.spacing_cm gives the distances"
+    if touch and touch.channels and touch.quantity != TouchSpec().quantity:
+        yield "senses.touch.quantity", "senses.touch.channels are observed in its place"
     adult = spec.scene.caregiver
     if adult and adult.answers and adult.answers.to == "vocalisation" and not spec.actuation.voice:
         yield "scene.caregiver.answers", "actuation.voice is off, so that there is nothing to answer"

@@ -38,8 +38,12 @@ def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
 
 
 def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return a spec with the same values as `at_age`; where one number changes, it is not written as a file is."""
-    if spec.body.measurements or spec.body.individual:
+    """Return a spec with the same values as `at_age`; where one number changes, it is not written as a file is.
+
+    Raises:
+        SpecError: If no spec can say so, such as of a child before its term.
+    """
+    if spec.body.measurements or spec.body.individual or age_months < spec.months_early:
         return at_age(spec, age_months)
     if age_months == rounded(spec.age_months):
         return spec

@@ -19,7 +19,7 @@ class PrintedJoint:
     frictionloss_nm: float
     armature_kgm2: float
     springref_rad: float
-    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    settings: tuple[tuple[str, float], ...] = ()
     """Its other attributes."""
 
 

@@ -20,6 +20,8 @@ WATER_KG_M3 = 1000.0
 
 RELATIONS = ("within reach of", "in front of", "beside", "on")
 """What a place in words can begin with; a name follows."""
+WITH_A_GAP = ("in front of", "beside")
+"""Those at which `distance_cm` counts."""
 _WORDS = re.compile(rf"({'|'.join(RELATIONS)}) (?:the )?([a-z][a-z0-9_]*)")
 
 
@@ -107,6 +109,9 @@ class ObjectSpec(Model):
             raise KeyedError(("above",), "it is at another place already; leave out 'at' or 'above'", against=("at",))
         if self.height_cm is not None and self.above is None:
             raise KeyedError(("height_cm",), "it is above nothing; add 'above', or leave this out", against=("above",))
+        if self.distance_cm is not None and not (isinstance(self.at, str) and in_words(self.at)[0] in WITH_A_GAP):
+            message = "only what is 'in front of' or 'beside' something has a gap to it; leave this out"
+            raise KeyedError(("distance_cm",), message, against=("at",) if self.at is not None else ())
         return self
 
 

@@ -81,6 +81,8 @@ ACTION = "float32"
 """Type of actions, unless a change says otherwise."""
 SINCE_RESET = ("physics", "signals", "steps")
 """Parts of a state that a reset makes anew, and that it needs not know."""
+RANDOM = ("random", "noise")
+"""Parts that a reset with a seed makes anew as well: before the first one they differ each time."""
 
 
 @dataclass
@@ -156,7 +158,8 @@ class RecordingObserver(Observer):
     ) -> None:
         """End the episode before, and begin one."""
         self.end("reset")
-        reset = {"seed": seed, "options": dict(options), "before": self._before}
+        before = {name: part for name, part in (self._before or {}).items() if seed is None or name not in RANDOM}
+        reset = {"seed": seed, "options": dict(options), "before": before}
         self._begin(reset, observation, info)
 
     def stepping(self) -> None:

@@ -14,7 +14,6 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.columns import GROUPS, checked_groups
-from mimoc.companions.caregiver.run import Caregiver
 from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
 from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
@@ -223,7 +222,7 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
 def _objects(infant: InfantEnv) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
     objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
-    classes = {name: type(item) for name, item in infant.companions.items() if type(item) is not Caregiver}
+    classes = {name: type(infant.companions[name]) for name in sorted(infant.companions.custom)}
     companions = {f"companions.{name}": f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
     task = {"task": infant.task} if isinstance(infant.task, CustomTask) else {}
     return {what: item.class_name for what, item in {**task, **objects}.items()} | companions

@@ -48,6 +48,10 @@ MAX_GIF_FRAMES = 3000
 """A GIF is assembled in memory, at about 50 kB per frame, and browsers do not handle longer ones well."""
 
 
+SAME_BYTES = {"fflags": "+bitexact"}
+"""Lets FFmpeg leave out of a container what differs each time: a random ID of Matroska's."""
+
+
 class Video(ABC):
     """A video that is written to a temporary file, which is renamed when it is complete."""
 
@@ -96,7 +100,8 @@ class _Encoded(Video):
     def __init__(self, file: Path, rate_hz: Fraction, container: str, codec: str, pixels: str, **how: Any):
         super().__init__(file, rate_hz)
         self._av = require_av()
-        self._container = self._av.open(str(self._temporary), "w", format=container, options=how.pop("flags", {}))
+        options = {**SAME_BYTES, **how.pop("flags", {})}
+        self._container = self._av.open(str(self._temporary), "w", format=container, options=options)
         self._stream = self._container.add_stream(codec, rate=rate_hz, **how)
         self._stream.pix_fmt = pixels
         self._track: Any = None

@@ -91,7 +91,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._custom_companions = dict(companions)
         self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
-        self._start(self.manifest.pose)
+        self._start(self.manifest.pose, chance=np.random.default_rng(0))  # Recordings keep what the first reset ends.
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
@@ -279,10 +279,18 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
 
     @bounded()
-    def _start(self, pose: str, elsewhere: Mapping[str, Any] = MappingProxyType({})) -> Observation:
-        """Put the infant into a pose, at rest, and objects elsewhere, start its task, and return the observation."""
+    def _start(
+        self,
+        pose: str,
+        elsewhere: Mapping[str, Any] = MappingProxyType({}),
+        chance: np.random.Generator | None = None,
+    ) -> Observation:
+        """Put the infant into a pose, at rest, and objects elsewhere, start its task, and return the observation.
+
+        The task draws from *chance*, by default from the random numbers of this environment.
+        """
         self._steps = 0
-        self._living.start(pose, self.np_random, elsewhere)
+        self._living.start(pose, chance or self.np_random, elsewhere)
         return self._observe()
 
 

@@ -21,7 +21,7 @@ from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.impairments import ImpairmentsSpec
 from mimoc.schema.looks import Clothes
-from mimoc.schema.names import SIDES, Development, limb_bodies, single_groups, trunk_bodies, unsided
+from mimoc.schema.names import SIDES, Development, single_groups, unsided
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
 from mimoc.schema.sizes import check_sizes
@@ -32,6 +32,20 @@ from mimoc.tasks.spec import task_field
 from mimoc.tasks.spec_base import TaskSpec
 
 
+def parts_left(body: BodySpec) -> dict[str, str]:
+    """Return the parts that an infant has, by name, and the muscle group of each."""
+    gone, group_of = set(body.remove), dict[str, str]()
+    for side, part in assemble(
+        body.hands, body.chest_joint, "published", body.extra or ()
+    ).parts:  # Parents come first.
+        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
+        if name in gone or parent in gone:
+            gone.add(name)
+        else:
+            group_of[name] = part.group.format(side=side) or group_of.get(parent, "")
+    return group_of
+
+
 def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None:
     """Check that an infant has the parts that keys are about, and the muscle groups that sections name, by their path.
 
@@ -40,27 +54,20 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     """
     if not body.remove:
         return
-    anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
-    gone, group_of = set(body.remove), dict[str, str]()
-    for side, part in anatomy.parts:  # Parents come first.
-        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
-        group_of[name] = part.group.format(side=side) or group_of.get(parent, "")
-        if parent in gone:
-            gone.add(name)
+    anatomy, left = assemble(body.hands, body.chest_joint, "published", body.extra or ()), parts_left(body)
     for name in body.parts:
-        if name in gone:
+        if name not in left:
             _refuse(("body", "parts", name), f"'{name}' is removed, so it has no size")
     for key in body.measurements:
         sides = [side for side in SIDES if key.startswith(f"{side}_")] or ["", *SIDES]
-        left = (
-            (side, part) for side, part in anatomy.parts if part.name.format(side=side) not in gone and side in sides
+        measured = (
+            (side, part) for side, part in anatomy.parts if part.name.format(side=side) in left and side in sides
         )
-        if unsided(key) in anatomy.follows - replace(anatomy, parts=tuple(left)).follows:
+        if unsided(key) in anatomy.follows - replace(anatomy, parts=tuple(measured)).follows:
             _refuse(("body", "measurements", key), "all that follows this is removed")
-    groups_left = {group for name, group in group_of.items() if name not in gone}
     for path, names in groups.items():
         for index, name in enumerate(names):
-            if single_groups([name]) and not single_groups([name]) & groups_left:
+            if single_groups([name]) and not single_groups([name]) & set(left.values()):
                 key = name if path[-1] == "strength" else index
                 _refuse((*path, key), f"all of '{name}' is removed")
 
@@ -178,11 +185,24 @@ class InfantKeys(FileModel):
     @model_validator(mode="after")
     def _has_the_parts_with_skin(self) -> Self:
         touch = getattr(self.senses, "touch", None)
-        known = {*trunk_bodies(), *limb_bodies(self.body.hands, self.body.extra or ())} - set(self.body.remove)
-        for name in (touch and touch.spacing_cm) or ():
-            if name not in known:
-                message = f"this infant has no '{name}'; {suggestion(name, sorted(known))}"
-                raise KeyedError(("senses", "touch", "spacing_cm", name), message, against=("body",))
+        if not touch or not touch.spacing_cm:
+            return self
+        groups, key = parts_left(self.body), ("senses", "touch", "spacing_cm")
+        for name in touch.spacing_cm:
+            if name not in groups:
+                message = f"this infant has no '{name}'; {suggestion(name, sorted(groups))}"
+                raise KeyedError((*key, name), message, against=("body",))
+            if touch.regions is not None and groups[name] not in single_groups(touch.regions):
+                message = f"'{name}' is moved by '{groups[name]}', which is none of the regions; add it, or remove this"
+                raise KeyedError((*key, name), message, against=("senses", "touch", "regions"))
+        return self
+
+    @model_validator(mode="after")
+    def _caregiver_holds_parts_that_are_there(self) -> Self:
+        for number, act in enumerate(self.scene.caregiver.script if self.scene.caregiver else ()):
+            if act.part is not None and act.part not in (left := parts_left(self.body)):
+                message = f"this infant has no '{act.part}'; {suggestion(act.part, sorted(left))}"
+                raise KeyedError(("scene", "caregiver", "script", number, "part"), message, against=("body",))
         return self
 
     @model_validator(mode="after")

@@ -1,5 +1,6 @@
 """Translation of pydantic's validation errors into messages that say what to do."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -145,6 +146,9 @@ def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
 
 
 def _wrong_count(known: Outline, value: Any) -> str:
+    if "prefixItems" not in known.schema:
+        most = known.schema.get("maxItems", known.schema.get("maxProperties"))
+        return f"expected at most {most} values, got {len(value)}"
     return f"expected {len(known.schema['prefixItems'])} values, got {len(value)}; write {_list_of(known)}"
 
 
@@ -171,6 +175,8 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
             return "this is empty; write a text, or remove the key"
+        case "too_short" if (least := known.schema.get("minItems", 1)) > 1:
+            return f"expected at least {least} values, got {len(details['input'])}"
         case "too_short":
             return "this list is empty; name one or more, or remove the key"
         case "string_too_long":
@@ -215,7 +221,7 @@ def _range(known: Outline) -> str:
     """Return the range of a number as text."""
     schema = known.schema
     unit = _UNIT_WORDS.get(known.unit or "", known.unit or "")
-    if "minimum" in schema:
+    if "minimum" in schema and schema["minimum"] > schema.get("exclusiveMinimum", -math.inf):
         return f"{schema['minimum']:.16g} to {schema['maximum']:.16g} {unit}".strip()
     highest = f"at most {schema['maximum']:g}" if "maximum" in schema else f"less than {schema['exclusiveMaximum']:g}"
     return f"more than {schema['exclusiveMinimum']:g} and {highest} {unit}".strip()

@@ -4,12 +4,14 @@ import base64
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import takewhile
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
 from mimoc.base.errors import SpecError
+from mimoc.base.rounding import rounded
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
@@ -85,7 +87,6 @@ def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *
 
     Raises:
         BundleError: If the bundle does not contain its spec.
-        SpecError: If the infant cannot be built at some age from 0 to 24 months.
         MimocError: If it has other parts at other ages.
     """
     built(PROGRAM)
@@ -95,7 +96,7 @@ def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *
 def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
-    at, grown = _grown(spec, progress)
+    at, grown, shown_months = _grown(spec, progress)
     sparse = [at(age, True) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
     shown = at(manifest.child.age_months, True)
@@ -108,6 +109,7 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
         "age_months": manifest.child.age_months,
         "sex": manifest.child.sex,
         "pose": manifest.pose,
+        "bounds": _bounds(*shown_months),
         "groups": manifest.anatomy.groups,
         "trunk": manifest.anatomy.trunk,
         "faces": face
@@ -127,20 +129,58 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
     }
 
 
-def _grown(spec: InfantSpec, progress: Progress) -> tuple[Callable[[float, bool], Variant], list[Variant]]:
-    """Return an infant at all ages of a page; alone, without a task, if these do not suit it at some."""
-    at, grown = _ages(spec), list[Variant]()
-    try:
-        for age in AGES_MONTHS:
-            progress(len(grown), len(AGES_MONTHS))
-            grown.append(at(age, age in SKIN_AGES_MONTHS))
-    except SpecError:
+At = Callable[[float, bool], Variant]
+"""Builds an infant at an age in months, dressed or not."""
+Range = tuple[float, float]
+"""Least and greatest age, in months."""
+
+
+def _grown(spec: InfantSpec, progress: Progress) -> tuple[At, list[Variant], Range]:
+    """Return what builds an infant at the ages of a page, the infant at all of them, and within which there is one.
+
+    Where its task or what lies around does not suit some ages, it is alone. At ages at which there is no such child at
+    all, it is as at the nearest one at which there is: before term, or where a contracture leaves a joint no range.
+    """
+    build = _builder(spec)
+    ages = _lasting(build, spec)
+    if ages != (spec.earliest_months, AGES_MONTHS[-1]):
         toys = {"count": [0, 0]} if spec.scene.kind == "room" else None
         alone = spec.with_(task=None, scene={"toys": toys, "objects": (), "start_at": None, "caregiver": None})
-        if alone == spec:
-            raise
-        return _grown(alone, progress)
-    return at, grown
+        if alone != spec:
+            return _grown(alone, progress)
+
+    def at(age_months: float, dressed: bool) -> Variant:
+        return build(min(max(age_months, ages[0]), ages[1]), dressed)
+
+    grown = list[Variant]()
+    for age in AGES_MONTHS:
+        progress(len(grown), len(AGES_MONTHS))
+        grown.append(at(age, age in SKIN_AGES_MONTHS))
+    return at, grown, ages
+
+
+def _lasting(build: At, spec: InfantSpec) -> Range:
+    """Return between which ages around its own an infant can be built; of those between a page's, its own counts."""
+
+    def exists(age_months: float) -> bool:
+        try:
+            build(age_months, age_months in SKIN_AGES_MONTHS)
+        except SpecError:
+            return False
+        return True
+
+    own, first = rounded(spec.age_months), spec.earliest_months
+    younger = takewhile(exists, (max(age, first) for age in reversed(AGES_MONTHS) if age < own))
+    older = takewhile(exists, (age for age in AGES_MONTHS if age > own))
+    return min((own, *younger)), max((own, *older))
+
+
+def _bounds(least: float, most: float) -> str:
+    """Return what a page says of the ages at which there is no such child, if there are any."""
+    beyond = [f"before {least:g} months"] if least > AGES_MONTHS[0] else []
+    beyond += [f"after {most:g} months"] if most < AGES_MONTHS[-1] else []
+    text = " or ".join(beyond)
+    return f"There is no such child {text}; it is shown as it is then." if beyond else ""
 
 
 def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
@@ -158,6 +198,7 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
         licences += "\n\n" + source("mujoco_licences.txt")
     parts |= {
         "title": _escaped(str(data["name"])),
+        "bounds": _escaped(data["bounds"]),
         "style": source("style.css"),
         "licences": _escaped(licences),
         "program": compressed(built(PROGRAM)),
@@ -166,16 +207,15 @@ def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
 
 
-def _ages(spec: InfantSpec) -> Callable[[float, bool], Variant]:
+def _builder(spec: InfantSpec) -> At:
     """Return what builds the infant of a spec at an age, once, with touch so that its skin points can be shown.
 
-    Undressed, without the smooth skin of its spec, it takes half the time. One born early is as at term before.
+    Undressed, without the smooth skin of its spec, it takes half the time.
     """
     spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
     seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
     variants = {True: SpecVariants(spec), False: SpecVariants(spec.with_(body={"skin": False}, **seen))}
-    least = spec.earliest_months
-    return cache(lambda age_months, dressed: variants[dressed](max(age_months, least), spec.scene.seed))
+    return cache(lambda age_months, dressed: variants[dressed](age_months, spec.scene.seed))
 
 
 def _escaped(text: str) -> str:

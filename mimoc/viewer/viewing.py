@@ -97,7 +97,7 @@ def view(
 
     Raises:
         OutputError: If the page cannot be written there.
-        SpecError: If a spec cannot be built, or not at every age from 0 to 24 months.
+        SpecError: If a spec cannot be built.
         BundleError: If a folder is not a whole bundle, or a bundle does not contain its spec.
         RecordingError: If there is no such episode, or it cannot be simulated again.
         RenderingError: If the infant of a recording sees, and there is no OpenGL here.

@@ -140,6 +140,12 @@ def test_infants_within_each_other_are_refused_in_the_line_of_the_second(tmp_pat
         mimoc.build_world(written(tmp_path, text, anna=ANNA, ben=BEN))
 
 
+def test_more_infants_than_there_can_be_are_one_line(tmp_path):
+    path = written(tmp_path, f"infants: [{', '.join(['anna.yaml'] * 9)}]\n", anna=ANNA)
+    with pytest.raises(SpecError, match=r"world.yaml:3:10: infants: expected at most 8 values, got 9$"):
+        mimoc.build_world(path)
+
+
 def test_infants_that_need_another_integrator_are_refused(tmp_path):
     path = written(tmp_path, PAIR, anna=ANNA, ben={**BEN, "actuation": {"model": "position"}})
     with pytest.raises(SpecError, match=r"world.yaml:3:22: infants\[1\]: 'ben' has 'position' actuators and 'anna' 't"):

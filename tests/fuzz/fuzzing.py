@@ -18,7 +18,7 @@ from mimoc.base.errors import MimocError, SpecError
 
 FUZZERS = (
     *("bundles", "policies", "recordings", "specs", "meshes", "pictures", "scenes"),
-    *("cohorts", "trainings", "honest_cohorts", "points", "small_files"),
+    *("cohorts", "trainings", "honest_cohorts", "honest_specs", "points", "small_files"),
 )
 """Modules beside this one."""
 LONGEST_S = 5.0
@@ -93,6 +93,11 @@ def is_clear(error: MimocError) -> bool:
     """Return whether an error is a line of text that a terminal shows as it is; of a spec, a line for each problem."""
     lines = str(error).split("\n")
     return all(line and line.isprintable() for line in lines) and (len(lines) == 1 or isinstance(error, SpecError))
+
+
+def check_clear(error: MimocError) -> None:
+    """Raise an AssertionError unless an error is clear."""
+    assert is_clear(error), f"not clear: {error!r}"
 
 
 def peak_mb() -> float:

@@ -1,6 +1,7 @@
 """Every bundle that was ever made to do harm is refused in one line, and nothing outside of it is opened."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -76,6 +77,26 @@ def test_an_honest_bundle_of_any_kind_is_opened(number, tmp_path):
     env.reset(seed=0)
     env.step(env.action_space.sample())
     env.close()
+
+
+@pytest.mark.parametrize("impairments", [{"preset": "hemiparesis", "side": "left"}, {"preset": "diplegia"}])
+def test_the_stretch_reflexes_beside_muscles_are_no_muscles(impairments, tmp_path):
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": {"model": "muscle"}, "impairments": impairments}
+    files = dict(mimoc.build(mimoc.InfantSpec.model_validate(spec)).files)
+    env = mimoc.make(write_resealed(files, tmp_path / "bundle"))
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    env.close()
+
+
+def test_a_muscle_by_defaults_that_stand_after_it_is_one(tmp_path):
+    files = dict(honest_files(2))
+    text = files["infant.xml"].decode()
+    assert 'biastype="muscle"' in text
+    defaults = text[text.index("<default>") : text.rindex("</default>") + 10]
+    text = text.replace(defaults, "").replace("</mujoco>", f"{defaults}</mujoco>")
+    files["infant.xml"] = re.sub(' lengthrange="[^"]*"', "", text).encode()
+    assert "a muscle without a lengthrange" in refusal(write_resealed(files, tmp_path / "bundle"))
 
 
 @pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)

@@ -7,8 +7,11 @@ from fuzz.strange_infants import CANARIES
 from support.full import FULL
 
 SEED = 2026
-LATER = {"honest_cohorts": FULL, **dict.fromkeys(("policies", "cohorts", "trainings"), pytest.mark.extras)}
-"""What trains runs with the libraries for it."""
+LATER = {
+    **dict.fromkeys(("honest_cohorts", "honest_specs"), FULL),
+    **dict.fromkeys(("policies", "cohorts", "trainings"), pytest.mark.extras),
+}
+"""What takes long, and what trains."""
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=LATER.get(name, ())) for name in FUZZERS])

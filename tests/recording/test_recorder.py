@@ -181,6 +181,28 @@ def test_what_eyes_see_is_kept_to_the_pixel(bundle, tmp_path):
     assert replayed(tmp_path / "seen") == []
 
 
+def test_the_same_seed_gives_the_same_bytes(bundle, tmp_path):
+    folders = tmp_path / "one", tmp_path / "other"
+    for folder in folders:
+        with mimoc.Recorder(mimoc.make(bundle), folder) as env:
+            for seed in (0, None):
+                env.reset(seed=seed)
+                env.step(env.action_space.high)
+    one, other = ({path.name: path.read_bytes() for path in (folder / "episodes").iterdir()} for folder in folders)
+    assert {".json", ".mkv", ".parquet"} == {name[name.rindex(".") :] for name in one}
+    assert one == other
+    assert replayed(folders[0]) == []
+
+
+def test_water_of_the_bundle_is_no_object_of_a_script(tmp_path):
+    bath = {"name": "bath", "kind": "water", "depth_cm": 30}
+    spec = {"mimoc": 1, "name": "x", "age_months": 6, "scene": {"objects": [bath], "start_at": "bath"}}
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec)), tmp_path / "wet") as env:
+        env.reset(seed=0)
+        env.step(env.action_space.high)
+    assert replayed(tmp_path / "wet") == []
+
+
 def test_infants_side_by_side_are_recorded_as_if_each_were_alone(disturbed, tmp_path):
     """Of two ages, with resets in between."""
     ages = [disturbed, disturbed.with_(age_months=12)]

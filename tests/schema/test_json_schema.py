@@ -22,6 +22,7 @@ BEYOND_SCHEMAS = {
     # Keys against each other.
     *("two lengths", "a percentile of no sex", "an individual of whom nothing is known", "Toys4K from nowhere"),
     "delays of senses that are off",
+    *("an act on a finger of a mitten", "skin points of parts on removed ones", "skin points of parts without skin"),
     *("groups that take commands and are locked", "fingers of a mitten"),
     *("standing up in a crib", "turning over in nothing", "turning over from sitting"),
     *("noise of a sense that is off", "noise in proportion to angles"),

@@ -131,6 +131,17 @@ SPECS = {
     "jitter between physics steps": HEAD + "delays: {motor_ms: 10}\nnoise: {delay_jitter_ms: 7}\n",
     "jitter of no delay": HEAD + "noise: {delay_jitter_ms: 5}\n",
     "jitter of delays of senses that are off": HEAD + "delays: {vision_ms: 100}\nnoise: {delay_jitter_ms: 5}\n",
+    "skin points of parts without skin": HEAD + "senses: {touch: {regions: [trunk], spacing_cm: {head: 0.5}}}\n",
+    "skin points of parts on removed ones": HEAD
+    + "body: {remove: [left_lower_arm]}\nsenses: {touch: {spacing_cm: {left_hand: 1}}}\n",
+    "gaps to nothing": HEAD
+    + "scene:\n  objects:\n  - {name: cup, at: {x_cm: 30}, distance_cm: 5}\n"
+    + "  - {name: ball, above: head, distance_cm: 5}\n"
+    + "  - {name: box, at: on cup, distance_cm: 5}\n  - {name: rod, distance_cm: 5}\n",
+    "more objects than there can be": HEAD + f"scene: {{objects: [{', '.join(['{name: x}'] * 51)}]}}\n",
+    "more answers than there can be": HEAD
+    + "scene: {caregiver: {answers: {by: [smile, smile, smile, smile, smile, smile]}}}\n",
+    "fewer figures than there can be": HEAD + "scene: {objects: [{name: m, kind: mobile, figures: [fish]}]}\n",
     "a caregiver that cannot be": HEAD
     + "scene:\n  kind: crib\n  caregiver: {place: in front, distance_cm: 5, expression: bored, mood: good}\n",
     "a caregiver in a crib": HEAD + "scene: {kind: crib, caregiver: {}}\n",
@@ -139,6 +150,8 @@ SPECS = {
     "an offer of nothing": HEAD + "scene: {caregiver: {script: [{do: offer}]}}\n",
     "an offer of what is not there": HEAD + "scene: {caregiver: {script: [{do: offer, object: ball}]}}\n",
     "a look with a pitch": HEAD + "scene: {caregiver: {script: [{do: look_at, pitch_hz: 300}]}}\n",
+    "an act on a finger of a mitten": HEAD + "scene: {caregiver: {script: [{do: hold, part: left_thdistal}]}}\n",
+    "an act that takes no time": HEAD + "scene: {caregiver: {script: [{do: look_at, duration_ms: 0}]}}\n",
     "acts out of order": HEAD + "scene: {caregiver: {script: [{at_s: 2, do: look_at}, {at_s: 1, do: look_away}]}}\n",
     "an answer between physics steps": HEAD + "scene: {caregiver: {answers: {delay_ms: 402}}}\n",
     "an answer that takes hands": HEAD + "scene: {caregiver: {answers: {by: [hold], probability: 2}}}\n",

@@ -96,6 +96,22 @@ def test_a_child_that_was_born_early_is_as_at_term_before():
     assert (sizes[0] < sizes[-1]).any()
 
 
+@pytest.mark.parametrize(
+    ("impairments", "said"),
+    [
+        ({"range": {"left_elbow": [-10, -1]}}, "before 9 months"),
+        ({"gestation_weeks": 30}, "before 2.3 months"),
+        (None, ""),
+    ],
+)
+def test_a_page_says_at_which_ages_there_is_no_such_child(impairments, said):
+    """A newborn's elbow cannot be as straight as this contracture leaves it; the ages of this page are 0, 9 and 24."""
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "impairments": impairments})
+    with few_ages():
+        (shown,) = re.findall(r'<p id="bounds">(.*?)</p>', page_of(mimoc.build(spec)))
+    assert shown == (f"There is no such child {said}; it is shown as it is then." if said else "")
+
+
 def test_a_page_asks_nothing_of_the_network(page):
     """Its own policy forbids it, and no address stands where something could be loaded from."""
     assert "default-src 'none'" in page

@@ -99,7 +99,7 @@ def _entry(spec: CaregiverSpec, tree: BodyTree, scale: float) -> CaregiverEntry:
         height_m=None if spec.height_cm is None else cm_to_m(spec.height_cm),
         scale=scale,
         expression=spec.expression,
-        script=tuple(map(_act, spec.script)),
+        script=tuple(_act(act, tree) for act in spec.script),
         answers=spec.answers and _answers(spec.answers, tree),
     )
 
@@ -109,9 +109,10 @@ def _arm(side: str) -> ArmEntry:
     return ArmEntry(bodies=(upper_arm, forearm, hand), grip=f"{NAME}_{side}_grip")
 
 
-def _act(act: ActSpec) -> ActEntry:
+def _act(act: ActSpec, tree: BodyTree) -> ActEntry:
     about = act.about
     what = about.pop(ACTS[act.do].what or "", None)
+    what = tree.home(what) if act.part is not None else what
     return ActEntry(at_ms=1000 * act.at_s, do=act.do, what=what, details=about)
 
 

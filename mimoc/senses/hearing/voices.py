@@ -34,8 +34,8 @@ class VoiceTrack:
         self.forget()
 
     def forget(self) -> None:
-        """Begin an episode in silence."""
-        self._phase, self._gain, self._rate_hz, self._end = 0.0, 0.0, self._voice.fundamental_hz, 0
+        """Begin an episode in silence; the voice itself, be it of another infant, may be reset after this."""
+        self._phase, self._gain, self._rate_hz, self._end = 0.0, 0.0, self._voice.first_hz, 0
         self._parts: list[list[float]] = []
 
     def after_step(self, end: int) -> None:

@@ -1,5 +1,7 @@
 """Touch on a body."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from mimoc.base.units import cm_to_m
@@ -27,10 +29,13 @@ def build(spec: TouchSpec, body: BodyTree) -> Placed:
         SkinEntry(body=name, points=len(points_m), spacing_m=skin.spacing_m[name])
         for name, points_m in skin.points_m.items()
     )
-    rule, key = (GIVEN_RULE, "spacing_cm") if given_m else (SPACING_RULE, "density")
-    sources = [f"spec.senses.touch.{key}", "spec.age_months"]
     origins = {
-        f"skin.{part.body}.spacing": {"value": part.spacing_m, "unit": "m", "rule": rule, "from": sources}
+        f"skin.{part.body}.spacing": {
+            "value": part.spacing_m,
+            "unit": "m",
+            "rule": GIVEN_RULE if given_m else SPACING_RULE,
+            "from": [f"spec.senses.touch.{_key(part.body, body, given_m)}", "spec.age_months"],
+        }
         for part in parts
     }
     points_m = np.concatenate([np.empty((0, 3)), *skin.points_m.values()])
@@ -46,3 +51,10 @@ def build(spec: TouchSpec, body: BodyTree) -> Placed:
     if channels:
         origins["touch.channels"] = {"value": list(channels), "rule": CHANNELS_RULE, "from": [CHANNELS_KEY]}
     return Placed(entry, arrays={"points_m": points_m}, origins=origins)
+
+
+def _key(name: str, body: BodyTree, given_m: Mapping[str, float] | None) -> str:
+    """Return the key of the section that says how far apart the points of a body are."""
+    if not given_m:
+        return "density"
+    return f"spacing_cm.{next(part for part in body.parts_of(name) if part in given_m)}"

@@ -190,7 +190,7 @@ def skin_points(
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
             continue
-        parts = (body.name, *(part for part, home in tree.merged if home == body.name))  # In the order of their geoms.
+        parts = tree.parts_of(body.name)
         apart_m = None if given_m is None else next((given_m[part] for part in parts if part in given_m), None)
         if given_m is not None and apart_m is None:
             continue

@@ -18,13 +18,16 @@ EDGE_DEG = 10.0
 def noticed_share(width_px: int, height_px: int, fovy_deg: float, noticed_deg: float) -> Planes:
     """Return how much of each pixel is noticed, shape (height, width), from 0 to 1; read-only.
 
-    It is 1 up to *noticed_deg* from the line of sight, and 0 from 10° more on.
+    It is 1 up to *noticed_deg* from the line of sight, and 0 from 10° more on. In a picture so coarse that the middle
+    of each pixel is beyond that, the pixels next to the line of sight are noticed.
     """
     tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
     across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
     angles_deg = np.degrees(np.arctan(np.hypot(down[:, None], across)))
     beyond = ((angles_deg - noticed_deg) / EDGE_DEG).clip(0, 1)
     share = (0.5 + 0.5 * np.cos(np.pi * beyond)).astype(np.float32)
+    if not share.any():
+        share = np.isclose(angles_deg, angles_deg.min()).astype(np.float32)
     share.flags.writeable = False
     return share
 

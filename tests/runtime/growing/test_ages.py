@@ -111,6 +111,29 @@ def test_what_is_no_age_is_refused_and_changes_nothing(live, age_months):
     assert env.age_months == 6
 
 
+def test_a_child_that_was_born_early_has_no_age_before_its_term(live):
+    env = live(6, impairments={"gestation_weeks": 30})
+    many = mimoc.make_vec(env.bundle, 2)
+    for ask in (
+        lambda: env.grow(to=1),
+        lambda: env.reset(options={"age_months": 1}),
+        lambda: many.grow(to=1),
+        lambda: many.reset(options={"age_months": 1}),
+    ):
+        with pytest.raises(
+            MimocError, match=r"age_months: at 1 months: a child .* is not at term yet, .* 2\.3 or more$"
+        ):
+            ask()
+    many.close()
+    assert env.age_months == 6
+
+
+def test_a_contracture_whose_joint_has_less_range_at_another_age_grows_along(live):
+    env = live(9, impairments={"range": {"left_elbow": [-10, -1]}})
+    env.grow(to=4)
+    assert env.age_months == 4
+
+
 def test_an_environment_without_variants_says_what_to_do():
     env = mimoc.InfantEnv(mimoc.build(spec(6)))
     with pytest.raises(MimocError, match=r"open it with mimoc\.make"):

@@ -54,6 +54,13 @@ def test_the_voice_has_the_pitch_that_is_commanded(pitch):
     assert peak_hz == pytest.approx(entry.low_hz * (entry.high_hz / entry.low_hz) ** ((pitch + 1) / 2), rel=0.01)
 
 
+def test_an_episode_begins_in_the_same_voice_whatever_was_said_in_the_one_before():
+    with closing(opened(infant())) as env:
+        first = spoken(env, 1.0, 1.0, 4)
+        env.reset(seed=0)
+        assert np.array_equal(spoken(env, 1.0, 1.0, 4), first)
+
+
 def test_half_the_loudness_is_half_the_pressure_and_none_is_silence():
     with closing(opened(infant())) as env:
         rms = {}

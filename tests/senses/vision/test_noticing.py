@@ -28,6 +28,12 @@ def test_beyond_the_field_pictures_are_the_mean_of_what_is_noticed():
     assert seen[:, 20, 30] == pytest.approx(pictures[:, 20, 30])
 
 
+def test_of_pixels_larger_than_the_field_those_at_the_line_of_sight_are_noticed():
+    share = noticed_share(4, 4, 170.0, 1.0)
+    assert share.tolist() == np.pad(np.ones((2, 2)), 1).tolist()
+    assert np.isfinite(fade(np.ones((4, 4, 3), np.float32), share[..., None])).all()
+
+
 def test_a_field_that_ends_beyond_the_picture_costs_nothing():
     entry = VisionEntry(
         cameras=("eye_left",), width_px=8, height_px=8, supersample=1, acuity_cpd=None, noticed_deg=60.0,
