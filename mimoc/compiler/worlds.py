@@ -307,10 +307,12 @@ def _notes(built: BuiltWorld) -> Iterator[str]:
 
 def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
     plan = built.plan
-    of_world = {**trace_spec(plan.spec, plan.written), **built.origins}
+    of_spec, first = trace_spec(plan.spec, plan.written), next(iter(built.builders))
     largest = max(built.builders, key=lambda name: length_m(built.builders[name].tree))
-    yield from of_world.items()
-    yield from trace_around(built.around.origins, of_world, largest)
+    shared = {**of_spec, **built.origins, **built.around.origins}
+    yield from of_spec.items()
+    yield from trace_around(built.origins, shared, first)
+    yield from trace_around(built.around.origins, shared, largest)
     for name, one in built.builders.items():
         part = built.parts[name]
         placed = replace(one.infant, world=replace(built.world, objects=part.objects))
