@@ -1,4 +1,4 @@
-"""A class of a user's own, by its name."""
+"""Classes of a user's own, and their names."""
 
 import sys
 from importlib import import_module
@@ -17,8 +17,8 @@ def import_class(name: str, example: str) -> type[Any]:
     Raises:
         MimocError: If there is no such module or class.
     """
-    module_name, _, class_name = name.partition(":")
-    if not class_name:
+    module_name, _, attribute = name.partition(":")
+    if not attribute:
         raise MimocError(f"'{name}' does not name a class; write MODULE:CLASS, such as {example}")
     sys.path.insert(0, "")
     try:
@@ -27,6 +27,11 @@ def import_class(name: str, example: str) -> type[Any]:
         raise MimocError(f"'{name}': {error}; run this command in the folder of the module") from None
     finally:
         sys.path.remove("")
-    if not hasattr(module, class_name):
-        raise MimocError(f"'{name}': the module has no class '{class_name}'")
-    return getattr(module, class_name)
+    if not hasattr(module, attribute):
+        raise MimocError(f"'{name}': the module has no class '{attribute}'")
+    return getattr(module, attribute)
+
+
+def class_name(thing: object) -> str:
+    """Return the class of an object, as `module:Class`."""
+    return f"{type(thing).__module__}:{type(thing).__qualname__}"

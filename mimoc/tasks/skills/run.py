@@ -15,8 +15,9 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.judgement import FORCES, Change, Judgement
 from mimoc.tasks.skills import BoundEntry, Measure, RewardEntry, SkillEntry
-from mimoc.tasks.task import FORCES, Change, Judgement, Task
+from mimoc.tasks.task import Task
 
 MEASURES: tuple[str, ...] = get_args(Measure)
 BODY_MEASURES = MEASURES[:-2]
