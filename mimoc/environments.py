@@ -3,12 +3,12 @@
 import os
 from collections.abc import Iterable
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
+from mimoc.base.classes import PATH, check_class
 from mimoc.base.errors import BundleError, MimocError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import MANIFEST
@@ -60,10 +60,14 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         >>> info["age_months"]
         10.0
     """
-    if not isinstance(source, (Bundle, InfantSpec, str, PathLike)):
-        raise TypeError(f"expected a bundle, a spec, or the path of one, got {source!r:.60}")
+    check_source("make", source)
     check_rendering(options.get("render_mode"), options.get("width", 1), options.get("height", 1))
     return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
+
+
+def check_source(function: str, source: object) -> None:
+    """Raise a TypeError unless something is what `make` takes, or some other function."""
+    check_class(function, source, "a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
 
 
 def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **options: Any) -> InfantEnv:
@@ -115,6 +119,7 @@ def prepared(
         like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
         skin: Whether it has a skin, if its spec does not say; None: if its eyes see it, as one of many.
     """
+    check_source("an environment", source)
     if isinstance(source, InfantSpec):
         return _compiled(source, like, skin)
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):

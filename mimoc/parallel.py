@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mimoc.base.classes import PATH, check_class, takes
 from mimoc.base.errors import BundleError, MissingExtraError
 from mimoc.bundle.world import WorldBundle, read_world_bundle
 from mimoc.runtime.shared_world import SharedWorld
@@ -17,8 +18,10 @@ if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not every
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
+WORLD = "the bundle of a world, its folder, the path of its .yaml file, or specs by the names of infants"
 
 
+@takes(WORLD, WorldBundle, WorldPlan, Mapping, *PATH)
 def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
     """Return the PettingZoo `ParallelEnv` of several infants in one world.
 
@@ -85,6 +88,7 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
         BatchMismatchError: If infants do not observe and command the same.
+        TypeError: If it gets anything else.
 
     Example:
         >>> import mimoc
@@ -97,4 +101,6 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
     """
     from mimoc.training.world_vec_env import WorldVecEnv
 
+    for world in worlds:
+        check_class("world_vec_env", world, "what mimoc.make_parallel returns", SharedWorld)
     return WorldVecEnv(worlds)

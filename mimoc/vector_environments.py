@@ -167,6 +167,9 @@ def rsl_rl_env(
     """
     if device == "cpu":
         raise MimocError("rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out")
+    if not isinstance(source, VectorEnv):
+        for infant in _listed(source):
+            environments.check_source("rsl_rl_env", infant)
     from mimoc.runtime.device.usage import only_warnings
     from mimoc.training.rsl_rl_env import InfantRslEnv
 

@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import render_json, rounded
@@ -71,6 +72,7 @@ def plan_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys
     return read_world(sources.read(source, WORLD))
 
 
+@takes("the path of a world's file, or specs by the names of infants", WorldPlan, Mapping, *PATH)
 def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys: Any) -> WorldBundle:
     """Compile several infants to one world: the same specs give the same bytes.
 

@@ -153,10 +153,9 @@ class Schedule:
         for noise in self._noisy.values():
             noise.reset()
         for name, delayed in self._samples.items():
-            sample = self._senses[name](data)
+            sample = self.disturb(name, self._senses[name](data), data)
             if not self._is_checked:
                 check_sense(name, self._senses[name], sample)
-            sample = self.disturb(name, sample, data)
             for line in delayed:
                 line.reset(sample)
         self._is_checked = True

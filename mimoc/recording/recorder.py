@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
 
+from mimoc.base.classes import described
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.columns import GROUPS, checked_groups
@@ -207,6 +208,8 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 def infants_of(env: Any) -> tuple[InfantEnv, ...]:
     """Return the infants of an environment, or raise a RecordingError if it has none in this process and on the CPU."""
     inside = getattr(env, "unwrapped", None)
+    if isinstance(inside, (InfantEnv, BatchEnv)) and inside.closed:
+        raise RecordingError("this environment is closed: make a new one to record it")
     if isinstance(inside, InfantEnv):
         return (inside,)
     if isinstance(inside, BatchEnv):
@@ -215,7 +218,7 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
     if several and all(isinstance(env, InfantEnv) for env in several):
         return tuple(several)
     raise RecordingError(
-        f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
+        f"cannot record {described(inside or env)}: give an environment of mimoc.make, or one of mimoc.make_vec on"
         " the CPU"
     )
 

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from mimoc.base.classes import takes
 from mimoc.base.errors import RecordingError
 from mimoc.motion.point_recording import PointRecording
 from mimoc.retargeting.accounting import account_of
@@ -42,6 +43,7 @@ FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
 FEWEST_FRAMES = 3
 
 
+@takes("a recording of points, from mimoc.read_points", PointRecording)
 def retarget(
     recording: PointRecording,
     age_months: float = 3.0,

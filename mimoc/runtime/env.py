@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.voice import Voice
+from mimoc.base.classes import described
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -284,6 +285,18 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps = 0
         self._living.start(pose, self.np_random, elsewhere)
         return self._observe()
+
+
+def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make") -> InfantEnv:
+    """Return the infant of an environment, whatever wraps it.
+
+    Raises:
+        TypeError: If it has none, or several; it names the function that was called, and says what to do.
+    """
+    inside = getattr(env, "unwrapped", env)
+    if not isinstance(inside, InfantEnv):
+        raise TypeError(f"{function}: expected an environment of mimoc's, got {described(inside)}; {advice}")
+    return inside
 
 
 BOUND = {"data", "_act", "_senses", "_task", "_schedule", "_renderer", "_living", "_noise", "observer", "closed"}

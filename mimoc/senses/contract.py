@@ -18,7 +18,7 @@ KINDS = {"f": "real", "i": "whole", "u": "whole", "b": "truth"}
 
 
 def check_sense(name: str, sense: Sense, sample: Any) -> None:
-    """Check a first sample of a sense, and what is observed of it.
+    """Check a first sample of a sense, with what its organ and its noise make of it, and what is observed of that.
 
     Raises:
         KindError: If they are not as the sense says.
