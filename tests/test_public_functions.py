@@ -66,12 +66,12 @@ USES: dict[str, str | Callable[[Any], Any]] = {
 }
 """What each public name does with an environment, or that it gets none."""
 
-WORKS = {
+WORKS: set[tuple[str, str]] = {
     *(("one", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
     *(("wrapped", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
     *(("many", name) for name in ("Recorder", "policy_vec")),
-    ("closed", "GrowthWrapper"),
-    ("many that are closed", "policy_vec"),
+    *(("closed", name) for name in ("GrowthWrapper", "Recorder")),
+    *(("many that are closed", name) for name in ("Recorder", "policy_vec")),
     ("a world", "world_vec_env"),
 }
 """What works where the libraries are that it needs; all else says why it does not."""

@@ -208,8 +208,6 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 def infants_of(env: Any) -> tuple[InfantEnv, ...]:
     """Return the infants of an environment, or raise a RecordingError if it has none in this process and on the CPU."""
     inside = getattr(env, "unwrapped", None)
-    if isinstance(inside, (InfantEnv, BatchEnv)) and inside.closed:
-        raise RecordingError("this environment is closed: make a new one to record it")
     if isinstance(inside, InfantEnv):
         return (inside,)
     if isinstance(inside, BatchEnv):
