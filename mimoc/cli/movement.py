@@ -61,11 +61,12 @@ def movement(
     from mimoc.cli.movement_table import print_movement
     from mimoc.movement import sources
     from mimoc.movement.report import measure_all
+    from mimoc.policies.class_policy import class_or_text
 
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
-    chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
+    chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else class_or_text(policy or "") or None
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name)}
     options = sources.SourceOptions(chosen, parse_seeds(seeds), seconds, reading)
     if beside and not policy:
