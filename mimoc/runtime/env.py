@@ -11,6 +11,7 @@ import gymnasium
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from gymnasium.envs.registration import EnvSpec
 
 from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.voice import Voice
@@ -30,7 +31,7 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
-from mimoc.runtime.spaces import action_space, check_same_space, observation_space
+from mimoc.runtime.spaces import action_space, check_same_space, observation_space, with_limit
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
@@ -51,6 +52,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
     closed = False
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -96,6 +98,15 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride] - Gymnasium sets it.
+        """What Gymnasium says of it, if that has made it; `max_episode_steps` is what the task limits episodes to."""
+        return with_limit(self._spec, self.max_steps)
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
