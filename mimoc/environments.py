@@ -1,7 +1,7 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -70,8 +70,12 @@ def check_source(function: str, source: object) -> None:
     check_class(function, source, "a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
 
 
-def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **options: Any) -> InfantEnv:
+def open_infant(
+    bundle: Bundle | InfantSpec | Mapping[str, Any] | str | Path | None = None, **options: Any
+) -> InfantEnv:
     """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
+
+    Here the keys of a spec are enough, so that a data set can say in JSON what it was recorded of.
 
     Raises:
         MimocError: If no infant is given, or an option is unknown; and as `make` does.
@@ -79,6 +83,8 @@ def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **option
     if bundle is None:
         raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")
     check_options(options)
+    if isinstance(bundle, Mapping):
+        bundle = InfantSpec.model_validate(dict(bundle))
     return InfantEnv(**prepared(bundle), **options)
 
 
