@@ -166,6 +166,17 @@ def test_a_state_is_restored_and_copies_go_on_alike(env):
             assert_alike(observed[name], again[name])
 
 
+def test_pettingzoo_gets_the_physics_of_the_whole_world_as_its_state(env):
+    env.reset(seed=1)
+    env.step(sampled(env, 0))
+    state, data = env.state(), env.data
+    assert env.state_space.contains(state)
+    assert state.dtype == env.state_space.dtype == np.float32
+    assert np.array_equal(state, np.float32(np.concatenate([data.qpos, data.qvel, data.act])))
+    env.step(sampled(env, 1))
+    assert not np.array_equal(env.state(), state)  # The arrays are the caller's own.
+
+
 def test_what_is_no_state_of_the_world_changes_nothing(env):
     env.reset(seed=1)
     before = env.get_state()
