@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.classes import PATH, takes
-from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError
+from mimoc.base.classes import PATH, check_class, takes
+from mimoc.base.errors import MimocError, ModelError, NoSpaceError, ObjectError, SpecError, ToyError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import render_json, rounded
 from mimoc.body.kinematics import length_m
@@ -68,7 +68,11 @@ def plan_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys
     if isinstance(source, WorldPlan):
         return source
     if isinstance(source, Mapping):
+        for name, infant in source.items():
+            check_class(f"infant '{name}'", infant, "a spec, as mimoc.load_spec returns it", InfantSpec)
         return plan_of(source, **keys)
+    if keys:
+        raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; a file of a world says so itself")
     return read_world(sources.read(source, WORLD))
 
 
@@ -83,6 +87,8 @@ def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **key
     Raises:
         SpecError: If a file is invalid or cannot be built, or if infants would start within each other.
         ModelError: If MuJoCo rejects the model.
+        MimocError: If keys are given that a file says.
+        TypeError: If an infant is no spec.
 
     Example:
         >>> import mimoc

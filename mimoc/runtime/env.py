@@ -91,7 +91,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
         self._draws = bool(render_mode or senses or companions) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
-        self._custom_companions = dict(companions)
+        self._custom_companions = by_name(companions, "companions", "name")
         self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._start(self.manifest.pose)

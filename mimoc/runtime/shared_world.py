@@ -23,6 +23,7 @@ from mimoc.render.environment import EnvRenderer, available_modes, check_renderi
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import AGE, AROUSAL, POSE, options_given
 from mimoc.runtime.world_infant import WorldInfant
+from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -81,10 +82,11 @@ class SharedWorld:
             KindError: If a task, a sense or a companion is no such object.
         """
         check_rendering(render_mode, width, height)
-        for name in (*tasks, *senses, *companions):
+        objects = {"tasks": tasks, "senses": senses, "companions": companions}
+        self._objects = {what: by_name(given, what, "the name of an infant") for what, given in objects.items()}
+        for name in (name for given in self._objects.values() for name in given):
             check_name("name of an infant of this world", name, bundle.infants)
         self.bundle, self.render_mode, self._picture_size = bundle, render_mode, (width, height)
-        self._objects = {"tasks": dict(tasks), "senses": dict(senses), "companions": dict(companions)}
         self.model = load_world_model(bundle) if model is None else model
         self.data = mujoco.MjData(self.model)
         self.infants: dict[str, WorldInfant] = {

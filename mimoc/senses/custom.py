@@ -142,12 +142,12 @@ class CustomSense(Sense):
             self._custom.close()
 
 
-def by_name(senses: Any) -> dict[str, Any]:
-    """Return the objects that a script passes to sense with, by name.
+def by_name(objects: Any, what: str = "senses", names: str = "the name of their observation") -> dict[str, Any]:
+    """Return the objects that a script passes, to sense with unless *what* says otherwise, by name.
 
     Raises:
         KindError: If they are not in a dictionary.
     """
-    if not isinstance(senses, Mapping):
-        raise KindError(f"senses is {senses!r:.60}; pass a dictionary of objects by the name of their observation")
-    return dict(senses)
+    if not isinstance(objects, Mapping):
+        raise KindError(f"{what} is {objects!r:.60}; pass a dictionary of objects by {names}")
+    return dict(objects)
