@@ -210,10 +210,11 @@ class InfantView:
         verdict, reward = NO_REWARD, 0.0
         if not unstable:
             verdict = self._task.judge(self.data, action, self.effort)
-            if self._judged is not self._task:
-                check_judgement(verdict, self._task)
-                self._judged = self._task
-            reward = reward_of(verdict, self._task)
+            if verdict is not NO_REWARD:
+                if self._judged is not self._task:
+                    check_judgement(verdict, self._task)
+                    self._judged = self._task
+                reward = reward_of(verdict, self._task)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
         info[growing.AGE] = self.age_months
