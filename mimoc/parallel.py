@@ -74,10 +74,10 @@ def open_world(source: WorldSource, **keys: Any) -> WorldBundle:
     Raises:
         MimocError: If keys are given of a world that is built already.
     """
-    if isinstance(source, WorldBundle) and not keys:
-        return source
     if keys and not isinstance(source, Mapping):
         raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; this world says so itself")
+    if isinstance(source, WorldBundle):
+        return source
     if isinstance(source, (WorldPlan, Mapping)) or Path(source).suffix.lower() in (".yaml", ".yml"):
         from mimoc.compiler.worlds import build_world
 

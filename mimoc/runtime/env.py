@@ -99,14 +99,14 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
 
-    @property
-    def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride] - Gymnasium sets it.
+    def _limited_spec(self) -> EnvSpec | None:
         """What Gymnasium says of it, if that has made it; `max_episode_steps` is what the task limits episodes to."""
         return with_limit(self._spec, self.max_steps)
 
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
+    def _set_spec(self, spec: EnvSpec | None) -> None:
         self._spec = spec
+
+    spec: Any = property(_limited_spec, _set_spec)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.

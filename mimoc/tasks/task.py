@@ -5,7 +5,6 @@ That is the task of a bundle, or an object that a script passes instead, which n
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import gymnasium
@@ -275,8 +274,9 @@ class CustomTask(Task):
         check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
-        self._custom, steps = custom, getattr(custom, "steps", None)
-        if steps is not None and not (isinstance(steps, Integral) and steps >= 1):
+        steps: Any = getattr(custom, "steps", None)
+        self._custom = custom
+        if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 1):
             what = f"task {self.class_name}: its 'steps' are {steps!r:.60}"
             raise KindError(f"{what}; expected a whole number from 1, or None")
         super().__init__(steps or bundle.manifest.task.steps, getattr(custom, "term", None))

@@ -107,15 +107,15 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
 
     _spec: EnvSpec | None = None
 
-    @property
-    def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride] - Gymnasium sets it.
+    def _limited_spec(self) -> EnvSpec | None:
         """What Gymnasium says of it, if that has made it, with the limit of all episodes, if that is the same."""
         limits = {min((steps for steps in (own, self._limit) if steps is not None), default=None) for own in self._own}
         return with_limit(self._spec, *(limits if len(limits) == 1 else ()))
 
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
+    def _set_spec(self, spec: EnvSpec | None) -> None:
         self._spec = spec
+
+    spec: Any = property(_limited_spec, _set_spec)
 
     def _describe(
         self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode, limit: int | None
