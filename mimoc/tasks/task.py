@@ -279,7 +279,7 @@ class CustomTask(Task):
         if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 1):
             what = f"task {self.class_name}: its 'steps' are {steps!r:.60}"
             raise KindError(f"{what}; expected a whole number from 1, or None")
-        super().__init__(steps or bundle.manifest.task.steps, getattr(custom, "term", None))
+        super().__init__(int(steps) if steps else bundle.manifest.task.steps, getattr(custom, "term", None))
 
     @property
     def class_name(self) -> str:
