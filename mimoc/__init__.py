@@ -55,7 +55,8 @@ if TYPE_CHECKING:
     from mimoc.studies.experiments import run_experiment as run_experiment
     from mimoc.studies.milestones import validate_milestones as validate_milestones
     from mimoc.studies.movement import validate_movement as validate_movement
-    from mimoc.tasks.task import Judgement as Judgement, Task as Task, Verdict as Verdict
+    from mimoc.tasks.judgement import Judgement as Judgement, Verdict as Verdict
+    from mimoc.tasks.task import Task as Task
     from mimoc.training import evaluate as evaluate, train as train
     from mimoc.training.loading import load_policy as load_policy
     from mimoc.vector_environments import make_vec as make_vec, rsl_rl_env as rsl_rl_env, sb3_vec_env as sb3_vec_env

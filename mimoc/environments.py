@@ -1,14 +1,14 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
+from mimoc.base.classes import PATH, check_class
 from mimoc.base.errors import BundleError, MimocError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import MANIFEST
@@ -60,14 +60,22 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         >>> info["age_months"]
         10.0
     """
-    if not isinstance(source, (Bundle, InfantSpec, str, PathLike)):
-        raise TypeError(f"expected a bundle, a spec, or the path of one, got {source!r:.60}")
+    check_source("make", source)
     check_rendering(options.get("render_mode"), options.get("width", 1), options.get("height", 1))
     return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
 
 
-def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **options: Any) -> InfantEnv:
+def check_source(function: str, source: object) -> None:
+    """Raise a TypeError unless something is what `make` takes, or some other function."""
+    check_class(function, source, "a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
+
+
+def open_infant(
+    bundle: Bundle | InfantSpec | Mapping[str, Any] | str | Path | None = None, **options: Any
+) -> InfantEnv:
     """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
+
+    Here the keys of a spec are enough, so that a data set can say in JSON what it was recorded of.
 
     Raises:
         MimocError: If no infant is given, or an option is unknown; and as `make` does.
@@ -75,6 +83,8 @@ def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **option
     if bundle is None:
         raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")
     check_options(options)
+    if isinstance(bundle, Mapping):
+        bundle = InfantSpec.model_validate(dict(bundle))
     return InfantEnv(**prepared(bundle), **options)
 
 
@@ -115,6 +125,7 @@ def prepared(
         like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
         skin: Whether it has a skin, if its spec does not say; None: if its eyes see it, as one of many.
     """
+    check_source("an environment", source)
     if isinstance(source, InfantSpec):
         return _compiled(source, like, skin)
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):

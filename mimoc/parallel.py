@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimoc.base.errors import BundleError, MissingExtraError
+from mimoc.base.classes import PATH, check_class, takes
+from mimoc.base.errors import BundleError, MimocError, MissingExtraError, check_name
 from mimoc.bundle.world import WorldBundle, read_world_bundle
 from mimoc.runtime.shared_world import SharedWorld
 from mimoc.schema.infant import InfantSpec
@@ -17,8 +18,14 @@ if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not every
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
+OPTIONS = ("render_mode", "width", "height", "tasks", "senses", "companions")
+"""What can be said of an environment."""
+KEYS = ("name", "scene")
+"""What can be said of a world, besides which infants live in it."""
+WORLD = "the bundle of a world, its folder, the path of its .yaml file, or specs by the names of infants"
 
 
+@takes(WORLD, WorldBundle, WorldPlan, Mapping, *PATH)
 def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
     """Return the PettingZoo `ParallelEnv` of several infants in one world.
 
@@ -27,8 +34,8 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
 
     Args:
         source: A world's bundle, the folder of one, the path of a world's YAML file, or specs by the infants' names.
-        options: `render_mode`, `width` and `height`; and by infant `tasks`, `senses` and `companions`, objects as in
-            `mimoc.make`: `tasks={"anna": MyTask()}`.
+        options: Of specs by name, `scene` and `name` as in a world's file; `render_mode`, `width` and `height`; and by
+            infant `tasks`, `senses` and `companions`, objects as in `mimoc.make`: `tasks={"anna": MyTask()}`.
 
     Raises:
         MissingExtraError: If PettingZoo is not installed.
@@ -36,7 +43,10 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
         BundleError: If a folder is not the whole bundle of a world.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If an infant has vision, and there is no OpenGL here.
-        UnknownNameError: If there is no such render mode or infant.
+        UnknownNameError: If there is no such render mode, infant or option.
+        KindError: If objects are not given by infant, or are none of their kind.
+        MimocError: If `scene` or `name` is given of a world that says so itself.
+        TypeError: If it is made from anything else.
 
     Example:
         >>> import mimoc
@@ -52,17 +62,26 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
         from mimoc.runtime.parallel_env import InfantsParallelEnv
     except ImportError:
         raise MissingExtraError("PettingZoo", "multi") from None
-    return InfantsParallelEnv(open_world(source), **options)
+    keys = {name: options.pop(name) for name in KEYS if name in options}
+    for name in options:
+        check_name("keyword of make_parallel", name, (*OPTIONS, *KEYS))
+    return InfantsParallelEnv(open_world(source, **keys), **options)
 
 
-def open_world(source: WorldSource) -> WorldBundle:
-    """Return the bundle of a world, as `make_parallel` makes it."""
+def open_world(source: WorldSource, **keys: Any) -> WorldBundle:
+    """Return the bundle of a world, as `make_parallel` makes it; *keys* are those of `build_world`.
+
+    Raises:
+        MimocError: If keys are given of a world that is built already.
+    """
+    if keys and not isinstance(source, Mapping):
+        raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; this world says so itself")
     if isinstance(source, WorldBundle):
         return source
     if isinstance(source, (WorldPlan, Mapping)) or Path(source).suffix.lower() in (".yaml", ".yml"):
         from mimoc.compiler.worlds import build_world
 
-        return build_world(source)
+        return build_world(source, **keys)
     if os.path.isfile(source):
         raise BundleError(f"{source}: this is a file; name the folder of a world's bundle, or its .yaml file")
     return read_world_bundle(source)
@@ -85,6 +104,7 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
         BatchMismatchError: If infants do not observe and command the same.
+        TypeError: If it gets anything else.
 
     Example:
         >>> import mimoc
@@ -97,4 +117,6 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
     """
     from mimoc.training import WorldVecEnv
 
+    for world in worlds:
+        check_class("world_vec_env", world, "what mimoc.make_parallel returns", SharedWorld)
     return WorldVecEnv(worlds)

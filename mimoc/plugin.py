@@ -53,7 +53,8 @@ if TYPE_CHECKING:
     from mimoc.senses.custom import TermSense as TermSense
     from mimoc.senses.sense import Sense as Sense, Vector as Vector
     from mimoc.tasks.build_setup import TaskSetup as TaskSetup
+    from mimoc.tasks.judgement import Change as Change, Judgement as Judgement, Verdict as Verdict
     from mimoc.tasks.spec_base import TaskEntry as TaskEntry, TaskSpec as TaskSpec
-    from mimoc.tasks.task import Change as Change, Judgement as Judgement, Task as Task, Verdict as Verdict
+    from mimoc.tasks.task import Task as Task
 
 __getattr__, __dir__, __all__ = names_of(__name__)

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.io import Bundle
 from mimoc.environments import open_bundle
@@ -17,6 +18,7 @@ from mimoc.runtime.env import InfantEnv
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 
+@takes("a recording, or the folder of one", ReadRecording, *PATH)
 def replay_recording(
     recording: ReadRecording | str | Path,
     *,

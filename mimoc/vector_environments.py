@@ -14,6 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from mimoc import environments
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import load_model, load_plain_model
 from mimoc.bundle.variants import Variant
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
@@ -39,6 +40,8 @@ class Population(Protocol):
 
 Sources = Source | Sequence[Source] | Population
 RenderMode = Literal["rgb_array"] | None
+OBJECTS = ("task", "senses", "companions")
+"""Options that are objects of a script, which may draw."""
 
 
 def make_vec(
@@ -167,6 +170,9 @@ def rsl_rl_env(
     """
     if device == "cpu":
         raise MimocError("rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out")
+    if not isinstance(source, VectorEnv):
+        for infant in _listed(source):
+            environments.check_source("rsl_rl_env", infant)
     from mimoc.runtime.device.usage import only_warnings
     from mimoc.training.rsl_rl_env import InfantRslEnv
 
@@ -235,12 +241,22 @@ def _joined(
         """Open one, with copies of a script's objects of its own."""
         return InfantEnv(**parts, render_mode=render_mode, **deepcopy(options))
 
-    infants = _repeated(prepared, count)
+    is_drawn = render_mode is not None or any(options.get(name) for name in OBJECTS)
+    infants = _repeated([_loaded(parts, is_drawn) for parts in prepared], count)
     return BatchEnv([partial(open_infant, parts) for parts in infants], threads, autoreset_mode, limit)
 
 
+def _loaded(parts: dict[str, Any], is_drawn: bool) -> dict[str, Any]:
+    """Return what an infant is made of with its model, which has no textures where nothing draws it."""
+    bundle = parts["bundle"]
+    if isinstance(bundle, Variant):
+        return parts
+    has_eyes = bundle.manifest.senses.vision is not None
+    return {**parts, "bundle": Variant(bundle, (load_model if is_drawn or has_eyes else load_plain_model)(bundle))}
+
+
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
-    """Return what infants are made of, in turn, each with a model of its own where it comes with one."""
+    """Return what infants are made of, in turn, each with a model of its own."""
     infants = [*prepared]
     for index in range(len(prepared), count):
         parts = prepared[index % len(prepared)]

@@ -256,3 +256,31 @@ def test_a_file_of_a_bundle_is_no_bundle(function, file, bundle_at, tmp_path):
     folder = mimoc.write_bundle(bundle_at(9), tmp_path / "infant")
     with pytest.raises(BundleError, match=f"{file}: there is no such folder, as this is a file; name the folder of a"):
         function(folder / file)
+
+
+class Limited(mimoc.Task):
+    """A task of a script that limits episodes."""
+
+    def judge(self, data, action, effort):
+        return 0.0
+
+
+@pytest.mark.parametrize(
+    ("make", "limit"),
+    [
+        (lambda bundle: gymnasium.make("mimoc/Reach-v0"), 1000),
+        (lambda bundle: gymnasium.make("mimoc/Reach-v0", steps=33), 33),
+        (lambda bundle: gymnasium.make("mimoc/Reach-v0", max_episode_steps=7), 7),
+        (lambda bundle: mimoc.make(bundle), None),
+        (lambda bundle: mimoc.make(bundle, max_episode_steps=9), 9),
+        (lambda bundle: mimoc.make(bundle, task=Limited(steps=44)), 44),
+        (lambda bundle: mimoc.make(bundle, task=Limited()), None),
+        (lambda bundle: gymnasium.make_vec("mimoc/Reach-v0", 2, max_episode_steps=5), 5),
+        (lambda bundle: gymnasium.make_vec("mimoc/Reach-v0", 2), 1000),
+        (lambda bundle: pickle.loads(pickle.dumps(mimoc.make(bundle, task=Limited(steps=44)))), 44),
+    ],
+)
+def test_gymnasium_is_told_after_how_many_steps_episodes_are_truncated(bundle, make, limit):
+    env = make(bundle)
+    assert env.spec.max_episode_steps == limit
+    env.close()

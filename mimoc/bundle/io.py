@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
@@ -140,6 +141,7 @@ def digests(files: Mapping[str, bytes]) -> dict[str, str]:
     return {name: f"sha256:{sha256(files[name]).hexdigest()}" for name in sorted(files)}
 
 
+@takes("the folder of a bundle", *PATH)
 def read_bundle(path: str | Path) -> Bundle:
     """Read the bundle in a folder; files that are not listed in its lock are ignored.
 
@@ -182,6 +184,7 @@ def without(bundle: Bundle, name: str) -> Bundle:
     return _bundle(_with_lock(files, json.loads(bundle.files[LOCK])), bundle.manifest, None)
 
 
+@takes("a bundle", "Bundle", "WorldBundle")
 def write_bundle(bundle: HasFiles, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
     """Write a bundle into a folder atomically: a reader sees either the old folder or the new one.
 

@@ -52,6 +52,38 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
     return model
 
 
+def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
+    """Return the same model with one pixel of the mean colour in place of each texture: most of its memory is these.
+
+    Raises:
+        BundleError: As `load_model` does.
+        ModelError: Likewise.
+    """
+    model = load_model(bundle)
+    if not model.ntex:
+        return model
+    xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
+    included = {name: files.pop(name) for name in list(files) if name.endswith(".xml")}
+    spec = mujoco.MjSpec.from_string(xml, include=included, assets=files)
+    for index, texture in enumerate(spec.textures):
+        is_flat = texture.type == mujoco.mjtTexture.mjTEXTURE_2D
+        texture.rgb1 = _mean_colour(model, index)
+        texture.file, texture.cubefiles, texture.gridsize = "", [""] * 6, [1, 1]
+        texture.builtin, texture.mark = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtMark.mjMARK_NONE
+        texture.width, texture.height = 1, 1 if is_flat else 6
+    plain = spec.compile()
+    prepare(plain)
+    return plain
+
+
+def _mean_colour(model: mujoco.MjModel, index: int) -> list[float]:
+    """Return the mean colour of a texture, three numbers from 0 to 1."""
+    start, channels = int(model.tex_adr[index]), int(model.tex_nchannel[index])
+    size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
+    mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
+    return np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
+
+
 def read_model(files: Mapping[str, bytes], scene: str) -> mujoco.MjModel:
     """Return what MuJoCo makes of files that were checked; a ModelError says why it rejects them."""
     try:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import mujoco
 from pydantic import Field, ValidationError
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
@@ -104,6 +105,7 @@ def is_world_folder(path: str | Path) -> bool:
     return (folder / INFANTS).is_dir() and (folder / MANIFEST).is_file()
 
 
+@takes("the folder of a world's bundle", *PATH)
 def read_world_bundle(path: str | Path) -> WorldBundle:
     """Read the world in a folder; files that are not listed in its lock are ignored.
 

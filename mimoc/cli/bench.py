@@ -17,8 +17,7 @@ PolicyName = Annotated[
     str | None,
     typer.Option(
         metavar="POLICY",
-        help=f"What is entered: {POLICIES_HELP} Or a class of yours with act(observation), as MODULE:CLASS. In all of "
-        "these {task} and {age} stand for those of each infant.",
+        help=f"What is entered: {POLICIES_HELP} In all of these {{task}} and {{age}} stand for those of each infant.",
     ),
 ]
 Out = Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Results to write: .json.")]

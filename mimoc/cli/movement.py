@@ -82,6 +82,7 @@ def movement(
     from mimoc.cli.movement_table import print_movement
     from mimoc.movement import sources
     from mimoc.movement.report import measure_all
+    from mimoc.policies.class_policy import class_or_text
 
     _check_files(json, plot, phase, gif)
     if against and against != REAL and not Path(against).exists():
@@ -91,7 +92,7 @@ def movement(
     if not any(sources.reads_points(path) for path in (source, Path(against or REAL)) if str(path) != REAL):
         of_points = {"rate": rate, "infant": infant, "view": view != FRONT or None, "name": name}
         _refuse({**of_points, "min-score": min_score, "picture": picture, "up": up}, NO_POINTS)
-    chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else policy
+    chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else class_or_text(policy or "") or None
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
     reading |= {"picture_px": picture_of(picture), "up": up}
     options = sources.SourceOptions(chosen, parse_seeds(seeds or SEEDS), seconds or sources.SECONDS, reading)

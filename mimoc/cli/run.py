@@ -27,6 +27,7 @@ from mimoc.cli.arguments import (
 from mimoc.cli.terminal import printable
 from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
+from mimoc.policies.class_policy import class_or_text
 from mimoc.policies.spec import usage
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ POLICY_NAMES = ", ".join(
 """What `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
 POLICIES_HELP = (
     f"{POLICY_NAMES}; a trained policy.zip; or several at once, which add up: NAME+NAME, such as "
-    "sit+look_at:toy+reach_for:toy,right. With parentheses, 'look_at(toy)', a shell needs quotes."
+    "sit+look_at:toy+reach_for:toy,right. With parentheses, 'look_at(toy)', a shell needs quotes. Or a class of yours "
+    "with act(observation), as MODULE:CLASS."
 )
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
@@ -174,7 +176,7 @@ def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker"
     if name != MOTION or "+" in policy:
         if root:
             raise MimocError("--root says how the trunk follows a motion; choose --policy motion, and no other")
-        return policy
+        return class_or_text(policy)
     from mimoc.policies import motion
 
     return partial(motion.bind, text=folder or str(infant), root=(root or Root.FREE).value)

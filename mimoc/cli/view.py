@@ -85,12 +85,13 @@ def _in_a_terminal() -> bool:
 
 def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
     """Run an infant under a policy and serve what it does."""
+    from mimoc.policies.class_policy import class_or_text
     from mimoc.policies.named import policy_of
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
     from mimoc.viewer.live import LiveView
 
-    run = Run(InfantEnv(infant), partial(policy_of, policy=policy, load=load_trained), seed=0)
+    run = Run(InfantEnv(infant), partial(policy_of, policy=class_or_text(policy), load=load_trained), seed=0)
     with LiveView(run.env, port) as live:
         print(f"{live.address}   (Ctrl-C ends it)", flush=True)
         if open_page:

@@ -88,15 +88,17 @@ def run(
     from contextlib import closing, nullcontext
 
     from mimoc.cli import console
+    from mimoc.policies.class_policy import class_or_text
     from mimoc.recording.record import film_of
     from mimoc.runtime.shared_world import SharedWorld
     from mimoc.runtime.world_rollout import WorldRun, check_policy
 
-    check_policy(policy)
+    chosen = class_or_text(policy)
+    check_policy(chosen)
     roots = [infant.manifest.root_body for infant in world.infants.values()]
     step_ms = world.manifest.step_ms
     with closing(SharedWorld(world, "human" if window else None)) as env:
-        rollout = WorldRun(env, policy, seed, load_trained)
+        rollout = WorldRun(env, chosen, seed, load_trained)
         infant: Any = next(iter(env.infants.values()))  # A video shows all of them.
         filmed = film_of(video, step_ms, roots=roots, **film) if video else nullcontext()
         with console.progress("running") as show, filmed as watch:

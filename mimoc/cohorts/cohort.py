@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, MissingExtraError, SpecError
 from mimoc.cohorts.engines import find_engine
 from mimoc.cohorts.infants import CohortInfant, infants_of
@@ -227,6 +228,7 @@ def _store(out: str | Path) -> Store:
     return store
 
 
+@takes("the path of a cohort", *PATH)
 def read_cohort(path: str | Path) -> Cohort:
     """Return the cohort in a YAML file.
 

@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import Problem, SpecError
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
@@ -10,6 +11,7 @@ from mimoc.schema.infant import InfantSpec, read_spec
 SPEC_SUFFIXES = (".yaml", ".yml")
 
 
+@takes("the path of a spec", *PATH)
 def load_spec(path: str | Path) -> InfantSpec:
     """Return the spec in a YAML file.
 

@@ -3,12 +3,14 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from mimoc.base.classes import PATH, takes
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.compiler.building import builder
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.schema.infant import InfantSpec
 
 
+@takes("a spec, or the path of one", InfantSpec, *PATH)
 def build(
     spec: InfantSpec | str | Path, target: str | None = None, *, progress: Callable[[int, int], None] | None = None
 ) -> Bundle:

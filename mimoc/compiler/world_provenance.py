@@ -1,19 +1,23 @@
 """Where each number of a world with several infants comes from; keys of an infant's numbers begin with its name."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from mimoc.body.origins import Entry
 from mimoc.bundle.world import file_of
 from mimoc.compiler.provenance import SPEC_FILE
 
 
-def trace_around(
-    origins: Mapping[str, Entry], of_world: Mapping[str, Entry], largest: str
-) -> Iterator[tuple[str, Entry]]:
-    """Yield where the numbers of a scene come from, which was built for the *largest* infant."""
+def trace_around(origins: Mapping[str, Entry], shared: Collection[str], infant: str) -> Iterator[tuple[str, Entry]]:
+    """Yield where the numbers of what is around all infants come from.
+
+    Args:
+        origins: What is said of them as in the scene of a single infant.
+        shared: The numbers that belong to no infant.
+        infant: The infant whose numbers all others are.
+    """
     for key, entry in origins.items():
-        known = (source if source in of_world else f"{largest}.{source}" for source in entry.get("from", ()))
-        yield key, {**entry, "from": list(known)}
+        sources = [source if source in shared else f"{infant}.{source}" for source in entry.get("from", ())]
+        yield key, {**entry, "from": sources}
 
 
 def trace_infant(name: str, prefix: str, entries: Mapping[str, Entry]) -> Iterator[tuple[str, Entry]]:

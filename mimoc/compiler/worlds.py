@@ -8,7 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError
+from mimoc.base.classes import PATH, check_class, takes
+from mimoc.base.errors import MimocError, ModelError, NoSpaceError, ObjectError, SpecError, ToyError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import render_json, rounded
 from mimoc.body.kinematics import length_m
@@ -68,10 +69,15 @@ def plan_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys
     if isinstance(source, WorldPlan):
         return source
     if isinstance(source, Mapping):
+        for name, infant in source.items():
+            check_class(f"infant '{name}'", infant, "a spec, as mimoc.load_spec returns it", InfantSpec)
         return plan_of(source, **keys)
+    if keys:
+        raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; a file of a world says so itself")
     return read_world(sources.read(source, WORLD))
 
 
+@takes("the path of a world's file, or specs by the names of infants", WorldPlan, Mapping, *PATH)
 def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys: Any) -> WorldBundle:
     """Compile several infants to one world: the same specs give the same bytes.
 
@@ -82,6 +88,8 @@ def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **key
     Raises:
         SpecError: If a file is invalid or cannot be built, or if infants would start within each other.
         ModelError: If MuJoCo rejects the model.
+        MimocError: If keys are given that a file says.
+        TypeError: If an infant is no spec.
 
     Example:
         >>> import mimoc
@@ -309,10 +317,12 @@ def _notes(built: BuiltWorld) -> Iterator[str]:
 
 def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
     plan = built.plan
-    of_world = {**trace_spec(plan.spec, plan.written), **built.origins}
+    of_spec, first = trace_spec(plan.spec, plan.written), next(iter(built.builders))
     largest = max(built.builders, key=lambda name: length_m(built.builders[name].tree))
-    yield from of_world.items()
-    yield from trace_around(built.around.origins, of_world, largest)
+    shared = {**of_spec, **built.origins, **built.around.origins}
+    yield from of_spec.items()
+    yield from trace_around(built.origins, shared, first)
+    yield from trace_around(built.around.origins, shared, largest)
     for name, one in built.builders.items():
         part = built.parts[name]
         placed = replace(one.infant, world=replace(built.world, objects=part.objects))

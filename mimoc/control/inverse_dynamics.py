@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
+from mimoc.base.classes import check_class
 from mimoc.base.errors import ControlError, UnknownNameError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
@@ -102,7 +103,9 @@ class InverseDynamics:
         Raises:
             ControlError: If the infant has servos, or an objective comes after the posture of all joints.
             UnknownNameError: If a site, camera, body or joint does not exist.
+            TypeError: If the model is none.
         """
+        check_class("InverseDynamics", model, "a model, such as env.unwrapped.model", mujoco.MjModel)
         self._manifest = manifest
         self._levels, self._posture = _in_order(objectives)
         self._chosen = None if joints is None else tuple(dict.fromkeys([joints] if isinstance(joints, str) else joints))

@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from mimoc.base.classes import described
 from mimoc.base.errors import ControlError, UnknownNameError
 from mimoc.senses.sense import FloatArray
 
@@ -100,6 +101,8 @@ class Posture:
 
     @angles_rad.setter
     def angles_rad(self, angles_rad: Mapping[str, float]) -> None:
+        if not isinstance(angles_rad, Mapping):
+            raise ControlError(f"the angles are {described(angles_rad)}; give a dictionary of radians by joint")
         for joint, angle_rad in angles_rad.items():
             if not math.isfinite(angle_rad):
                 raise ControlError(f"the angle of '{joint}' is {angle_rad}; give a finite number of radians")

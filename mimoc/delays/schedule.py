@@ -22,6 +22,7 @@ from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.timing import Commands, Samples, Timing, within
 from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
+from mimoc.senses.contract import check_sense
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 
 Item = TypeVar("Item")
@@ -134,6 +135,7 @@ class Schedule:
         if is_disturbed(timing.noise, actuation):
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
+        self._is_checked = False
         self._jittered = [
             line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
@@ -141,15 +143,22 @@ class Schedule:
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
-        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded."""
+        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded.
+
+        Raises:
+            KindError: If the first sample of a sense is not what the sense says.
+        """
         if self._motor_noise:
             self._motor_noise.reset(data)
         for noise in self._noisy.values():
             noise.reset()
         for name, delayed in self._samples.items():
             sample = self.disturb(name, self._senses[name](data), data)
+            if not self._is_checked:
+                check_sense(name, self._senses[name], sample)
             for line in delayed:
                 line.reset(sample)
+        self._is_checked = True
         for commands in self._commands:
             commands.reset()
         if self._voice:

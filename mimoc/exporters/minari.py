@@ -1,5 +1,7 @@
 """A recording as a data set of Minari, which it writes itself."""
 
+import copy
+import json
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -7,14 +9,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 
 from mimoc.actuation.binding import command_range
 from mimoc.base.errors import MissingExtraError, counted
+from mimoc.bundle.io import Bundle
 from mimoc.recording.blocks import Reading
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.schema import source
 
+INFANT, RESOLVED = "mimoc/Infant-v0", "resolved.yaml"
+"""The environment of any infant, and the file of a bundle that holds its whole spec."""
 HOME = "MINARI_DATASETS_PATH"
 """Environment variable that says where Minari's data sets are."""
 
@@ -44,6 +52,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             buffer=buffers(),  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
             observation_space=spaces.Dict({reading.name: _space(reading) for reading in readings}),
             action_space=spaces.Box(low, high, dtype=np.float32),
+            env=_Recorded(env_spec_of(bundle)),
             data_format="parquet",
             jpeg_encoding=False,
             description=f"Recorded with mimoc {versions.get('mimoc', '')} and MuJoCo {versions.get('mujoco', '')}",
@@ -53,8 +62,38 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
         f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",
         *([f"{counted(cut, 'episode')} cut short: marked as truncated"] if cut else []),
         *(["movement columns of texts are left out: what is touched or looked at"] if texts else []),
-        "names and units, states and the environment itself are left out: Minari has no place for them",
+        *_notes_on_environment(recording, bundle),
+        "names, units and states are left out: Minari has no place for them",
     ]
+
+
+class _Recorded(gymnasium.Env[Any, Any]):
+    """What Minari reads of the environment that was recorded: how it is made again."""
+
+    def __init__(self, spec: EnvSpec | None):
+        self.spec = spec
+
+
+def env_spec_of(bundle: Bundle) -> EnvSpec | None:
+    """Return how Gymnasium makes the environment of a bundle again, from its spec; None if it has none.
+
+    All of it is JSON: the keys of the spec stand for the bundle.
+    """
+    if RESOLVED not in bundle.files:
+        return None
+    data = source.parse(bundle.files[RESOLVED], RESOLVED).data
+    data["scene"] = {**data.get("scene", {}), "seed": bundle.manifest.seed}
+    spec = copy.deepcopy(gymnasium.spec(INFANT))
+    spec.kwargs = {"bundle": json.loads(json.dumps(data))}
+    return spec
+
+
+def _notes_on_environment(recording: ReadRecording, bundle: Bundle) -> Iterator[str]:
+    """Yield what `recover_environment` cannot make again."""
+    if RESOLVED not in bundle.files:
+        yield "the bundle does not contain its spec, so that Minari cannot recover the environment"
+    for what, name in recording[0].objects.items():
+        yield f"{what} is an object of a script's own ({name}), which Minari cannot recover"
 
 
 def _buffer(episode: Episode) -> dict[str, Any]:

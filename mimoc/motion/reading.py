@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.base.kinds import MotionFormat, function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
@@ -21,6 +22,7 @@ MOST_PIXELS = 100_000
 """Of the width or height of a picture."""
 
 
+@takes("the path of a recording of points", *PATH)
 def read_points(
     path: str | Path,
     *,

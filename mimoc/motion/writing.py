@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.classes import takes
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import make_folder, write_file
 from mimoc.motion.point_recording import PointRecording
@@ -15,6 +16,7 @@ from mimoc.motion.read_npz import pack
 SUFFIXES = ".npz", ".csv"
 
 
+@takes("a recording of points, from mimoc.read_points", PointRecording)
 def write_points(recording: PointRecording, path: str | Path) -> Path:
     """Write a recording of points that `read_points` reads.
 

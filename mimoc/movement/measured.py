@@ -1,5 +1,6 @@
 """All measures of movement of one recording."""
 
+from mimoc.base.classes import takes
 from mimoc.motion.point_recording import PointRecording
 from mimoc.movement.details import details_of
 from mimoc.movement.joints import joint_measures
@@ -7,6 +8,7 @@ from mimoc.movement.measures import core_of
 from mimoc.movement.trunk_frame import trunk_paths
 
 
+@takes("a recording of points, from mimoc.read_points", PointRecording)
 def measure_movement(recording: PointRecording) -> dict[str, float]:
     """Return the measures of movement of a recording, by the name of their quantity.
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.classes import described
 from mimoc.base.errors import PolicyError
 from mimoc.runtime.array_library import NUMPY, torch_library
 from mimoc.runtime.env import InfantEnv
@@ -60,8 +61,8 @@ def batch_of(envs: Any) -> Batch:
     Raises:
         PolicyError: If it is none, or its arrays are Warp's.
     """
-    if not hasattr(envs, "infants"):
-        raise PolicyError(f"expected a vector environment of mimoc.make_vec, got {type(envs).__name__}")
+    if not (hasattr(envs, "infants") and hasattr(envs, "num_envs")):
+        raise PolicyError(f"expected a vector environment of mimoc.make_vec, got {described(envs)}")
     if not hasattr(envs, "worlds"):
         return Batch(envs.infants, lambda: np.array([[infant.arousal] for infant in envs.infants]))
     infants = _Residents(envs)

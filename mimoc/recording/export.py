@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
 from mimoc.bundle.files import staged_folder
@@ -14,6 +15,7 @@ from mimoc.recording.description import description_in
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 
 
+@takes("a recording, or the folder of one", ReadRecording, *PATH)
 def export_recording(
     recording: ReadRecording | str | Path,
     to: str,

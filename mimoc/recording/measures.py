@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.base.kinds import function_of
 from mimoc.base.units import ms_to_s
@@ -32,6 +33,7 @@ def measurable() -> dict[str, Quantity]:
     }
 
 
+@takes("the folder of a recording", *PATH)
 def measure_recordings(
     source: str | Path, names: Sequence[str] = (), *, progress: Progress = lambda done, total: None
 ) -> dict[str, list[Any]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
@@ -344,6 +345,7 @@ class ReadRecording(Sequence[Episode]):
         return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}
 
 
+@takes("the folder of a recording", *PATH)
 def read_recording(folder: str | Path) -> ReadRecording:
     """Read a recording; of an episode that is still being recorded, or was when its process was killed, what is there.
 

@@ -19,7 +19,7 @@ from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.renderer import Picture, Shown, average_down
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.env import InfantEnv, infant_of
 from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.rollout import Run, Summary
 from mimoc.senses.sense import Observation
@@ -176,7 +176,7 @@ def record(
     other error, no file is written.
 
     Args:
-        env: The environment, which is reset.
+        env: The environment of one infant, which is reset.
         policy: `random`, `zero`, `reach` or another name, a sum of names (`general_movements+reflexes`), a trained
             policy from `mimoc.load_policy`, or a function from an environment to a function from a random generator
             and an observation to an action.
@@ -195,6 +195,7 @@ def record(
         UnknownNameError: If there is no such policy.
         PolicyError: If its name lacks something, or it does not fit the infant.
         RenderingError: If OpenGL is not available, or the infant has no eyes.
+        TypeError: If it is no such environment.
 
     Example:
         >>> import mimoc
@@ -204,9 +205,9 @@ def record(
         8
     """
     check_video(file)
-    infant = env.unwrapped
-    if not isinstance(infant, InfantEnv):
-        raise TypeError(f"expected an environment of mimoc's, got {type(infant).__name__}")
+    infant = infant_of(
+        "record", env, "make one with mimoc.make, or film a world with: mimoc run WORLD.yaml --video FILE"
+    )
     run = Run(infant, policy, seed)
     with film_of(file, infant.manifest.step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
         watch(infant, run.observation)

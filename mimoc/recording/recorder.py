@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
 
+from mimoc.base.classes import described
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.columns import GROUPS, checked_groups
@@ -214,7 +215,7 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
     if several and all(isinstance(env, InfantEnv) for env in several):
         return tuple(several)
     raise RecordingError(
-        f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
+        f"cannot record {described(inside or env)}: give an environment of mimoc.make, or one of mimoc.make_vec on"
         " the CPU"
     )
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import LOCK, Bundle
@@ -26,6 +27,7 @@ RUN, COHORT = "run.json", "cohort.json"
 """Files that are in the folder of a training run, and of a cohort."""
 
 
+@takes("a bundle, a spec, the path of one, or the folder of a training run or a cohort", "Bundle", "InfantSpec", *PATH)
 def report(
     source: "Bundle | InfantSpec | str | Path",
     path: str | Path,

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, OutputError
 from mimoc.bundle.files import check_place, staged_folder, write_file
 from mimoc.bundle.io import Bundle
@@ -58,6 +59,7 @@ class RetargetedFolder:
     """How far the motion can be trusted, as `Account.to_data` gives it."""
 
 
+@takes("what mimoc.retarget returns", Retargeted)
 def write_retargeted(
     retargeted: Retargeted, out: str | Path, *, force: bool = False, progress: Progress = lambda done, total: None
 ) -> Path:
@@ -133,6 +135,7 @@ def is_retargeted(path: str | Path) -> bool:
     return all(is_regular_file(folder / name) for name in (RECORDING, MOTION))
 
 
+@takes("a folder of mimoc.write_retargeted", *PATH)
 def read_retargeted(folder: str | Path) -> RetargetedFolder:
     """Read the folder of a retargeted recording.
 

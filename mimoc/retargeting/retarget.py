@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from mimoc.base.classes import takes
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
 from mimoc.retargeting.accounting import account_of
@@ -47,6 +48,7 @@ NEARLY_ALWAYS = 0.9
 AGED = "the spec is of a child of {:g} months: at {:g} months, its sizes are those along its percentiles"
 
 
+@takes("a recording of points, from mimoc.read_points", PointRecording)
 def retarget(
     recording: PointRecording,
     age_months: float | None = None,

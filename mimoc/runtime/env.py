@@ -11,9 +11,11 @@ import gymnasium
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from gymnasium.envs.registration import EnvSpec
 
 from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.voice import Voice
+from mimoc.base.classes import described
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -29,7 +31,7 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.runtime.simulation_state import SimulationState
-from mimoc.runtime.spaces import action_space, check_same_space, observation_space
+from mimoc.runtime.spaces import action_space, check_same_space, observation_space, with_limit
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
@@ -50,6 +52,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
     closed = False
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -88,13 +91,22 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
         self._draws = bool(render_mode or senses or companions) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
-        self._custom_companions = dict(companions)
+        self._custom_companions = by_name(companions, "companions", "name")
         self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
         self._bind()
         self._start(self.manifest.pose, chance=np.random.default_rng(0))  # Recordings keep what the first reset ends.
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
         self.observation_space = observation_space(self._senses, self._task)
+
+    def _limited_spec(self) -> EnvSpec | None:
+        """What Gymnasium says of it, if that has made it; `max_episode_steps` is what the task limits episodes to."""
+        return with_limit(self._spec, self.max_steps)
+
+    def _set_spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+
+    spec: Any = property(_limited_spec, _set_spec)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -292,6 +304,18 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps = 0
         self._living.start(pose, chance or self.np_random, elsewhere)
         return self._observe()
+
+
+def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make") -> InfantEnv:
+    """Return the infant of an environment, whatever wraps it.
+
+    Raises:
+        TypeError: If it has none, or several; it names the function that was called, and says what to do.
+    """
+    inside = getattr(env, "unwrapped", env)
+    if not isinstance(inside, InfantEnv):
+        raise TypeError(f"{function}: expected an environment of mimoc's, got {described(inside)}; {advice}")
+    return inside
 
 
 BOUND = {"data", "_act", "_senses", "_task", "_schedule", "_renderer", "_living", "_noise", "observer", "closed"}

@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from mimoc.base.classes import described
 from mimoc.base.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, OLDEST_MONTHS
@@ -48,12 +49,14 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
             UnknownNameError: If there is no such schedule.
             MimocError: If it is not the environment of an infant, or these are no ages or no number of steps.
         """
+        if not isinstance(getattr(env, "unwrapped", None), InfantEnv):
+            given = described(env)
+            raise MimocError(f"only the environment of an infant can grow; make it with mimoc.make, not {given}")
         super().__init__(env)
-        if not isinstance(env.unwrapped, InfantEnv):
-            raise MimocError("only the environment of an infant can grow; make it with mimoc.make")
         if not callable(schedule):
             schedule = growth_schedule(schedule, ages_months, steps, seed=seed)
-        self._infant, self._schedule = env.unwrapped, schedule
+        infant: Any = env.unwrapped
+        self._infant, self._schedule = infant, schedule
         self.steps_done = 0
         """Control steps taken so far."""
 

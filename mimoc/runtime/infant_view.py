@@ -21,7 +21,8 @@ from mimoc.runtime.expression import set_expression
 from mimoc.runtime.observer import NO_OBSERVER, Observer
 from mimoc.runtime.simulation_state import SimulationState
 from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.task import NO_REWARD, Task
+from mimoc.tasks.judgement import NO_REWARD, check_judgement, reward_of
+from mimoc.tasks.task import Task
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
@@ -39,6 +40,8 @@ class InfantView:
     _act: Actuation
     _senses: Mapping[str, Sense]
     _task: Task
+    _judged: Task | None = None
+    """The task whose first judgement was as it must be."""
     _schedule: Schedule
     _living: SimulationState
     _steps: int
@@ -198,13 +201,24 @@ class InfantView:
         self.observer.aroused(level)
 
     def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
-        """Count a control step that has been made: return reward, terminated, truncated and info."""
+        """Count a control step that has been made: return reward, terminated, truncated and info.
+
+        Raises:
+            KindError: If the task's reward is no finite number, or its first judgement is none.
+        """
         self._steps += 1
-        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
+        verdict, reward = NO_REWARD, 0.0
+        if not unstable:
+            verdict = self._task.judge(self.data, action, self.effort)
+            if verdict is not NO_REWARD:
+                if self._judged is not self._task:
+                    check_judgement(verdict, self._task)
+                    self._judged = self._task
+                reward = reward_of(verdict, self._task)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
         info[growing.AGE] = self.age_months
-        return verdict.reward, verdict.terminated or unstable, truncated, info
+        return reward, verdict.terminated or unstable, truncated, info
 
     def _observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""

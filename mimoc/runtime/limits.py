@@ -3,10 +3,12 @@
 from pathlib import Path
 
 from mimoc.actuation.binding import all_commanded, bind_actuation
+from mimoc.base.classes import PATH, takes
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
 
+@takes("a bundle, or the folder of one", Bundle, *PATH)
 def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
     """Return the peak torques at each actuated hinge joint, in negative and positive direction, in [N m].
 

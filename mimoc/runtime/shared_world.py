@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import mujoco
 import numpy as np
+from gymnasium.spaces import Box
 
 from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import MimocError, UnknownNameError, check_name
@@ -22,6 +23,7 @@ from mimoc.render.environment import EnvRenderer, available_modes, check_renderi
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import AGE, AROUSAL, POSE, options_given
 from mimoc.runtime.world_infant import WorldInfant
+from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -31,6 +33,8 @@ Infos = dict[str, dict[str, Any]]
 Stepped = tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]
 PHYSICS, INFANTS, AGENTS = "physics", "infants", "agents"
 """What a state consists of."""
+MAXVAL = 1e10
+"""Position or velocity beyond which MuJoCo resets a simulation (its mjMAXVAL)."""
 OPTIONS = POSE, AROUSAL
 """Of a reset, for an infant."""
 
@@ -78,10 +82,11 @@ class SharedWorld:
             KindError: If a task, a sense or a companion is no such object.
         """
         check_rendering(render_mode, width, height)
-        for name in (*tasks, *senses, *companions):
+        objects = {"tasks": tasks, "senses": senses, "companions": companions}
+        self._objects = {what: by_name(given, what, "the name of an infant") for what, given in objects.items()}
+        for name in (name for given in self._objects.values() for name in given):
             check_name("name of an infant of this world", name, bundle.infants)
         self.bundle, self.render_mode, self._picture_size = bundle, render_mode, (width, height)
-        self._objects = {"tasks": dict(tasks), "senses": dict(senses), "companions": dict(companions)}
         self.model = load_world_model(bundle) if model is None else model
         self.data = mujoco.MjData(self.model)
         self.infants: dict[str, WorldInfant] = {
@@ -118,6 +123,21 @@ class SharedWorld:
         """
         check_name("name of an infant of this world", agent, self.infants)
         return self.infants[agent].action_space
+
+    @property
+    def state_space(self) -> Box:
+        """The space of `state`."""
+        size = self.model.nq + self.model.nv + self.model.na
+        return Box(-MAXVAL, MAXVAL, (size,), np.float32)
+
+    def state(self) -> np.ndarray:
+        """Return the physics of the whole world for PettingZoo: positions, velocities and activations, shape (n,).
+
+        They are MuJoCo's `qpos`, `qvel` and `act`, of all infants and of what else moves. `get_state` returns what an
+        episode is continued from.
+        """
+        physics = np.concatenate([self.data.qpos, self.data.qvel, self.data.act])
+        return np.clip(np.nan_to_num(physics), -MAXVAL, MAXVAL).astype(np.float32)
 
     def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Observations, Infos]:
         """Start an episode of all infants.

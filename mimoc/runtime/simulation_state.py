@@ -74,9 +74,14 @@ class SimulationState:
         self.start_signals()
 
     def start_signals(self) -> None:
-        """Let companions begin, and forget all signals, in a state that an episode starts from."""
+        """Let companions begin, and forget all signals, in a state that an episode starts from.
+
+        Raises:
+            KindError: If a sense or the task does not observe what it says.
+        """
         self.schedule.companions.reset(self.data)
         self.schedule.reset(self.data)
+        self.task.check_observation()
 
     @property
     def state(self) -> dict[str, Any]:

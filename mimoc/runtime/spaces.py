@@ -1,9 +1,11 @@
 """The spaces of an environment, which never change."""
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.spaces import Box, Dict
 
 from mimoc.actuation.binding import Actuation
@@ -23,6 +25,16 @@ def action_space(actuation: Actuation, has_voice: bool = False) -> Any:
 def observation_space(senses: Mapping[str, Sense], task: Task) -> Dict:
     """Return the space of what the senses and the task give."""
     return Dict({name: space for part in (*senses.values(), task) for name, space in part.spaces.items()})
+
+
+def with_limit(spec: EnvSpec | None, *limits: int | None) -> EnvSpec | None:
+    """Return what Gymnasium says of an environment, with the control steps after which its episodes are truncated."""
+    given = [limit for limit in (spec and spec.max_episode_steps, *limits) if limit is not None]
+    if spec is None or not given:
+        return spec
+    limited = copy.copy(spec)
+    limited.max_episode_steps = min(given)
+    return limited
 
 
 def check_same_space(wanted: Any, given: Dict) -> None:

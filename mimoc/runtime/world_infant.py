@@ -62,7 +62,9 @@ class WorldInfant(InfantView):
         self._senses = bind_senses(bundle, model, custom=by_name(senses or {}))
         self._task = bind_task(bundle, model, task)
         self.voice = voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
-        beside = bind_companions(model, bundle, self.noise, dict(companions or {}), self._senses, voice)
+        beside = bind_companions(
+            model, bundle, self.noise, by_name(companions or {}, "companions", "name"), self._senses, voice
+        )
         timing = timing_of(self.manifest, self._senses)
         self._schedule = Schedule(self._senses, self._act, model, timing, self.noise, beside, voice)
         self._living = SimulationState.bound(self.bundle, model, data, self._task, self._schedule, self.noise)

@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.base.errors import PolicyError
 from mimoc.policies.named import Loader, policy_of
-from mimoc.policies.policy import start_again
+from mimoc.policies.policy import PolicyMaker, start_again
 from mimoc.policies.spec import parse_policy
 from mimoc.runtime.rollout import Summary, Tally
 from mimoc.runtime.shared_world import SharedWorld
@@ -19,12 +19,12 @@ SHARING = ("random", "zero", "general_movements", "reflexes")
 class WorldRun:
     """A run of a world under a policy, the same for all infants, each with its own numbers drawn at random."""
 
-    def __init__(self, world: SharedWorld, policy: str, seed: int, load: Loader | None = None):
+    def __init__(self, world: SharedWorld, policy: str | PolicyMaker, seed: int, load: Loader | None = None):
         """Reset the world.
 
         Args:
             world: The world.
-            policy: Name of a policy, or a sum of names; see `policy_of`.
+            policy: Name of a policy, a sum of names, or a function from an infant to its policy; see `policy_of`.
             seed: Of the reset and the policies; that of infant i draws from `seed + i`.
             load: Loads trained policies.
 
@@ -63,14 +63,14 @@ class WorldRun:
         return {name: tally.summary(self._wall_s, self._policies[name]) for name, tally in self._tallies.items()}
 
 
-def check_policy(policy: str) -> None:
+def check_policy(policy: str | PolicyMaker) -> None:
     """Check that a policy is one for infants that share a world.
 
     Raises:
         UnknownNameError: If there is no such policy.
         PolicyError: If it is not.
     """
-    for part in parse_policy(policy):
+    for part in parse_policy(policy) if isinstance(policy, str) else ():
         if part.kind is not None and part.kind.name not in SHARING:
             raise PolicyError(
                 f"'{part.label}' reads a model with one infant only; infants that share a world can have "

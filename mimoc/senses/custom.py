@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
+from mimoc.base.classes import class_name
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object
 from mimoc.base.units import to_steps
@@ -15,6 +16,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.delays.spec import DelayEntry
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
+from mimoc.senses.contract import check_numbers, check_rows
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense, Vector
 
 
@@ -30,6 +32,7 @@ class Measure:
         """Return what the term measures now, as a new array without the axis of infants."""
         if data is not self._data:
             self._data, self._worlds = data, worlds_of_one(data)
+            check_rows(f"the term {class_name(self._term)}", self._term(self._worlds), 1)
         return self._term(self._worlds)[0].copy()
 
 
@@ -97,7 +100,7 @@ class CustomSense(Sense):
         if not isinstance(getattr(custom, "space", None), Box):
             raise KindError(f"sense '{name}' has no attribute 'space', the gymnasium.spaces.Box of what it returns")
         self._name, self._custom, self._space = name, custom, custom.space
-        self.spaces = {name: self._space}
+        self.spaces, self._is_checked = {name: self._space}, False
         delay_ms = float(getattr(custom, "delay_ms", 0.0))
         try:
             to_steps(delay_ms, bundle.manifest.timestep_ms)
@@ -108,7 +111,7 @@ class CustomSense(Sense):
     @property
     def class_name(self) -> str:
         """Class of the object, as `module:Class`."""
-        return f"{type(self._custom).__module__}:{type(self._custom).__qualname__}"
+        return class_name(self._custom)
 
     @property
     def layout(self) -> tuple[str, ...]:
@@ -116,8 +119,17 @@ class CustomSense(Sense):
         return tuple(f"{self._name} {index}" for index in range(int(np.prod(self._space.shape))))
 
     def __call__(self, data: mujoco.MjData) -> Sample:
-        """Return the sample now, as an array of its own."""
-        return np.array(self._read(data), dtype=np.float64)
+        """Return the sample now, as an array of its own.
+
+        Raises:
+            KindError: If the first one has not the shape of its space, or a type that cannot be cast to that of it.
+        """
+        sample = self._read(data)
+        if not self._is_checked:
+            what = f"sense '{self._name}' ({self.class_name}): its sample"
+            check_numbers(what, sample, self._space.shape, self._space.dtype)
+            self._is_checked = True
+        return np.array(sample, dtype=np.float64)
 
     def observe(self, sample: Sample) -> Observation:
         """Return a sample within its space, in the type of its space."""
@@ -130,12 +142,12 @@ class CustomSense(Sense):
             self._custom.close()
 
 
-def by_name(senses: Any) -> dict[str, Any]:
-    """Return the objects that a script passes to sense with, by name.
+def by_name(objects: Any, what: str = "senses", names: str = "the name of their observation") -> dict[str, Any]:
+    """Return the objects that a script passes, to sense with unless *what* says otherwise, by name.
 
     Raises:
         KindError: If they are not in a dictionary.
     """
-    if not isinstance(senses, Mapping):
-        raise KindError(f"senses is {senses!r:.60}; pass a dictionary of objects by the name of their observation")
-    return dict(senses)
+    if not isinstance(objects, Mapping):
+        raise KindError(f"{what} is {objects!r:.60}; pass a dictionary of objects by {names}")
+    return dict(objects)

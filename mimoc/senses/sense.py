@@ -30,6 +30,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
+from mimoc.base.classes import class_name
 from mimoc.base.sound import SoundSources
 from mimoc.runtime.filter import Filter
 from mimoc.runtime.term import Term
@@ -57,6 +58,11 @@ class Sense(ABC):
     """What its organ makes of samples over time, before noise and delay; their first axis is then that of `bodies`."""
     reads_in_threads: bool = False
     """Whether samples of several infants can be taken at the same time, in any threads."""
+
+    @property
+    def class_name(self) -> str:
+        """Class of what measures, as `module:Class`."""
+        return class_name(self if self.term is None else self.term)
 
     @property
     @abstractmethod

@@ -5,79 +5,36 @@ That is the task of a bundle, or an object that a script passes instead, which n
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium
 import mujoco
 import numpy as np
 
+from mimoc.base.classes import class_name
+from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.base.model_fields import ModelField, rows_by_name
 from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
+from mimoc.senses.contract import check_observation
 from mimoc.senses.sense import FloatArray, IntArray, Observation
 from mimoc.tasks import TASKS
-
-NOTHING: Mapping[str, Any] = MappingProxyType({})
-
-
-FORCES = "xfrc_applied"
-"""The field of the state with a force and a torque on each body, which is 0 after a reset, among a term's changes."""
-
-
-class Change(NamedTuple):
-    """New values of a field of the model, which the task's `model_fields` must declare, or forces on `forced`."""
-
-    where: Any
-    """For which of k infants the field changes, shape (k,)."""
-    values: Callable[[], Any]
-    """Returns the new values of the n declared rows, shape (k, n), or (k, n, ...) for whole rows."""
-    column: int | None = None
-    """The number of each row that changes; None for whole rows."""
-
-
-class Judgement(NamedTuple):
-    """What a task says of a control step: numbers of one infant, or arrays of k infants, shape (k,), from a term.
-
-    Example:
-        >>> import mimoc
-        >>> judgement = mimoc.Judgement({"height": 0.3, "effort": -0.1}, success=False)
-        >>> round(judgement.reward, 3)
-        0.2
-    """
-
-    reward_terms: Mapping[str, Any]
-    """Terms of the reward, by name; `info` has them as `reward_terms`."""
-    success: Any = False
-    """Whether the goal is reached; `info` has it as `is_success`."""
-    terminated: Any = False
-    """Whether the episode ends with this step."""
-    memory: Mapping[str, Any] = NOTHING
-    """What the task remembers from now on, shape (k, ...), without what stays as it is; only from a term."""
-    changes: Mapping[str, Change] = NOTHING
-    """What changes in the model, by name of the field; only from a term."""
-
-    @property
-    def reward(self) -> Any:
-        """Sum of the terms."""
-        return sum(self.reward_terms.values(), 0.0)
-
-    def of_one(self) -> "Judgement":
-        """Return a term's judgement of one infant in numbers."""
-        terms = {name: values.item() for name, values in self.reward_terms.items()}
-        return Judgement(terms, bool(self.success), bool(self.terminated))
-
-
-Verdict = Judgement
-"""The name that tasks of scripts know it by."""
-NO_REWARD = Judgement({})
+from mimoc.tasks.judgement import (
+    FORCES as FORCES,
+    NO_REWARD as NO_REWARD,
+    NOTHING as NOTHING,
+    Change as Change,
+    Judgement as Judgement,
+    Verdict as Verdict,
+    check_term_judgement,
+)
 
 
 class Task:
-    """What starts each episode and judges each control step; by itself, a world without a goal.
+    """What starts each episode and judges each control step.
 
     A task judges by a term, which runs on one infant, on many and on a device alike. `bind` sets it:
 
@@ -125,6 +82,10 @@ class Task:
     forced: IntArray = np.array([], np.intp)
     """The bodies on which `judge` sets forces and torques, by a change of `FORCES`, shape (n,)."""
     _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
+    _is_observed = False
+    """Whether what it observes was as its spaces say."""
+    _checked_term: Any = None
+    """The bound term whose first judgement was as it must be."""
 
     def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
         """Make a task.
@@ -140,7 +101,7 @@ class Task:
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out what is bound to the data of an environment."""
-        return {name: value for name, value in self.__dict__.items() if name != "_bound"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_checked_term")}
 
     def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
         """Look up names in a model; tasks that a bundle names are bound when they are made instead.
@@ -149,6 +110,11 @@ class Task:
             model: The infant and its world.
             bundle: The `mimoc.Bundle` it comes from; `bundle.manifest` names the parts of the infant.
         """
+
+    @property
+    def class_name(self) -> str:
+        """Class of the task, or of the object that it stands for, as `module:Class`."""
+        return class_name(self)
 
     @property
     def memory(self) -> dict[str, np.ndarray]:
@@ -181,6 +147,20 @@ class Task:
         """Return what it adds to the observation, as fresh arrays within `spaces`."""
         return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
 
+    def check_observation(self) -> None:
+        """Check what it observes when its first episode starts.
+
+        Raises:
+            KindError: If it is not as its `spaces` say.
+        """
+        if not self._is_observed:
+            try:
+                observed = self.observe()
+            except KeyError as error:
+                raise KindError(f"task {self.class_name}: it observes {error}, which it does not remember") from error
+            check_observation(f"task {self.class_name}", observed, self.spaces)
+            self._is_observed = True
+
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
         """Return the reward of the control step that has just been taken, and whether it ends the episode.
 
@@ -188,11 +168,20 @@ class Task:
             data: The state after it.
             action: The action, shape (n,), before it is clipped.
             effort: Returns the cost of the actuators' work in the last physics step (`InfantEnv.effort`).
+
+        Raises:
+            KindError: If a subclass neither overrides this nor sets a term, or the term's first judgement has not the
+                shapes that are expected.
         """
         if self.term is None:
+            if type(self) is not Task:
+                raise no_judge(self)
             return NO_REWARD
         term, worlds = self.term_of_one(data)
         judgement: Judgement = term(worlds, np.asarray(action)[None], self._rows)
+        if self._checked_term is not term:
+            check_term_judgement(judgement, term, 1, self._rows, {FORCES, *rows_by_name(self.model_fields)})
+            self._checked_term = term
         if judgement.memory:
             self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
         for name, change in judgement.changes.items():
@@ -228,6 +217,14 @@ class Task:
         if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
             self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
         return self._bound[2:]
+
+
+def no_judge(task: object) -> KindError:
+    """Return the error of a task that cannot judge."""
+    return KindError(
+        f"task {class_name(task)} has neither a method 'judge' of its own nor a 'term'; override judge(data, action, "
+        "effort), or set self.term in bind"
+    )
 
 
 @dataclass(frozen=True)
@@ -272,18 +269,22 @@ class CustomTask(Task):
         """Bind the object to a model.
 
         Raises:
-            KindError: If it is a class, or has no `judge`.
+            KindError: If it is a class, has no `judge`, or limits episodes to no whole number of steps.
         """
         check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
-        super().__init__(getattr(custom, "steps", None) or bundle.manifest.task.steps, getattr(custom, "term", None))
+        steps: Any = getattr(custom, "steps", None)
         self._custom = custom
+        if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 1):
+            what = f"task {self.class_name}: its 'steps' are {steps!r:.60}"
+            raise KindError(f"{what}; expected a whole number from 1, or None")
+        super().__init__(int(steps) if steps else bundle.manifest.task.steps, getattr(custom, "term", None))
 
     @property
     def class_name(self) -> str:
         """Class of the object, as `module:Class`."""
-        return f"{type(self._custom).__module__}:{type(self._custom).__qualname__}"
+        return class_name(self._custom)
 
     @property
     def model_fields(self) -> Sequence[ModelField]:
@@ -307,7 +308,9 @@ class CustomTask(Task):
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
         """Return its judgement of a control step."""
         judgement = self._custom.judge(data, action, effort)
-        return judgement if isinstance(judgement, Judgement) else Judgement({"reward": float(judgement)})
+        if judgement is NO_REWARD:
+            raise no_judge(self._custom)
+        return judgement if isinstance(judgement, Judgement) else Judgement({"reward": judgement})
 
     @property
     def state(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, start_again
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.env import InfantEnv, infant_of
 from mimoc.senses.sense import FloatArray
 from mimoc.training.loading import load_policy
 
@@ -59,6 +59,7 @@ def evaluate(
         UnknownNameError: If there is no such policy or body.
         PolicyError: If the policy does not fit this infant.
         TrainingError: If nothing ends the episodes of this infant.
+        TypeError: If it is no environment of one infant.
 
     Example:
         >>> import mimoc
@@ -67,7 +68,7 @@ def evaluate(
         >>> [episode.steps for episode in episodes]
         [5, 5]
     """
-    infant: InfantEnv = env.unwrapped
+    infant = infant_of("evaluate", env)
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
     if follow is not None and follow not in bodies:
         raise UnknownNameError("body of this infant", follow, bodies)

@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+from mimoc.base.classes import PATH, takes
 from mimoc.policies.network import load_network
 from mimoc.policies.policy import PolicyMaker
 from mimoc.policies.policy_file import read_policy
 
 
+@takes("the path of a trained policy", *PATH)
 def load_policy(path: str | Path) -> PolicyMaker:
     """Load a trained policy; return a function that binds it to an environment, for `Run` and `evaluate`.
 

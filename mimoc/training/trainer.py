@@ -11,6 +11,7 @@ from typing import Any
 
 import torch
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
@@ -56,6 +57,7 @@ class Training:
     """What it took of a device; None on the CPU."""
 
 
+@takes("a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
 def train(
     source: Source,
     out: str | Path,

@@ -122,7 +122,7 @@ def view(
         made = View(page_of(compiled(source), physics, progress))
     else:
         kind = type(shown).__name__
-        raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment")
+        raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment of an infant")
     if place:
         made.save(place)
     return made

@@ -13,9 +13,11 @@ from mimoc.base.errors import BundleError, SpecError
 from mimoc.bundle.model import check_fits
 from mimoc.bundle.provenance import PROVENANCE, read_entries
 from mimoc.bundle.world import START, load_world_model, overlaps
+from mimoc.compiler.explain import explain
 from mimoc.schema.infant import InfantSpec
 
 PAIR = "infants: [anna.yaml, ben.yaml]\n"
+PLAIN = InfantSpec(mimoc=1, name="plain", age_months=9)
 STANDING = {"mimoc": 1, "name": "anna", "age_months": 12, "task": {"kind": "standup"}}
 
 
@@ -109,6 +111,31 @@ def test_every_number_of_a_world_knows_where_it_comes_from(pair):
         assert f'name="{name}"' in scene
     assert entries["anna.body.head.mass"]["xml"] == "scene.xml: body[@name='anna_head']/geom/@mass"
     assert entries["place.ben.y_m"]["rule"].startswith("side by side along y, 10 cm apart")
+
+
+OBJECTS = [
+    {"kind": kind, "name": f"a_{kind}", "at": {"x_cm": 120 * number - 360, "y_cm": 150}}
+    for number, kind in enumerate(("mat", "rail", "seat", "stairs", "slope", "screen", "table"))
+]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {"kind": "room", "toys": {"count": [2, 2]}},
+        {"kind": "crib", "toys": {"source": "builtin", "count": [1, 1]}},
+        {"kind": "room", "objects": [{"name": "ball", "at": "within reach of right_hand"}]},
+        {"kind": "flat", "objects": OBJECTS},
+    ],
+    ids=["toys in a room", "a toy in a crib", "a ball within reach", "objects of all kinds"],
+)
+def test_what_is_around_infants_can_be_explained(scene):
+    """Sources that no number has would make the provenance unreadable."""
+    bundle = mimoc.build_world({"anna": PLAIN, "ben": PLAIN.with_(age_months=6)}, scene=scene)
+    entries = read_entries(bundle.files[PROVENANCE])
+    around = [key for key in entries if key.startswith(("room.", "crib.", "toy.", "object."))]
+    assert around
+    assert all(explain(bundle, key).lines for key in around)
 
 
 @pytest.mark.slow

@@ -72,6 +72,19 @@ def test_minari_loads_what_was_recorded(recording, exported, monkeypatch):
     assert any(note.startswith("1 episode cut short") for note in notes)
 
 
+def test_minari_recovers_the_environment_that_was_recorded(recording, exported, monkeypatch):
+    """The same numbers again, from a data set alone."""
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(exported("minari")[0]))
+    env = minari.load_dataset("mimoc/all_senses-v0").recover_environment()
+    assert env.spec.max_episode_steps == STEPS
+    env.reset(seed=recording[0].seed)
+    for step, action in enumerate(recording[0].actions):
+        observed = env.step(action)[0]
+        for name, array in recording[0].observations.items():
+            assert np.array_equal(observed[name], array[step + 1])
+    env.close()
+
+
 def test_lerobot_finds_its_layout(recording, exported):
     """Files, columns, types and shapes as its description says, and rows that are those of the recording."""
     out, notes = exported("lerobot")

@@ -6,6 +6,7 @@ from typing import Any, TypeGuard
 import numpy as np
 import numpy.typing as npt
 from gymnasium import Space
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -17,6 +18,7 @@ from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
+from mimoc.runtime.spaces import with_limit
 from mimoc.runtime.world_infant import WorldInfant
 
 RESET_MASK = "reset_mask"
@@ -103,14 +105,30 @@ def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
 class InfantVectorEnv(VectorEnv[Any, Any, Any]):
     """What vector environments of infants on the CPU and on a device have in common."""
 
-    def _describe(self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode) -> None:
+    _spec: EnvSpec | None = None
+
+    def _limited_spec(self) -> EnvSpec | None:
+        """What Gymnasium says of it, if that has made it, with the limit of all episodes, if that is the same."""
+        limits = {min((steps for steps in (own, self._limit) if steps is not None), default=None) for own in self._own}
+        return with_limit(self._spec, *(limits if len(limits) == 1 else ()))
+
+    def _set_spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+
+    spec: Any = property(_limited_spec, _set_spec)
+
+    def _describe(
+        self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode, limit: int | None
+    ) -> None:
         """Say what is commanded and observed.
 
         Args:
             infants: The different ones; the first stands for all in what must be the same.
             spaces: What each of all infants observes; bounds may depend on strength, and so on age.
             mode: When an infant whose episode has ended is reset.
+            limit: Control steps after which any episode is truncated.
         """
+        self._limit, self._own = limit, tuple(infant.max_steps for infant in infants)
         self.autoreset_mode, self.num_envs = mode, len(spaces)
         self.metadata = {**infants[0].metadata, "autoreset_mode": mode}
         self.single_action_space = infants[0].action_space

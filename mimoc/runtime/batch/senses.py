@@ -1,16 +1,19 @@
 """The senses of many infants: read and observed as arrays of all of them where that can be, or one after another."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from mimoc.base.classes import class_name
 from mimoc.base.kinds import function_of
 from mimoc.runtime.batch.physics import ThreadedPhysics
 from mimoc.runtime.term import differing_field, stack_terms, take_rows
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
+from mimoc.senses.contract import check_rows
 from mimoc.senses.sense import Observation, Sample, Sense, Vector
 
 Read = Callable[[Worlds], Sequence[Sample]]
@@ -48,7 +51,7 @@ class BatchSense:
         if senses[0].term is not None:
             members, stacked = self._stacked[self.kinds[infants[0]]]
             term = take_rows(stacked, np.searchsorted(members, infants))
-            return lambda worlds: list(term(worlds))
+            return partial(_rows, self._name, term, len(infants))
         together = SENSES[self._name].many if self._name in SENSES else None
         if together and (read := function_of(together, "join")(senses)):
             return read
@@ -70,6 +73,14 @@ class BatchSense:
         for index, (sense, sample) in enumerate(zip(self._senses, samples, strict=True)):
             sense.write(sample, {name: array[index] for name, array in observation.items()})
         return observation
+
+
+def _rows(name: str, term: Any, infants: int, worlds: Worlds) -> list[Sample]:
+    """Return what the stacked term of a sense measures of each of some infants."""
+    samples = list(term(worlds))
+    if len(samples) != infants:
+        check_rows(f"sense '{name}': the term {class_name(term)}", np.array(samples), infants)
+    return samples
 
 
 def _kinds(senses: Sequence[Sense], models: Sequence[mujoco.MjModel]) -> list[int]:

@@ -68,12 +68,11 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             infants = self.infants = tuple(open_infant() for open_infant in openers)
         check_mixture(infants)
         self.render_mode = infants[0].render_mode
-        self._describe(infants, [infant.observation_space for infant in infants], AutoresetMode(autoreset_mode))
+        spaces = [infant.observation_space for infant in infants]
+        self._describe(infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
         self._schedule, self.steps_done = schedule, np.zeros(self.num_envs, int)
-        self._physics = ThreadedPhysics(
-            [infant.model for infant in infants], [infant.data for infant in infants], threads
-        )
+        self._physics = _physics_of(infants, threads)
         self._bind()
         self.closed = False
 
@@ -275,6 +274,23 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         for infant, state in zip(self.infants, states, strict=True):
             infant.set_state(state)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Support copying and pickling: each infant as it is kept alone, so that the copy goes on as this would."""
+        kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
+        infants = [(type(infant), infant.__getstate__()) for infant in self.infants]
+        return {**kept, "infants": infants, "threads": self._physics.threads}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        """Open the same infants again in their states; the eyes of the copy share OpenGL contexts of its own."""
+        infants, threads = kept.pop("infants"), kept.pop("threads")
+        self.__dict__.update(kept)
+        self._renderers = SharedRenderers()
+        with sharing(self._renderers):
+            self.infants = tuple(_restored(*infant) for infant in infants)
+        self._physics = _physics_of(self.infants, threads)
+        self._bind()
+        self.closed = False
+
     def close_extras(self, **kwargs: Any) -> None:
         """Close all infants and end the threads; what can still be read then is said at `InfantEnv.close`."""
         self._physics.close()
@@ -331,3 +347,18 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             for name, reading in first.items():
                 observation[name][infant] = reading
         self._ended[:] = False
+
+
+BOUND = {"infants", "closed", "_renderers", "_physics", "_senses", "_delayed", "_control_step", "_order"}
+"""Attributes that are not copied but made anew."""
+
+
+def _physics_of(infants: Sequence[InfantEnv], threads: int | None) -> ThreadedPhysics:
+    return ThreadedPhysics([infant.model for infant in infants], [infant.data for infant in infants], threads)
+
+
+def _restored(kind: type[InfantEnv], kept: dict[str, Any]) -> InfantEnv:
+    """Return the infant that was kept."""
+    infant = kind.__new__(kind)
+    infant.__setstate__(kept)
+    return infant

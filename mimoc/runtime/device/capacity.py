@@ -24,10 +24,10 @@ FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowT
 """The bit of each flag."""
 HARMLESS = int(mjw.OverflowType.EPA_HORIZON | mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS)
 LOSING = int(mjw.OverflowType.ALL) & ~HARMLESS
-NOT_FINITE, OVERFLOWED, ROWS, PAIRS, COUNTS = range(5)
-"""Places in a report of a control step: the last infant plus one whose commands were not finite; how many infants lost
-contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are more; then, of
-how many infants each flag was set, by its bit."""
+NOT_FINITE, NO_REWARD, OVERFLOWED, ROWS, PAIRS, COUNTS = range(6)
+"""Places in a report of a control step: the last infant plus one whose commands, and whose reward, were not finite; how
+many infants lost contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are
+more; then, of how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
 SHARED = [COUNTS + FLAGS[name] for name in ("broadphase", "narrowphase", "ccd")]
 """Places of the flags of the lists that all worlds share."""
@@ -40,19 +40,21 @@ def is_losing(worlds: Worlds) -> torch.Tensor:
     return (worlds.overflow & LOSING) != 0
 
 
-def report(worlds: Worlds, actions: torch.Tensor, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
+def report(
+    worlds: Worlds, actions: torch.Tensor, rewards: torch.Tensor, unstable: torch.Tensor, overflowed: torch.Tensor
+) -> torch.Tensor:
     """Return a report, shape (`LENGTH`,), of which infants are unstable and which lost contacts, and clear the flags.
 
     What an unstable infant would need is no measure of the room: all its geoms may be in one place.
     """
     flags = worlds.overflow
     numbers = torch.arange(1, len(flags) + 1, device=flags.device)
-    not_finite = (numbers * ~actions.isfinite().all(dim=1)).max()
+    not_finite = (numbers * ~actions.isfinite().all(dim=1)).max(), (numbers * ~rewards.isfinite()).max()
     used = (worlds.nefc * ~unstable).max(), torch.maximum(worlds.ncollision[0], worlds.nacon[0])
     bits = torch.arange(LENGTH - COUNTS, device=flags.device)
     counts = ((flags[:, None] >> bits) & ~unstable[:, None]).sum(dim=0)
     flags.zero_()
-    return torch.cat([torch.stack([not_finite, overflowed.sum(), *used]), counts])
+    return torch.cat([torch.stack([*not_finite, overflowed.sum(), *used]), counts])
 
 
 SPARE_CONTACTS, SPARE_CONSTRAINTS = 1.5, 2.0

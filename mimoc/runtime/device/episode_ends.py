@@ -19,7 +19,8 @@ from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
-from mimoc.tasks.task import FORCES, NO_REWARD, Change, CustomTask, Judgement, Task
+from mimoc.tasks.judgement import FORCES, NO_REWARD, Change, Judgement, check_term_judgement
+from mimoc.tasks.task import CustomTask, Task
 
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""
@@ -63,7 +64,7 @@ class EpisodeEnds:
         self.truncated = ((self.steps >= self.limits) | self.overflowed) & ~is_waiting
         self.finished = self.truncated | self.terminated
         """Whether an episode has ended in this very step."""
-        self.report = report(worlds, actions, self.unstable, self.overflowed)
+        self.report = report(worlds, actions, self.reward, self.unstable, self.overflowed)
         in_same_step = self._mode == AutoresetMode.SAME_STEP
         begins = is_waiting | (self.finished & in_same_step)
         self.ended = self.finished & (not in_same_step)
@@ -101,11 +102,19 @@ class DeviceTask:
                 raise DeviceError(f"the task observes '{name}' without remembering it; do, or leave out device")
         self._forced = put(first.task.forced)
         self._rows = {name: put(rows) for name, rows in rows_by_name(first.task.model_fields).items()}
+        self._is_checked = False
 
     def judge(self, worlds: Worlds, model: mjw.Model, actions: torch.Tensor) -> Judgement:
-        """Return the judgement of a control step of all worlds, with actions of shape (worlds, n)."""
+        """Return the judgement of a control step of all worlds, with actions of shape (worlds, n).
+
+        Raises:
+            KindError: If the first one has not the shapes that are expected.
+        """
         before = {name: values.clone() for name, values in self.memory.items()}
         judgement: Judgement = self._term(worlds, actions, before)
+        if not self._is_checked:
+            check_term_judgement(judgement, self._term, len(actions), before, {FORCES, *self._rows})
+            self._is_checked = True
         for name, values in judgement.memory.items():
             self.memory[name].copy_(values)
         for name, change in judgement.changes.items():

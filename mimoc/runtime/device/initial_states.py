@@ -20,7 +20,7 @@ from mimoc.runtime.device.vision.reader import VISION
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.objects import Objects
 from mimoc.senses.sense import IntArray
-from mimoc.tasks.task import FORCES, NOTHING
+from mimoc.tasks.judgement import FORCES, NOTHING
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""

@@ -16,7 +16,7 @@ from mimoc.runtime.device.arousal import DeviceArousal
 from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
 from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
 from mimoc.runtime.device.bound import Bound
-from mimoc.runtime.device.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
+from mimoc.runtime.device.capacity import COUNTS, FLAGS, NO_REWARD, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
 from mimoc.runtime.device.episode_ends import EpisodeEnds
 from mimoc.runtime.device.initial_states import (
     AS_BUILT,
@@ -191,7 +191,8 @@ class DeviceSimulation:
         """Count what did not fit in the last step, if that has not been done, and make more room where it was short.
 
         Raises:
-            DeviceError: If commands were not finite, or the room is as large as it gets and many infants lost contacts.
+            DeviceError: If commands or rewards were not finite, or the room is as large as it gets and many infants
+                lost contacts.
         """
         if self.ended.report is None:
             return
@@ -200,6 +201,9 @@ class DeviceSimulation:
             self.overflows[name] += int(report[COUNTS + bit])
         if report[NOT_FINITE]:
             raise DeviceError(f"the last actions of infant {report[NOT_FINITE] - 1} were not finite")
+        if report[NO_REWARD]:
+            task = self.bound.infants[0].task.class_name
+            raise DeviceError(f"task {task}: the last reward of infant {report[NO_REWARD] - 1} was no finite number")
         is_larger = self._make_room(self.room.after(report))
         if report[OVERFLOWED] > RARE * self.room.worlds and not is_larger:
             infants, room = self.ended.overflowed.nonzero(), self.room.present

@@ -106,7 +106,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self._starts: dict[StartOptions, InitialStates] = {AS_BUILT: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
             self.worlds.observe()
-        self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode)
+        self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode, max_episode_steps)
 
     @property
     def infants(self) -> tuple[InfantEnv, ...]:
@@ -278,6 +278,17 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self.np_random.bit_generator.state = choices
             self.worlds.observe()
             return self._observed()
+
+    def __reduce__(self) -> Any:
+        """Refuse copies and pickles.
+
+        Raises:
+            TypeError: Always.
+        """
+        raise TypeError(
+            "infants on a device cannot be copied or pickled; keep what get_state returns, and give it to set_state of "
+            "a new environment of the same infants"
+        )
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""

@@ -5,6 +5,7 @@ from concurrent.futures import as_completed
 from contextlib import closing
 from pathlib import Path
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, OutputError, PolicyError
 from mimoc.bundle.files import check_place, make_folder, remove, write_file
 from mimoc.compiler import pipeline
@@ -24,6 +25,7 @@ Job = tuple[Cell, str, int]
 """A cell, the policy for it, and how many episodes there are."""
 
 
+@takes("the name of a policy", str)
 def run_bench(
     policy: str,
     out: str | Path,
@@ -86,6 +88,7 @@ def run_bench(
     return entry
 
 
+@takes("the path of results", *PATH)
 def verify_bench(
     path: str | Path,
     tasks: Sequence[str] | None = None,

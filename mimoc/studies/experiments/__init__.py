@@ -6,6 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import get_args
 
+from mimoc.base.classes import takes
 from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
@@ -24,6 +25,7 @@ DEVELOPMENTS: Mapping[str, Development] = {
 """Law of development of the infants of each of the paper's experiments, unless another is asked for."""
 
 
+@takes("the name of an experiment", str)
 def run_experiment(
     name: str,
     folder: str | Path,

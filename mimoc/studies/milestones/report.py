@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from mimoc.base.classes import takes
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
@@ -210,6 +211,7 @@ class MilestoneReport:
         )
 
 
+@takes("a spec, or None", InfantSpec, type(None))
 def validate_milestones(
     spec: InfantSpec | None = None,
     conditions: Conditions | None = None,

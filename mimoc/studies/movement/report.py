@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
+from mimoc.base.classes import takes
 from mimoc.base.errors import UnknownNameError
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
@@ -208,6 +209,7 @@ class MovementReport:
         )
 
 
+@takes("a spec, or None", InfantSpec, type(None))
 def validate_movement(
     spec: InfantSpec | None = None,
     *,

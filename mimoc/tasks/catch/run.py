@@ -14,8 +14,9 @@ from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.tasks.catch import CatchEntry
+from mimoc.tasks.judgement import Judgement
 from mimoc.tasks.spec_base import BallEntry
-from mimoc.tasks.task import Judgement, Task
+from mimoc.tasks.task import Task
 
 SOLID_SPHERE = 2 / 5
 """Moment of inertia of a solid sphere, by mass and squared radius."""

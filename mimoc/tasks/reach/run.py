@@ -20,9 +20,10 @@ from mimoc.geometry.rotations import direction
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.judgement import NOTHING, Change, Judgement
 from mimoc.tasks.reach import ReachEntry
 from mimoc.tasks.spec_base import GazeEntry
-from mimoc.tasks.task import NOTHING, Change, Judgement, Task
+from mimoc.tasks.task import Task
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,9 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import check_contacts
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
+from mimoc.tasks.judgement import Judgement
 from mimoc.tasks.rollover import RolloverEntry
-from mimoc.tasks.task import Judgement, SquaredCommands, Task
+from mimoc.tasks.task import SquaredCommands, Task
 
 
 @dataclass(frozen=True)

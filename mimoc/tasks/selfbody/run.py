@@ -12,8 +12,9 @@ from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import IntArray
+from mimoc.tasks.judgement import Judgement
 from mimoc.tasks.selfbody import SelfbodyEntry
-from mimoc.tasks.task import Judgement, Task
+from mimoc.tasks.task import Task
 
 GOAL = "goal"
 """What is remembered and observed: 1 for the part that is to be touched, 0 for all others."""

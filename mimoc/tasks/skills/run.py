@@ -15,8 +15,9 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.judgement import FORCES, Change, Judgement
 from mimoc.tasks.skills import BoundEntry, Measure, RewardEntry, SkillEntry
-from mimoc.tasks.task import FORCES, Change, Judgement, Task
+from mimoc.tasks.task import Task
 
 MEASURES: tuple[str, ...] = get_args(Measure)
 BODY_MEASURES = MEASURES[:-2]
@@ -66,7 +67,7 @@ class BodyMeasures(Term):
 
     def way_of(self, worlds: Worlds, heading: Any) -> Any:
         """Return where each hip is on the way along its heading, shape (k, 2), or to its left, in [m]."""
-        place_m = worlds.xpos[:, self.trunk[0], :]
+        place_m = _rows_of(worlds, "xpos", self.trunk)[:, 0, :]  # `rows[0]` in an index waits for a device.
         if self.is_left:
             return place_m[:, 1] * heading[:, 0] - place_m[:, 0] * heading[:, 1]
         return place_m[:, 0] * heading[:, 0] + place_m[:, 1] * heading[:, 1]

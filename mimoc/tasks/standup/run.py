@@ -9,8 +9,9 @@ from mimoc.actuation.binding import command_range
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
+from mimoc.tasks.judgement import Judgement
 from mimoc.tasks.standup import StandupEntry
-from mimoc.tasks.task import Judgement, SquaredCommands, Task
+from mimoc.tasks.task import SquaredCommands, Task
 
 
 @dataclass(frozen=True)

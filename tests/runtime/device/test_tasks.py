@@ -1,5 +1,6 @@
 """A task from outside that is a term runs on one infant, on many and on a device, from one definition."""
 
+import copy
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ from support.devices import DEVICE
 
 import mimoc
 from mimoc.actuation.binding import command_range
+from mimoc.base.errors import KindError
 from mimoc.base.kinds import TaskKind
 from mimoc.base.model_fields import ModelField
 from mimoc.runtime.device.signals import DeviceError
@@ -185,3 +187,38 @@ class Blinking(MonthsTask):
 def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out():
     with pytest.raises(DeviceError, match="the task observes 'light' without remembering it"):
         mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 2, device=DEVICE, task=Blinking())
+
+
+@dataclass(frozen=True)
+class Broken(Term):
+    """A reward that is no number, of the second infant."""
+
+    def __call__(self, worlds: Any, action: Any, memory: Any) -> Judgement:
+        number = worlds.xp.cumulative_sum(worlds.xp.ones_like(worlds.qpos[:, 0]), axis=0)
+        return Judgement({"root": worlds.xp.sqrt(1.5 - number)})
+
+
+class Flat(Term):
+    """A reward for all infants together."""
+
+    def __call__(self, worlds: Any, action: Any, memory: Any) -> Judgement:
+        return Judgement({"height": worlds.xpos[:1, 1, 2]})
+
+
+def test_rewards_are_finite_numbers_of_each_infant():
+    """The step after it tells of a NaN, as reading it at once would stop the device; shapes are known at once."""
+    infant = build(9, scene={"kind": "flat", "pose": "sitting"})
+    envs = mimoc.make_vec(infant, 2, device=DEVICE, task=Task(term=Broken()))
+    envs.reset(seed=0)
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    envs.step(actions)
+    with pytest.raises(DeviceError, match=r"task mimoc\.tasks\.task:Task: the last reward of infant 1 was no finite"):
+        envs.step(actions)
+    with pytest.raises(TypeError, match="infants on a device cannot be copied or pickled"):
+        copy.deepcopy(envs)
+    envs.close()
+    envs = mimoc.make_vec(infant, 2, device=DEVICE, task=Task(term=Flat()))
+    envs.reset(seed=0)
+    with pytest.raises(KindError, match=r"the term .*test_tasks:Flat: the term 'height' of its reward"):
+        envs.step(actions)
+    envs.close()

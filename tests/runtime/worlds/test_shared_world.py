@@ -166,6 +166,17 @@ def test_a_state_is_restored_and_copies_go_on_alike(env):
             assert_alike(observed[name], again[name])
 
 
+def test_pettingzoo_gets_the_physics_of_the_whole_world_as_its_state(env):
+    env.reset(seed=1)
+    env.step(sampled(env, 0))
+    state, data = env.state(), env.data
+    assert env.state_space.contains(state)
+    assert state.dtype == env.state_space.dtype == np.float32
+    assert np.array_equal(state, np.float32(np.concatenate([data.qpos, data.qvel, data.act])))
+    env.step(sampled(env, 1))
+    assert not np.array_equal(env.state(), state)  # The arrays are the caller's own.
+
+
 def test_what_is_no_state_of_the_world_changes_nothing(env):
     env.reset(seed=1)
     before = env.get_state()
@@ -245,6 +256,30 @@ def test_objects_of_a_script_are_for_infants_by_name(pair):
         SharedWorld(pair, tasks={"kim": Short()})
     with pytest.raises(KindError):
         SharedWorld(pair, tasks={"anna": Short})
+
+
+def test_keys_of_a_file_can_be_said_of_specs_by_name_as_the_page_prints_it():
+    spec = mimoc.InfantSpec(mimoc=1, name="a", age_months=9, senses={})
+    made = mimoc.make_parallel({"anna": spec, "ben": spec}, scene={"kind": "crib"}, name="two")
+    assert made.bundle.manifest.name == "two"
+    assert any(made.model.geom(index).name.startswith("crib") for index in range(made.model.ngeom))
+    made.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "message"),
+    [
+        ({"task": 1}, UnknownNameError, "'task' is not a keyword of make_parallel; did you mean 'tasks'"),
+        ({"max_episode_steps": 5}, UnknownNameError, "'max_episode_steps' is not a keyword of make_parallel"),
+        ({"scene": {"kind": "room"}}, MimocError, "scene can be said of specs by name only; this world says so itself"),
+        ({"tasks": mimoc.Task()}, KindError, "tasks is .*; pass a dictionary of objects by the name of an infant"),
+        ({"senses": {"anna": abs}}, KindError, "senses is .*; pass a dictionary of objects by the name of their"),
+        ({"companions": {"anna": abs}}, KindError, "companions is .*; pass a dictionary of objects by name"),
+    ],
+)
+def test_options_of_a_world_that_are_none_are_told_in_one_line(pair, options, kind, message):
+    with pytest.raises(kind, match=message):
+        mimoc.make_parallel(pair, **options)
 
 
 def test_a_closed_world_says_so(pair):

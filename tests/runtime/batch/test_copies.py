@@ -1,0 +1,139 @@
+"""Copies and pickles of vector environments, and what their models leave out."""
+
+import copy
+import pickle
+import subprocess
+import sys
+from typing import Any
+
+import cloudpickle
+import numpy as np
+import pytest
+from gymnasium.spaces import Box
+from support import store
+
+import mimoc
+
+SENSES = {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.3}}
+SPEC = mimoc.InfantSpec.model_validate(
+    {"mimoc": 1, "name": "a", "age_months": 9, "senses": SENSES, "delays": {"preset": "physiological"}}
+)
+IN_A_PROCESS = """
+import pickle, sys
+import numpy as np
+envs = pickle.load(sys.stdin.buffer)
+rng = np.random.default_rng(1)
+actions = [rng.uniform(-1, 1, envs.action_space.shape).astype(np.float32) for _ in range(8)]
+pickle.dump([envs.step(action)[:4] for action in actions], sys.stdout.buffer)
+"""
+
+
+def steps(envs: Any, count: int, seed: int) -> list[Any]:
+    """Return what some random steps give."""
+    rng = np.random.default_rng(seed)
+    return [envs.step(rng.uniform(-1, 1, envs.action_space.shape).astype(np.float32))[:4] for _ in range(count)]
+
+
+def same(ours: list[Any], theirs: list[Any]) -> bool:
+    """Return whether all numbers of some steps are the same."""
+    return all(
+        np.array_equal(one[0][name], other[0][name])
+        and all(np.array_equal(*pair) for pair in zip(one[1:], other[1:], strict=True))
+        for one, other in zip(ours, theirs, strict=True)
+        for name in one[0]
+    )
+
+
+@pytest.fixture(scope="module")
+def bundle() -> mimoc.Bundle:
+    return store.built(SPEC)
+
+
+def test_copies_go_on_as_the_original_does_across_the_ends_of_episodes(bundle):
+    envs = mimoc.make_vec(bundle, 3, threads=1, max_episode_steps=6)
+    envs.reset(seed=0)
+    steps(envs, 3, seed=0)
+    others = copy.deepcopy(envs), pickle.loads(pickle.dumps(envs)), cloudpickle.loads(cloudpickle.dumps(envs))
+    expected = steps(envs, 10, seed=1)
+    for other in others:
+        assert same(steps(other, 10, seed=1), expected)
+        other.close()
+    envs.close()
+
+
+def test_infants_of_several_ages_are_copied_with_what_they_are_made_of():
+    envs = mimoc.make_vec([SPEC, SPEC.with_(age_months=6)], 2, threads=1)
+    other = pickle.loads(pickle.dumps(envs))
+    for each in (envs, other):
+        each.reset(seed=5)
+        each.grow(to=[10, None])
+    assert other.get_attr("age_months") == (10.0, 6.0)
+    assert same(steps(other, 3, seed=0), steps(envs, 3, seed=0))
+    envs.close()
+    other.close()
+
+
+def test_a_pickle_goes_on_in_another_process(bundle):
+    envs = mimoc.make_vec(bundle, 2, threads=1)
+    envs.reset(seed=0)
+    steps(envs, 2, seed=0)
+    done = subprocess.run(
+        [sys.executable, "-c", IN_A_PROCESS], input=pickle.dumps(envs), capture_output=True, check=True, timeout=120
+    )
+    assert same(pickle.loads(done.stdout), steps(envs, 8, seed=1))
+    envs.close()
+
+
+def test_a_copy_of_a_closed_one_is_open(bundle):
+    envs = mimoc.make_vec(bundle, 2, threads=1)
+    envs.close()
+    other = copy.deepcopy(envs)
+    assert not other.closed
+    other.reset(seed=0)
+    other.close()
+
+
+def test_models_that_nothing_draws_have_no_textures_and_simulate_the_same(bundle):
+    envs, alone = mimoc.make_vec(bundle, 2, threads=1), mimoc.InfantEnv(bundle)
+    plain, full = envs.infants[1].model, alone.model
+    assert plain.ntexdata < 1000 < full.ntexdata
+    assert plain.nbuffer < full.nbuffer / 5
+    for name in dir(full):
+        values = getattr(full, name)
+        if isinstance(values, np.ndarray) and not name.startswith(("tex_", "_")):
+            np.testing.assert_array_equal(getattr(plain, name), values, name)
+    envs.reset(seed=[7, 7])
+    alone.reset(seed=7)
+    action = envs.action_space.sample()
+    observed, expected = envs.step(action)[0], alone.step(action[1])[0]
+    assert all(np.array_equal(observed[name][1], expected[name]) for name in expected)
+    alone.set_state(envs.infants[1].get_state())
+    envs.close()
+    alone.close()
+
+
+class Clock:
+    """A sense that might draw."""
+
+    space = Box(0.0, 1.0, (1,), np.float32)
+
+    def __call__(self, data: Any) -> Any:
+        return np.array([data.time])
+
+
+@pytest.mark.parametrize(
+    "options", [{"render_mode": "rgb_array"}, {"senses": {"clock": Clock()}}], ids=["env", "sense"]
+)
+def test_models_that_something_may_draw_keep_their_textures(bundle, options):
+    envs = mimoc.make_vec(bundle, 2, threads=1, **options)
+    assert envs.infants[1].model.ntexdata > 100_000
+    envs.close()
+
+
+def test_a_plain_texture_has_the_mean_colour(bundle):
+    plain, full = mimoc.make_vec(bundle, 1).infants[0].model, mimoc.InfantEnv(bundle).model
+    for index in range(full.ntex):
+        start, size = full.tex_adr[index], full.tex_height[index] * full.tex_width[index] * full.tex_nchannel[index]
+        mean = full.tex_data[start : start + size].reshape(-1, full.tex_nchannel[index]).mean(axis=0)
+        at = plain.tex_adr[index]
+        assert plain.tex_data[at : at + 3] == pytest.approx(mean[:3], abs=1.0)

@@ -1,0 +1,144 @@
+"""Every public function takes each kind of environment, or says in one line why not."""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import gymnasium
+import pytest
+from gymnasium.error import ClosedEnvironmentError
+
+import mimoc
+from mimoc.base.errors import MissingExtraError
+
+SPEC = mimoc.InfantSpec(mimoc=1, name="kim", age_months=9, senses={"proprioception": {}})
+NONE = "no environment is given to it"
+
+USES: dict[str, str | Callable[[Any], Any]] = {
+    **dict.fromkeys(("Camera", "Caregiver", "Cohort", "Companion", "Gains", "InfantSpec", "Judgement"), NONE),
+    **dict.fromkeys(("MimocError", "PointRecording", "Task", "Term", "Verdict", "View", "__version__"), NONE),
+    **dict.fromkeys(("Bundle", "WorldBundle", "growth_schedule"), NONE),
+    "GazeTask": lambda env: mimoc.GazeTask("eye_left", env),
+    "GrowthWrapper": lambda env: mimoc.GrowthWrapper(env, lambda steps: 9.0),
+    "InfantEnv": lambda env: mimoc.InfantEnv(env),
+    "InverseDynamics": lambda env: mimoc.InverseDynamics(env, env, env),
+    "OrientationTask": lambda env: mimoc.OrientationTask("head", env),
+    "PositionTask": lambda env: mimoc.PositionTask("right_hand", env),
+    "Posture": lambda env: mimoc.Posture(env),
+    "Recorder": lambda env: mimoc.Recorder(env, f"recorded_{id(env)}").recording.close(),
+    "build": lambda env: mimoc.build(env),
+    "build_world": lambda env: mimoc.build_world(env),
+    "evaluate": lambda env: mimoc.evaluate(env, "random", episodes=1, steps_per_episode=2),
+    "export_recording": lambda env: mimoc.export_recording(env, "csv", "exported"),
+    "load_policy": lambda env: mimoc.load_policy(env),
+    "load_spec": lambda env: mimoc.load_spec(env),
+    "make": lambda env: mimoc.make(env),
+    "make_parallel": lambda env: mimoc.make_parallel(env),
+    "make_vec": lambda env: mimoc.make_vec(env),
+    "measure_movement": lambda env: mimoc.measure_movement(env),
+    "measure_recordings": lambda env: mimoc.measure_recordings(env),
+    "policy_vec": lambda env: mimoc.policy_vec("random", env),
+    "read_bundle": lambda env: mimoc.read_bundle(env),
+    "read_cohort": lambda env: mimoc.read_cohort(env),
+    "read_points": lambda env: mimoc.read_points(env),
+    "read_recording": lambda env: mimoc.read_recording(env),
+    "read_retargeted": lambda env: mimoc.read_retargeted(env),
+    "read_world_bundle": lambda env: mimoc.read_world_bundle(env),
+    "record": lambda env: mimoc.record(env, "random", "film.gif", steps=1, height_px=48),
+    "register": lambda env: mimoc.register(env),
+    "replay_recording": lambda env: list(mimoc.replay_recording(env)),
+    "report": lambda env: mimoc.report(env, "report.html"),
+    "retarget": lambda env: mimoc.retarget(env),
+    "rsl_rl_env": lambda env: mimoc.rsl_rl_env([env]),
+    "run_bench": lambda env: mimoc.run_bench(env, "results.json"),
+    "run_experiment": lambda env: mimoc.run_experiment(env, "experiment"),
+    "sb3_vec_env": lambda env: mimoc.sb3_vec_env(env),
+    "torque_limits": lambda env: mimoc.torque_limits(env),
+    "train": lambda env: mimoc.train(env, "run"),
+    "validate_milestones": lambda env: mimoc.validate_milestones(env),
+    "validate_movement": lambda env: mimoc.validate_movement(env),
+    "verify_bench": lambda env: mimoc.verify_bench(env),
+    "view": lambda env: mimoc.view(env),
+    "world_vec_env": lambda env: mimoc.world_vec_env(env),
+    "write_bundle": lambda env: mimoc.write_bundle(env, "written"),
+    "write_points": lambda env: mimoc.write_points(env, "points.csv"),
+    "write_retargeted": lambda env: mimoc.write_retargeted(env, "retargeted"),
+}
+"""What each public name does with an environment, or that it gets none."""
+
+WORKS: set[tuple[str, str]] = {
+    *(("one", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
+    *(("wrapped", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
+    *(("many", name) for name in ("Recorder", "policy_vec")),
+    *(("closed", name) for name in ("GrowthWrapper", "Recorder")),
+    *(("many that are closed", name) for name in ("Recorder", "policy_vec")),
+    ("a world", "world_vec_env"),
+}
+"""What works where the libraries are that it needs; all else says why it does not."""
+SLOW = {(kind, "view") for kind in ("one", "wrapped", "closed")}
+"""What works, too, and is tried where pages are tested."""
+MISSING = "a library is missing"
+
+
+def closed(env: Any) -> Any:
+    """Return an environment that was closed."""
+    env.close()
+    return env
+
+
+@pytest.fixture(scope="module")
+def environments() -> Iterator[dict[str, Any]]:
+    """Return an environment of each kind."""
+    bundle = mimoc.build(SPEC)
+    kinds = {
+        "one": mimoc.InfantEnv(bundle),
+        "wrapped": gymnasium.wrappers.FlattenObservation(mimoc.make(bundle, max_episode_steps=5)),
+        "many": mimoc.make_vec(bundle, 2),
+        "a world": mimoc.make_parallel({"anna": SPEC, "ben": SPEC}),
+        "closed": closed(mimoc.make(bundle)),
+        "many that are closed": closed(mimoc.make_vec(bundle, 2)),
+        "somebody else's": gymnasium.make("CartPole-v1"),
+    }
+    yield kinds
+    for env in kinds.values():
+        with suppress(Exception):
+            env.close()
+
+
+def test_no_public_name_is_forgotten():
+    assert sorted(USES) == sorted(mimoc.__all__)
+
+
+@pytest.mark.parametrize("name", sorted(name for name, use in USES.items() if use is not NONE))
+def test_it_works_or_says_in_one_line_why_not(environments, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    use: Any = USES[name]
+    for kind, env in environments.items():
+        if (kind, name) not in SLOW:
+            said = reason(use, env)
+            assert (said is None) == ((kind, name) in WORKS) or said == MISSING, f"{name} of {kind}: {said}"
+
+
+def reason(use: Callable[[Any], Any], env: Any) -> str | None:
+    """Return why something does not work, in one line that a user can act on; None if it does."""
+    try:
+        use(env)
+    except MissingExtraError:
+        return MISSING
+    except (mimoc.MimocError, TypeError, ClosedEnvironmentError) as error:
+        said = str(error)
+    else:
+        return None
+    is_sentence = "\n" not in said and len(said.split()) > 4
+    is_raw = "object has no attribute" in said or "os.PathLike" in said
+    return said if is_sentence and not is_raw else pytest.fail(said)
+
+
+@pytest.mark.parametrize("name", ["evaluate", "record"])
+def test_what_is_for_one_infant_names_what_to_use_instead(environments, name):
+    use: Any = USES[name]
+    for kind, what in (("many", "BatchEnv, a vector environment"), ("a world", "a world with several infants")):
+        with pytest.raises(
+            TypeError, match=f"^{name}: expected an environment of mimoc's, got .*{what}; make one with"
+        ):
+            use(environments[kind])
