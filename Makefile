@@ -173,7 +173,7 @@ $(FULL): $(TEST)
 	@echo "MuJoCo Warp, pyright, Sphinx. A CPU build of PyTorch needs about 1 GB and a few minutes; if none is available, a"
 	@echo "CUDA build needs about 6 GB and ten minutes."
 	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
-	$(BIN)/pip install --editable '.[report,toys,train,gpu,live,test,test-all,docs]'
+	$(BIN)/pip install --editable '.[report,toys,train,gpu,live,test,dev,docs]'
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.

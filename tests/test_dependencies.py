@@ -13,7 +13,7 @@ import mimoc
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-TOOLS = {"test", "test-all", "pages", "docs"}
+TOOLS = {"test", "pages", "docs", "dev"}
 """What mimoc itself does not import."""
 EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in TOOLS}
 MODULES = {

@@ -75,8 +75,12 @@ def test_the_wheel_says_what_it_is(wheel):
         assert any(name.endswith("/LICENSE") for name in archive.namelist())
     assert (metadata["Name"], metadata["Version"]) == ("mimoc", mimoc.__version__)
     assert metadata["License-Expression"] == "MIT"
-    of_users = {"multi", "report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "live"}
-    extras = of_users | {"test", "test-all", "pages", "docs"}
+    extras = {"multi", "report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "live"} | {
+        "test",
+        "pages",
+        "docs",
+        "dev",
+    }
     assert set(metadata.get_all("Provides-Extra") or ()) == extras
 
 

@@ -172,7 +172,7 @@ class Builder:
         manifest = self.manifest_of(seed, furnished)
         files = {
             **self.files,
-            **self.mjcf_of(furnished),
+            **printing.render_world(furnished.scene, self._inhabitant),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
             PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
