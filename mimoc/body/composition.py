@@ -19,7 +19,6 @@ ranges of joints, fists and grasp. Size, proportions, delays, noise and acuity f
 from dataclasses import dataclass
 from statistics import NormalDist
 
-from mimoc.body.measurements import birth_keys
 from mimoc.fits import Measurements, fat, preterm
 from mimoc.schema.body import FAT, IndividualSpec
 from mimoc.schema.infant import InfantSpec
@@ -49,7 +48,7 @@ AVERAGE = Composition()
 
 def composition(child: Measurements, spec: InfantSpec) -> Composition:
     """Return the composition of a spec's child that has been measured."""
-    individual, early = spec.body.individual or IndividualSpec.model_construct(), birth_keys(spec)
+    individual, early = spec.body.individual or IndividualSpec.model_construct(), spec.birth_keys
     if spec.body.individual is None and not early:
         return AVERAGE
     usual, percent = fat.mean_percent(child.age_months), _fat_percent(child, individual, spec.months_early)

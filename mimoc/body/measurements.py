@@ -99,14 +99,9 @@ def birth_targets(spec: InfantSpec, average: Measurements, weigh: Weigh, height:
         length_m=cm_to_m(smaller("length_cm", m_to_cm(height(average)))),
         weight_kg=smaller("weight_kg", weigh(average)),
         head_m=cm_to_m(smaller("head_circumference_cm", m_to_cm(average["head_circumference"]))),
-        keys=birth_keys(spec),
+        keys=spec.birth_keys,
         why="as children born as early usually have it (Johnson et al. 2011, S; how they catch up, D)",
     )
-
-
-def birth_keys(spec: InfantSpec) -> tuple[str, ...]:
-    """Return the key of a spec that says how early its child was born, if one does."""
-    return (f"spec.impairments.{spec.impairments.birth_key}",) if spec.impairments and spec.months_early else ()
 
 
 def measure_individual(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Measurements:

@@ -6,7 +6,6 @@ from typing import Any
 from mimoc import fits
 from mimoc.actuation.build_setup import ActuationSetup, Origin
 from mimoc.base.units import deg_to_rad
-from mimoc.body.measurements import birth_keys
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
 from mimoc.body.tree import BodyTree
@@ -195,7 +194,7 @@ def trace_child(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]
 
 def trace_birth(spec: InfantSpec) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for how early a child was born, by which the age of all that matures is corrected."""
-    if keys := birth_keys(spec):
+    if keys := spec.birth_keys:
         rule = "from birth to 40 weeks of gestation; strength, joints, delays and acuity are those of the age less this"
         yield "child.months_early", Origin(rule, keys, "months").entry(spec.months_early)
 

@@ -124,6 +124,11 @@ class InfantKeys(FileModel):
         return self.impairments.months_early if self.impairments else 0.0
 
     @property
+    def birth_keys(self) -> tuple[str, ...]:
+        """The key that says how early the child was born, if one does."""
+        return (f"spec.impairments.{self.impairments.birth_key}",) if self.impairments and self.months_early else ()
+
+    @property
     def corrected_age_months(self) -> float:
         """Age of what matures with it: that since term of a child that was born before, else since birth."""
         return self.age_months - self.months_early
