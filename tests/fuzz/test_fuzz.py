@@ -15,6 +15,7 @@ LATER = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=LATER.get(name, ())) for name in FUZZERS])
+@pytest.mark.filterwarnings("ignore:the task of .* does not limit its episodes")
 def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
     """It is used, or refused in clear lines, and no file outside of it is opened."""
     made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)
