@@ -9,6 +9,7 @@ from typing import Any
 from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
 from mimoc.motion import FORMATS
+from mimoc.motion.joint_motion import MOTION
 from mimoc.motion.reading import read_again, read_points
 from mimoc.movement.filming import Filmed, noted
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
@@ -80,7 +81,7 @@ def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progre
 
 def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
     if (path / POINTS).is_file():
-        child = read_infant(path).manifest.child if (path / RECORDING).is_file() else None
+        child = read_infant(path).manifest.child if (path / MOTION).is_file() else None
         return [noted(Filmed(read_again(path / POINTS)), child)]
     if (path / RECORDING).is_file():
         return [*film_recording(path, progress)]
