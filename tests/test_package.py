@@ -74,6 +74,7 @@ def test_running_a_bundle_loads_nothing_that_compiles(folder):
 MAKE = "env = gymnasium.make({name!r}, bundle={folder!r}); print(json.dumps(list(env.reset(seed=0)[0])))"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("imports", "name"),
     [

@@ -217,6 +217,7 @@ def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
     rmtree(checkout / "out", ignore_errors=True)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("page", [pytest.param(page, marks=MARKS.get(page, ())) for page in PAGES])
 def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
     followed = []

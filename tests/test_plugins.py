@@ -179,6 +179,7 @@ def senses(plugins: str | None, monkeypatch) -> tuple[list[str], str]:
     return process.stdout.split(), process.stderr
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("plugins", "is_known"),
     [(None, True), ("none", False), ("", False), ("Mimoc_Foreign", True), ("numpy", False)],
@@ -190,6 +191,7 @@ def test_a_variable_names_the_plug_ins_that_are_used(plugins, is_known, foreign,
     assert ("MIMOC_PLUGINS: no installed package 'numpy' has plug-ins" in printed) == (plugins == "numpy")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

@@ -28,6 +28,7 @@ MACHINES = {
 """Names of kernels of OpenBLAS; where NumPy has another library, they change nothing."""
 
 
+@pytest.mark.full
 @pytest.mark.matrix
 @pytest.mark.parametrize("machine", full_but(list(MACHINES)[:1], MACHINES))
 def test_bundles_are_the_same_to_the_byte_on(machine, tmp_path):

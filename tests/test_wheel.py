@@ -84,12 +84,14 @@ def test_the_wheel_says_what_it_is(wheel):
     assert set(metadata.get_all("Provides-Extra") or ()) == extras
 
 
+@pytest.mark.full
 def test_mimoc_comes_from_the_wheel(run, installed):
     assert CHECKOUT not in installed.parents
     assert (installed / "data/anthrokids.csv").is_file()
     assert not run("python", "-c", f"import sys; print([p for p in sys.path if p == {str(CHECKOUT)!r}] or '')").strip()
 
 
+@pytest.mark.full
 def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tmp_path):
     out = tmp_path / "infant"
     assert str(out) in run("mimoc", "build", installed / "configs/nine_months.yaml", "-o", out)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 PLAIN_S, PLAIN_SHARE = 30.0, 1 / 10
 """Least time between two lines of progress, in seconds and as a share of the time so far."""
-PIPE_WIDTH = 250
+PIPE_WIDTH = 260
 """Width of the output when it is piped: wide enough that lines are not broken, for `grep`."""
 
 

@@ -110,6 +110,7 @@ def time_of_stroke_s(infant, stroke):
     return data.time
 
 
+@pytest.mark.full
 def test_servos_need_no_activation_to_be_as_slow_as_muscles():
     """On average over joints and ages, though single servos are faster; the target of a servo lags by 30 ms."""
     strokes_s = {

@@ -38,6 +38,7 @@ def infant(model, hands, age_months=9, **actuation):
     return store.built(spec)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("model", ACTUATIONS)
 def test_gymnasium_has_nothing_against_it(model, hands):
     check_env(mimoc.make(infant(model, hands)).unwrapped)

@@ -90,6 +90,7 @@ def test_it_is_built_run_and_checked(weak):
     assert 0 < env.effort() < 1
 
 
+@pytest.mark.full
 def test_strength_follows_what_was_asked(weak):
     for joint, limits_nm in mimoc.torque_limits(weak).items():
         assert limits_nm == pytest.approx(0.25 * np.array(mimoc.torque_limits(infant("torque"))[joint])), joint

@@ -88,6 +88,7 @@ IN_THE_LAP = 6, {"length": 1, "weight": 1, "head": 99}, "sitting"
 """The start poses of these children are known to have hands in their thighs (docs/development.md)."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("sex", full_but(SEXES[:1], SEXES))
 @pytest.mark.parametrize(("hands", "ages_months"), [("mitten", (0, 6, 24)), ("five_finger", (0,))])
 @pytest.mark.slow

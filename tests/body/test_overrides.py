@@ -174,6 +174,7 @@ def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
                         assert (stronger.gear_nm > motor.gear_nm) == mine
 
 
+@pytest.mark.full
 @given(
     st.floats(0, 24),
     st.fixed_dictionaries(

@@ -46,6 +46,7 @@ def written(bundle, pointer: str) -> list[float]:
     return [[float(word) for word in text.split()] for text in attributes]
 
 
+@pytest.mark.full
 def test_every_number_is_the_one_in_the_xml(bundle, entries):
     """A part's mass is the sum of its geoms', all others stand there as they are."""
     pointers = {key: entry["xml"] for key, entry in entries.items() if "xml" in entry}

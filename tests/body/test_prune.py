@@ -120,6 +120,7 @@ def _check_rest(bundle: mimoc.Bundle, remove) -> None:
         assert data.contact.dist.min() > -DEPTH_M, (remove, model.key(key).name)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("hands", "side"),
     full_rows([("mitten", "left"), ("mitten", "right")], [("five_finger", "left"), ("five_finger", "right")]),
@@ -139,6 +140,7 @@ def mjcf_bodies(xml: etree._Element) -> set[str]:
 PAIRS = [(hands, pair) for hands in HANDS for pair in combinations(limb_bodies(hands), 2)]
 
 
+@pytest.mark.full
 @settings(max_examples=10)
 @given(removed=st.sampled_from(PAIRS))
 def test_any_two_limbs_can_be_missing(whole, removed):

@@ -21,6 +21,7 @@ values = arrays.arrays(
 )
 
 
+@pytest.mark.full
 @given(st.dictionaries(names, values, max_size=4))
 def test_what_is_unpacked_is_what_was_packed(packed):
     found = unpack_arrays(pack_arrays(packed))

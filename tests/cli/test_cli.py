@@ -53,6 +53,7 @@ def test_validate_prints_every_month_and_a_verdict(invoke, here):
     assert "ok: within one SD" in done.out
 
 
+@pytest.mark.full
 def test_validate_gives_numbers_to_other_programs(invoke, here, one_age):
     done = invoke("validate", one_age, "--json", "--plot", "growth.png")
     report = json.loads(done.out)
@@ -66,6 +67,7 @@ BROAD = "mimoc: 1\nname: kim\nage_months: 7\nbody: {measurements: {upper_arm_cir
 VALIDATED = [("who", ""), ("who", SMALL), ("who", BROAD), ("anthrokids", ""), ("anthrokids", BROAD)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("against", "text"), full_rows([("who", ""), ("anthrokids", BROAD)], VALIDATED))
 def test_tables_of_validate_fit_80_columns_and_have_no_empty_column(invoke, here, against, text):
     Path("kim.yaml").write_text(text)
@@ -90,6 +92,7 @@ def test_movement_is_tried_at_the_ages_asked_for_and_fails_outside_its_windows(i
     assert json.loads(invoke("validate", "--against", "movement", "--json").out)["passed"] is False
 
 
+@pytest.mark.full
 def test_trials_of_movement_are_those_asked_for(invoke, here):
     done = invoke("validate", "--against", "movement", "--trials", "rest,damping", "--ages", "0", "--json")
     assert list(json.loads(done.out)["trials"]) == ["rest", "damping"]

@@ -34,6 +34,7 @@ def told(out: str) -> list[str]:
     return [line for line in out.splitlines() if "steps/s" not in line and "files" not in line and "s of" not in line]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name != "train"])
 def test_a_spec_a_piped_spec_and_its_bundle_do_the_same(command, run):
     Path("piped.yaml").write_text(SPEC)

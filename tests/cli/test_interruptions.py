@@ -50,6 +50,7 @@ def imports_of_a_build(tmp_path_factory):
     return many - int(done.stderr)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("number", CODES)
 @pytest.mark.parametrize("share", [0.05, 0.2, 0.5, 0.9])
 def test_a_command_ends_quietly_while_it_loads(imports_of_a_build, share, number, tmp_path):

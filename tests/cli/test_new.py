@@ -89,6 +89,7 @@ def answered(spec: str, *answers: str) -> tuple[int, str]:
     return running.returncode, shown.decode().replace("\r\n", "\n")
 
 
+@pytest.mark.full
 def test_a_terminal_is_asked_again_where_an_answer_is_wrong_and_keeps_the_others(here):
     wrong = ("99", "1e999", "old", "7.5", "paws", "five_finger", "", "sight", "touch, vision", "crib", "lying", "prone")
     code, shown = answered("kim.yaml", *wrong)
@@ -108,6 +109,7 @@ def test_a_terminal_is_asked_again_where_an_answer_is_wrong_and_keeps_the_others
     assert [error[: len(start)] for error, start in zip(errors, starts, strict=True)] == starts, errors
 
 
+@pytest.mark.full
 def test_a_terminal_that_accepts_everything_gets_what_no_terminal_gets(invoke, here):
     assert answered("asked.yaml")[0] == 0
     assert invoke("new", "unasked.yaml").code == 0

@@ -31,6 +31,7 @@ def points(tmp_path_factory):
     return mimoc.write_points(mirrored, tmp_path_factory.mktemp("points") / "kim.npz")
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_mirrored_recording_becomes_a_child_that_moves(points, tmp_path, invoke):
     out = tmp_path / "kim"

@@ -20,11 +20,13 @@ SPEC = str(Path(__file__).parents[2] / "configs" / "nine_months.yaml")
 ESCAPE = "\x1b"
 
 
+@pytest.mark.full
 def test_python_dash_m_is_the_same_command(invoke, built, here):
     assert finished("--version") == invoke("--version")
     assert finished("explain", built, "body.left_foot.mass") == invoke("explain", built, "body.left_foot.mass")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("arguments", ["run {built} --steps 1000000000", "validate"])
 def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
     """In a terminal, once its progress bar has moved."""
@@ -43,6 +45,7 @@ def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
     assert b"Traceback" not in shown
 
 
+@pytest.mark.full
 def test_progress_is_for_the_terminal_and_results_are_for_the_pipe(built):
     """Also what is printed while the bar moves."""
     ours, theirs = pty.openpty()
@@ -56,10 +59,12 @@ def test_progress_is_for_the_terminal_and_results_are_for_the_pipe(built):
     assert re.search(rb"checking .* \d/4 \d:\d\d:\d\d", shown)
 
 
+@pytest.mark.full
 def test_there_is_no_progress_in_a_pipe_even_if_colours_are_wanted_there(built):
     assert finished("check", built, FORCE_COLOR="1").err == ""
 
 
+@pytest.mark.full
 def test_bash_completes_commands():
     """By the script that `mimoc --install-completion` installs."""
     typed = "COMP_WORDS=(mimoc va); COMP_CWORD=1; _mimoc_completion mimoc; echo ${COMPREPLY[@]}"
@@ -69,6 +74,7 @@ def test_bash_completes_commands():
     assert (done.stdout, done.stderr) == (b"validate\n", b"")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "arguments",
     full_but(
@@ -84,6 +90,7 @@ def test_a_broken_pipe_is_no_error(arguments, built, one_age):
     assert running.returncode == 141  # As of a process that SIGPIPE ends.
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "environment",
     full_but([{"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}], [{"PYTHONIOENCODING": "ascii"}]),

@@ -89,6 +89,7 @@ def test_a_run_is_recorded_if_asked_and_has_the_key_of_old_if_not(cohort, here, 
     assert [episode.steps for recording in recordings for episode in recording] == [5, 5]
 
 
+@pytest.mark.full
 def test_a_plan_counts_what_recordings_of_all_steps_take(cohort, tmp_path):
     sizes = [
         plan(cohort(do=[{"run": {"steps": steps, "record": True}}]), tmp_path / "out").steps[0].bytes
@@ -203,6 +204,7 @@ def test_the_table_is_the_same_to_the_byte_in_two_processes_and_in_shares(cohort
     assert tables[0][0].count(b",ok,") == 4
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_job_whose_process_is_killed_is_begun_again_and_has_failed_the_second_time(cohort, own, tmp_path):
     study = cohort(do=[{"python": "own:die_once"}, {"python": "own:die"}, {"python": "own:probe"}])
@@ -241,6 +243,7 @@ for moment in [chance.randrange(100) for _ in range(30)]:
 """
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_jobs_that_are_killed_at_thirty_random_moments_are_resumed_to_the_same_table(cohort, here, tmp_path):
     """Just before it opens, names or removes a file or makes a folder; `benchmarks/cohorts.py` kills whole commands."""

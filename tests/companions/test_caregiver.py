@@ -156,6 +156,7 @@ def on_the_floor_n(env: mimoc.InfantEnv) -> float:
     return total
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.5])
 def test_it_carries_the_share_of_the_weight_that_is_asked(cared_for, share):
     env = cared_for()

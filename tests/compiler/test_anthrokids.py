@@ -57,6 +57,7 @@ def test_what_is_cut_off_is_not_measured():
     assert "forearm_circumference" in both
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("hands", full_but(["mitten"], kinds_of_hands()))
 def test_without_any_one_limb_the_rest_can_be_measured(hands):
     """A hand without its fingers has no breadth across the knuckles."""
@@ -71,6 +72,7 @@ def test_without_any_one_limb_the_rest_can_be_measured(hands):
     assert "hand_breadth" not in measure_body(compile_infant(infant(body={"hands": hands, "remove": remove})))
 
 
+@pytest.mark.full
 def test_a_small_child_is_compared_with_what_its_spec_asks_for_at_every_age():
     """Not with the average child: one of 66 cm at 9.3 months fell short of the mean in every group."""
     found = compare_with_anthrokids(infant(9.3, body={"individual": {"length_cm": 66}}))
@@ -80,6 +82,7 @@ def test_a_small_child_is_compared_with_what_its_spec_asks_for_at_every_age():
     assert all(0.9 < row.requested < 0.96 and row.value_cm < row.mean_cm for row in lengths)
 
 
+@pytest.mark.full
 def test_what_other_keys_change_is_reported_and_not_judged():
     """Thicker arms make the shoulders broader; the arms themselves must be as thick as asked for."""
     wider = infant(9, body={"measurements": {"upper_arm_circumference_cm": 18}, "parts": {"head": {"length": 1.2}}})

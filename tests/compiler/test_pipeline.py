@@ -61,6 +61,7 @@ def test_the_files_are_those_of_a_bundle(built):
     assert list(built.files) == sorted(built.files)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("case", SURROUNDINGS)
 def test_surroundings_do_not_matter(case, tmp_path):
     """Another process, working directory, environment and file time: the lock has the digest of every file."""

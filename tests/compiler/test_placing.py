@@ -66,6 +66,7 @@ def half_floor_m(scene: SceneTree) -> np.ndarray:
     return np.array(floor.size_m[:2])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seeds", full_but([40], [120]))
 def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose(seeds):
     for scene, toys in zip(usual(seeds), usual_discs(seeds), strict=True):
@@ -77,6 +78,7 @@ def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_e
         assert gaps.min() > GAP_M - 1e-5
 
 
+@pytest.mark.full
 def test_every_pose_has_the_toys_at_their_places():
     for scene in usual()[:30]:
         resting = [number for each in scene.world.objects for number in (*each.pos_m, *each.quat)]
@@ -171,6 +173,7 @@ def test_nothing_overlaps_at_the_start_in_any_pose(kind, age_months):
                     assert on_the_floor(model, contact), between
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["room", "crib"])
 @pytest.mark.parametrize("age_months", [0, 24])
 def test_left_alone_toys_stay_where_they_are_for_five_seconds(kind, age_months):
@@ -187,6 +190,7 @@ def test_left_alone_toys_stay_where_they_are_for_five_seconds(kind, age_months):
             assert np.abs(data.qvel[speed : speed + 6]).max() < 0.01, name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["room", "crib"])
 def test_no_toy_falls_through_or_flies_off_while_the_infant_moves(kind):
     for seed, model in compiled(kind, 9, range(2)):

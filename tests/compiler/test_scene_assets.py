@@ -74,6 +74,7 @@ def test_more_toys_than_there_is_room_for_are_refused():
     assert refusal(scene).startswith("spec.yaml:4:27: scene.toys: there is not enough space for 50 toys;")
 
 
+@pytest.mark.full
 def test_toys4k_is_built_in_with_its_sources(toys4k):
     bundle = built(f"{{toys: {{source: toys4k, root: {toys4k}, subset: [car], count: [4, 4], size_cm: [10, 10]}}}}")
     assert {toy.object for toy in bundle.manifest.toys} == {"car_001", "car_002"}
@@ -147,6 +148,7 @@ def test_a_root_that_is_not_there_is_pointed_at():
     assert "give the folder that Toys4K was unpacked to" in said
 
 
+@pytest.mark.full
 def test_a_users_pictures_come_up_in_rooms():
     Path("floors").mkdir()
     Image.fromarray(np.full((300, 300, 3), (250, 0, 250), np.uint8)).save("floors/pink.png")

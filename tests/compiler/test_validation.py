@@ -227,6 +227,7 @@ def asked(**body) -> InfantSpec:
     return InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 7, "body": body})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("sex", "wanted"), full_rows([("male", 3), ("female", 97)], [("male", 97), ("female", 3)]))
 def test_a_child_is_judged_by_its_sex_and_the_percentile_it_is_asked_for(sex, wanted):
     """Not by the mean of both sexes, beyond one SD of which it is at every age."""

@@ -52,6 +52,7 @@ def equal(found: Any, wanted: Any) -> bool:
     return np.array_equal(found, wanted, equal_nan=np.asarray(wanted).dtype.kind == "f")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("infant", full_but(DIFFERENT, list(INFANTS)))
 def test_a_variant_is_what_a_build_of_its_age_gives(infant):
     variants = SpecVariants(spec(**INFANTS[infant]))
@@ -65,6 +66,7 @@ def test_a_variant_is_what_a_build_of_its_age_gives(infant):
     assert found[AGES_MONTHS[-1]].bundle.files == built[AGES_MONTHS[-1]].files
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("infant", full_but(DIFFERENT, list(INFANTS)))
 def test_an_infant_cast_from_another_is_what_a_build_of_it_gives(infant):
     first, own = SpecVariants(spec(**INFANTS[infant])), at_age(spec(**INFANTS[infant], name="second"), 17.25)

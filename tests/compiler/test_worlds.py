@@ -138,6 +138,7 @@ def test_what_is_around_infants_can_be_explained(scene):
     assert all(explain(bundle, key).lines for key in around)
 
 
+@pytest.mark.full
 @pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(

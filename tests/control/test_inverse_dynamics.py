@@ -161,6 +161,7 @@ def test_joints_stop_before_the_ends_of_their_ranges(held_infant):
         assert (angles < high + 0.1).all()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("age_months", "model"), full_rows([(9, "muscle")], [(9, "torque"), (18, "muscle"), (24, "torque")])
 )
@@ -180,6 +181,7 @@ def test_five_finger_hands_reach_as_well(held_infant, model):
     assert np.quantile(errors.hands_m[:, -1], 0.9) < 0.02
 
 
+@pytest.mark.full
 @settings(max_examples=4)
 @given(
     st.one_of(
@@ -196,6 +198,7 @@ def test_hands_reach_from_the_age_of_first_reaches_on(held_infant, law_and_age, 
     assert np.median(errors.hands_m[:, -1]) < 0.005
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("model", full_but(["muscle"], ["torque"]))
 def test_a_newborn_misses_many_targets_that_a_four_month_old_reaches(held_infant, model):
     """Some three of its 16 targets stay more than a centimetre away for two seconds, with muscles a quarter, and hardly

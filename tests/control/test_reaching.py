@@ -56,6 +56,7 @@ def test_servos_cannot_reach_by_torques(open_env):
         Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("development", "age_months", "hands", "model"),
     full_rows(
@@ -171,6 +172,7 @@ def test_it_runs_whatever_holds_the_infant(open_env, kind, model):
     assert not run.summary().unstable
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("model", "age_months"), full_rows([("muscle", 18)], [("torque", 3)]))
 def test_eyes_align_while_both_hands_reach(open_env, model, age_months):
     """Within 2 degrees after two seconds, and hands within 5 mm after one, at the median; sitting, the trunk held."""

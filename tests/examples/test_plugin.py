@@ -41,6 +41,7 @@ def built(run, tmp_path_factory) -> Path:
     return folder
 
 
+@pytest.mark.full
 def test_a_bundle_says_which_kinds_come_from_where(built):
     manifest = json.loads((built / "manifest.json").read_text())
     kinds = ("senses.sound", "tasks.kick", "toys.blocks")
@@ -48,6 +49,7 @@ def test_a_bundle_says_which_kinds_come_from_where(built):
     assert {toy["category"] for toy in manifest["toys"]} <= {"cube", "slab", "column"}
 
 
+@pytest.mark.full
 def test_the_sense_has_spec_keys_and_a_delay_that_are_explained(run, built):
     explained = run("mimoc", "explain", built, "delays.sound.ms")
     assert "delays.sound.ms = 10 ms" in explained
@@ -85,6 +87,7 @@ print(json.dumps([rewards, heard.tolist()]))
 """
 
 
+@pytest.mark.full
 def test_gymnasium_makes_the_task_and_the_loudest_toys_are_heard_first(run):
     rewards, heard = json.loads(run("python", "-c", CODE.format(spec=str(SPEC))))
     assert [truncated for _, truncated in rewards] == [False] * 59 + [True]
@@ -96,6 +99,7 @@ def test_gymnasium_makes_the_task_and_the_loudest_toys_are_heard_first(run):
         assert x**2 + y**2 + z**2 == pytest.approx(1, abs=1e-5)
 
 
+@pytest.mark.full
 def test_bad_input_for_a_plug_in_is_a_clear_error(program, tmp_path):
     spec = tmp_path / "wrong.yaml"
     text = SPEC.read_text().replace("sources: 3", "sorces: 3").replace("foot: left", "foot: both")

@@ -66,6 +66,7 @@ def refusal(use) -> str:
     return str(error.value)
 
 
+@pytest.mark.full
 def test_an_honest_recording_can_be_used_in_every_way(copied, prepared):
     for use in uses(copied(BLIND), prepared.bundles[BLIND]).values():
         use()

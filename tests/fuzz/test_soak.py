@@ -10,6 +10,7 @@ from fuzz.soak import growth, looked_at, scenes, steps
 from support.full import full_but
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("part", full_but([steps], [scenes]))
 def test_memory_and_file_handles_stay_flat(part):
     first, *_, last = looked_at(part(3), 3)
@@ -33,6 +34,7 @@ def growth_while_leaking(mb: int, handles: int) -> str:
     return growth(first, last)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("mb", "handles"), [(64, 0), (0, 1), (64, 1)])
 def test_what_leaks_is_found_and_named(mb, handles):
     """Twice as much as may grow in memory, or one handle, is enough in a process that frees nothing else meanwhile."""

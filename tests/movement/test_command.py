@@ -37,6 +37,7 @@ def test_what_files_do_not_say_is_an_option_that_messages_name(invoke, place):
     assert invoke("movement", "film.csv", "--rate", "30", "--view", "mirrored").code == 0
 
 
+@pytest.mark.full
 def test_shares_of_a_picture_and_axes_of_space_are_asked_about_by_options(invoke, place):
     filmed.write_mediapipe(filmed.filmed(300, filmed.BODY_25_POINTS), place / "shares.csv")
     assert "give the size of the picture, --picture 1920,1080" in invoke("movement", "shares.csv", "--rate", "30").err
@@ -70,6 +71,7 @@ def test_all_measures_are_printed_on_request(invoke):
     assert "Hands: distance [trunk]" in invoke("movement", "filmed/infant0.npz", "--full").out
 
 
+@pytest.mark.full
 def test_infants_are_compared_with_real_ones(invoke, place):
     code, out, _ = invoke("movement", "filmed", "--against", "real", "--json", "out.json", "--plot", "out.png")
     assert code == 0
@@ -96,6 +98,7 @@ def test_every_number_has_a_spread_and_its_n(invoke, place):
                     assert re.fullmatch(r"-?[\d.]+ ± [\d.]+ \(\d+\)", cell), (heading, cell)
 
 
+@pytest.mark.full
 def test_the_same_command_writes_the_same(invoke, place):
     written = []
     for name in ("a.json", "b.json"):
@@ -110,6 +113,7 @@ def test_infants_are_compared_with_recordings_of_ones_own(invoke):
     assert "told apart in windows of 8 s: 0." in out
 
 
+@pytest.mark.full
 def test_a_spec_is_simulated_and_drawn(invoke, place):
     options = ("--policy", "random", "--seeds", "0:2", "--seconds", "3", "--gif", "two.gif", "--phase", "two.png")
     code, out, _ = invoke("movement", "three.yaml", *options)

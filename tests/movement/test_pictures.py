@@ -71,6 +71,7 @@ def test_no_recordings_and_too_many_are_refused(tmp_path):
     assert [*tmp_path.iterdir()] == []
 
 
+@pytest.mark.full
 def test_measures_are_plotted_with_and_without_a_sample(tmp_path, generator):
     films = [Filmed(restless(seed, 10.0)) for seed in range(2)]
     write_measures(measure_all(films), tmp_path / "alone.png")
@@ -79,6 +80,7 @@ def test_measures_are_plotted_with_and_without_a_sample(tmp_path, generator):
     assert (tmp_path / "alone.png").stat().st_size > 10_000
 
 
+@pytest.mark.full
 def test_titles_of_measures_end_within_their_plots(tmp_path):
     write_measures(measure_all([Filmed(restless(0, 10.0))]), tmp_path / "alone.png")
     with Image.open(tmp_path / "alone.png") as image:

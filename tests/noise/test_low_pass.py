@@ -65,6 +65,7 @@ def test_every_value_is_independent_of_the_others():
     assert np.corrcoef(np.transpose(steps)) == pytest.approx(np.eye(4), abs=3 * TOLERANCE)
 
 
+@pytest.mark.full
 @settings(max_examples=20)
 @given(st.floats(0.3, 12.0), st.floats(2.0, 8.0))
 def test_a_command_arrives_with_the_share_of_two_filters_of_first_order(command_hz, cut_off_hz):

@@ -1,6 +1,7 @@
 """Whatever the size of furniture: nothing begins in anything, all rests, and MuJoCo warns of nothing."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 from support.furnished import furnished
 
@@ -64,6 +65,7 @@ def rooms(draw):
     return [*first, *objects], scene
 
 
+@pytest.mark.full
 @settings(max_examples=30)
 @given(rooms(), st.sampled_from([0, 4, 9, 16, 24]))
 def test_random_furniture_is_stood_on_and_rests(room, age_months):

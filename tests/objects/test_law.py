@@ -134,6 +134,7 @@ def _check_scene(bundle: mimoc.Bundle, data: dict[str, Any]) -> None:
     assert drifts_m[1] < max(STILL_M, ROLLING * drifts_m[0]), data
 
 
+@pytest.mark.full
 def test_nothing_starts_inside_of_anything_and_all_come_to_rest():
     check(3, 0)
 

@@ -74,6 +74,7 @@ def test_a_kick_of_the_tied_foot_swings_it_and_one_of_the_other_foot_does_not(si
     assert not data.warning.number.any()
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_general_movements_of_a_newborn_swing_it():
     with closing(mimoc.make(CONFIG)) as env:

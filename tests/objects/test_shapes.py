@@ -61,6 +61,7 @@ def test_a_toy_has_its_size_and_its_usual_material():
     assert len(entry.geoms) == 6
 
 
+@pytest.mark.full
 def test_a_mesh_of_ones_own_is_cleaned_and_stands_on_the_floor(tmp_path, monkeypatch):
     monkeypatch.setenv("MIMOC_CACHE", str(tmp_path / "cache"))
     for kind in ("stl", "obj", "glb"):

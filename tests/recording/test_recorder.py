@@ -293,6 +293,7 @@ def test_without_pyav_the_blind_are_recorded_all_the_same(reaching, bundle, tmp_
     assert not (tmp_path / "seeing").exists()
 
 
+@pytest.mark.full
 def test_what_cannot_be_written_is_said_once_and_the_rest_is_kept(reaching, tmp_path):
     env = mimoc.Recorder(mimoc.make(reaching), tmp_path / "full", part_rows=2)
     env.reset(seed=0)

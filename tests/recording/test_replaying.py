@@ -173,6 +173,7 @@ for number in range(10**9):
 """
 
 
+@pytest.mark.full
 def test_a_kill_leaves_whole_episodes_and_the_last_one_to_its_last_part(tmp_path):
     folder = tmp_path / "killed"
     command = [sys.executable, "-c", ENDLESS, folder]

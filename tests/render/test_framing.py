@@ -72,6 +72,7 @@ def test_each_pose_that_is_asked_for_is_another_picture(posed):
     assert POSES[np.argmax(heights_px / widths_px)] == "standing"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["room", "crib"])
 def test_a_row_is_the_same_wherever_its_infants_live(kind, built, posed):
     """In a room, an infant has a place and a direction of its own, which tore the row apart."""

@@ -133,6 +133,7 @@ print(env.render().shape)
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("first", "then", "last"),
     full_rows(

@@ -33,6 +33,7 @@ def test_start_poses_come_first_and_the_names_of_both_differ(bundle_at):
     assert names == ("supine", "prone", "sitting", "standing", "crawling", "playing", "looking", "kicking")
 
 
+@pytest.mark.full
 def test_every_portrait_fills_its_picture_and_nothing_is_cut_off(subject):
     """What is drawn takes its share of the height or the width, and has a margin on all sides."""
     poses = poses_in_pictures(subject.manifest)

@@ -185,6 +185,7 @@ def test_a_context_is_freed_once_however_often_it_is_closed(bundle, contexts, op
     assert [context.freed for context in contexts] == [1]
 
 
+@pytest.mark.full
 def test_a_context_that_is_forgotten_is_freed_too(bundle, contexts):
     env = mimoc.InfantEnv(bundle, render_mode="rgb_array")
     env.reset(seed=0)
@@ -271,6 +272,7 @@ def share_of_skin_points(picture):
     return (blue - red > 80).mean(), (red - green > 80).mean()
 
 
+@pytest.mark.full
 def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_colour(feeling):
     bundle, *_ = feeling
     markers = skin_markers(bundle, *load_posed(bundle))
@@ -309,6 +311,7 @@ def test_skin_points_are_in_one_picture_only(feeling, open_camera):
     assert np.array_equal(camera.render(data), first)
 
 
+@pytest.mark.full
 def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
     """Both stand on soles that are pressed, and a rim of what they feel shows; one is in a room at home."""
     bundle, *_ = feeling

@@ -67,6 +67,7 @@ def test_nothing_is_drawn_with_what_is_closed(seeing):
         seeing.senses["vision"](seeing.data)
 
 
+@pytest.mark.full
 def test_a_picture_is_whole_though_python_frees_another_environment_meanwhile(seeing, monkeypatch):
     """Which makes another OpenGL context current: what was drawn afterwards was lost."""
     seeing.reset(seed=0)

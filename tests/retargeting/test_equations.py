@@ -30,6 +30,7 @@ def differences(problem: Problem, state: State, outlier: float, columns: range) 
     return np.array(frame), np.array(shared)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("kind", "first", "pitch_deg"), [("pixels", 0, None), ("depth", 1, 50.0), ("space", 2, None)])
 def test_the_gradient_is_that_of_the_cost(kind, first, pitch_deg):
     """With robust weights, contacts, limits, priors, and what one camera holds; each by a third of the unknowns."""

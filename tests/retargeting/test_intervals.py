@@ -102,6 +102,7 @@ def moved():
     return model, qpos, mimoc.retarget(film, spec.age_months)
 
 
+@pytest.mark.full
 def test_one_camera_holds_the_truth_of_motion_that_nothing_in_the_fit_assumes(moved):
     model, qpos, result = moved
     own, account = load_model(result.bundle), result.account

@@ -29,6 +29,7 @@ def data_set(tmp_path_factory):
     return folder.parent
 
 
+@pytest.mark.full
 def test_a_film_with_depth_is_some_millimetres_off(data_set):
     as_it_is, hips, laid = mini_rgbd.errors_m(data_set / "01", 9.0, 12, with_depth=True)
     assert laid < as_it_is < 0.02

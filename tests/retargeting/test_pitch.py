@@ -50,6 +50,7 @@ def test_an_infant_who_rolls_is_not_taken_for_one_of_a_slanted_camera(qpos):
     assert pitch_of(flat(rolled, 90), child().model, None).note == STRAIGHT
 
 
+@pytest.mark.full
 def test_sizes_and_height_come_back_with_the_pitch_that_is_given(qpos):
     """With depth all of a slanted camera is known: a wrong frame of reference would show."""
     model, names = child().model, MINI_RGBD_POINTS
@@ -84,6 +85,7 @@ def lying(qpos, roll: float) -> mimoc.PointRecording:
     return film(child().model, turned, RATE_HZ)
 
 
+@pytest.mark.full
 def test_an_infant_who_lies_the_other_way_round_than_is_said_is_asked_about(qpos):
     down, up = lying(qpos, np.pi / 2), lying(qpos, -np.pi / 2)
     spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "a", "age_months": 3, "scene": {"pose": "supine"}})

@@ -87,6 +87,7 @@ def test_the_account_is_plain_data(seen):
     assert all(isinstance(value, float) for value in data["angle_sd_deg"].values())
 
 
+@pytest.mark.full
 def test_with_one_camera_and_outliers_the_points_are_where_they_are_seen():
     """A few points are on the wrong side for some frames; size stays the average child's."""
     spec, _, _, recording = known(6, frames=48)
@@ -130,6 +131,7 @@ def test_a_child_without_a_scale_is_compared_with_no_standard(filmed, tmp_path):
     assert not re.search("unusually|of 100 |WHO Child Growth", page)
 
 
+@pytest.mark.full
 def test_a_length_in_the_spec_fixes_the_scale(filmed):
     _, recording = filmed
     length_cm = 68.0
@@ -144,6 +146,7 @@ def test_a_length_in_the_spec_fixes_the_scale(filmed):
     assert not any("average child" in note for note in result.account.notes)
 
 
+@pytest.mark.full
 def test_a_length_that_the_recording_contradicts_is_said():
     spec, _, _, recording = known(5, frames=12, depth_noise_m=0.01)
     true_cm = mimoc.build(spec).manifest.child.length_cm
@@ -158,6 +161,7 @@ def test_an_age_is_never_assumed(filmed):
         mimoc.retarget(filmed[1])
 
 
+@pytest.mark.full
 def test_a_limb_that_is_not_seen_is_said_to_be_unseen():
     spec, _, _, recording = known(7, frames=20)
     hidden = [k for k, name in enumerate(recording.names) if name.startswith("left_") and name[5:] in ("wrist", "hand")]
@@ -184,6 +188,7 @@ def test_ctrl_c_keeps_the_best_so_far():
     assert [done for done, _ in steps] == sorted(done for done, _ in steps)
 
 
+@pytest.mark.full
 def test_derivatives_are_computed_for_parts_of_the_frames(monkeypatch):
     spec, _, _, recording = known(5, frames=16, depth_noise_m=0.01)
     whole = mimoc.retarget(recording, spec.age_months, start(spec))

@@ -139,6 +139,7 @@ def test_strength_is_that_of_the_body_whatever_takes_commands(built):
     assert mimoc.torque_limits(built(actuation={"regions": ["eyes"]})) == mimoc.torque_limits(built())
 
 
+@pytest.mark.full
 def test_a_part_that_is_not_there_cannot_be_held(built):
     with pytest.raises(SpecError, match=r"scene\.held: this infant has no 'left_hand' to hold; remove it"):
         built(body={"remove": ["left_lower_arm"]}, scene={"held": ["left_hand"]})

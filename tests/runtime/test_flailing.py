@@ -59,6 +59,7 @@ def beyond_deg():
     return measure
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("chunk", full_but([0, 1], range(8)))
 def test_drawn_infants_stay_calm_and_keep_their_joints(chunk, beyond_deg):
     """The median is over all actuation models; with motors, five fingers alone are wilder, as MIMo's are."""

@@ -34,6 +34,7 @@ def folder(tmp_path_factory) -> str:
     return str(mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "infant"))
 
 
+@pytest.mark.full
 def test_processes_that_gymnasium_forks_after_it_has_drawn_draw_the_same(folder, tmp_path):
     """`AsyncVectorEnv` opens an environment, closes it, and then forks: without a remedy, Mesa hangs."""
     (tmp_path / "see.py").write_text(SEE)

@@ -50,6 +50,7 @@ def commands(model, generator, steps: int, *, at_random: bool) -> Iterator[np.nd
         yield from repeat(np.where(driven, high, low), steps)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("chunk", full_but([0, 1], range(CHUNKS)))
 def test_no_joint_of_a_drawn_child_goes_far_beyond_its_range(chunk):
     for number in range(KINDS * chunk, KINDS * (chunk + 1)):

@@ -61,6 +61,7 @@ def test_what_is_no_state_is_refused(env, state):
     assert same(env.get_state(), before)
 
 
+@pytest.mark.full
 def test_a_state_with_anything_wrong_in_it_is_refused_whole_or_is_one(env):
     """Whatever is left out or replaced, wherever it is: either the infant lives on in it, or as before."""
     action = np.zeros(env.action_space.shape)

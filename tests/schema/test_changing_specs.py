@@ -159,6 +159,7 @@ def test_a_spec_that_is_constructed_without_its_keys_is_refused():
     ]
 
 
+@pytest.mark.full
 def test_a_right_value_that_was_copied_in_is_built():
     copied = from_python().model_copy(update={"body": {"hands": "five_finger"}, "age_months": 12})
     built = mimoc.build(copied)

@@ -53,6 +53,7 @@ def test_a_measured_child_is_at_every_age_what_it_is_by_percentile(before, after
         assert getattr(found, key) == pytest.approx(getattr(expected, key), rel=1e-7)
 
 
+@pytest.mark.full
 def test_the_same_child_by_cm_and_by_percentile_is_the_same_bundle_at_other_ages():
     measured = child(**BY_CM)
     kept = {"looks": {"clothes": measured.clothes}}  # As it grows.

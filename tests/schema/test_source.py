@@ -54,6 +54,7 @@ def test_what_is_dumped_is_read_back(data):
     assert parse(dump(data), "f").data == data
 
 
+@pytest.mark.full
 @given(DATA)
 def test_equal_data_is_dumped_alike(data):
     assert dump(dict(reversed(data.items()))) == dump(data)

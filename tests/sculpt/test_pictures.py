@@ -58,6 +58,7 @@ def brightness(colour: np.ndarray) -> float:
     return float(colour.mean())
 
 
+@pytest.mark.full
 def test_painting_again_gives_the_same_bytes(painted):
     shipped = {path.stem: hashlib.sha256(path.read_bytes()).hexdigest() for path in FOLDER.glob("*.png")}
     pngs = {name: picture.png if isinstance(picture, Painted) else picture for name, picture in painted.items()}

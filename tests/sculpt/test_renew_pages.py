@@ -7,6 +7,7 @@ from renew_pages import CHECKOUT, PAGES, Page, renew
 OTHER = "0123456789abcdef"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.parent.name)
 def test_the_figures_of_a_page_are_of_todays_bodies_or_it_says_so(path):
     assert not (problem := Page(path).problem), problem
@@ -35,6 +36,7 @@ def test_a_page_of_other_bodies_is_told_in_one_line_with_what_to_do(copy):
     )
 
 
+@pytest.mark.full
 def test_the_page_of_a_long_experiment_says_that_its_bodies_are_earlier_ones_until_they_are_not(copy):
     page = copy("mobile")
     renew(page, long=False)

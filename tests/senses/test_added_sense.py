@@ -156,6 +156,7 @@ def test_its_numbers_are_explained():
     assert entries_of(bundle)["delays.height.ms"]["from"] == ["spec.delays.height_ms"]
 
 
+@pytest.mark.full
 def test_bad_input_is_told_like_any_other(tmp_path):
     (tmp_path / "spec.yaml").write_text(
         "mimoc: 1\nname: x\nage_months: 9\nsenses: {height: {max_m: -1, min_m: 0}}\ndelays: {height_ms: 3}\n"

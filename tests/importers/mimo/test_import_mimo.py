@@ -104,6 +104,7 @@ def test_what_a_spec_can_say_of_a_scene_it_says(tmp_path, parts, section, value)
     assert imported(tmp_path, **parts).spec[section] == value
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("age_months", [0.5, 4, 17.25])
 def test_the_age_is_known_by_the_sizes(tmp_path, age_months):
     result = imported(tmp_path, mimo_of(age_months))
@@ -122,6 +123,7 @@ def test_an_infant_of_no_age_is_given_the_nearest(tmp_path):
     assert "its sizes are those of no age by the published law of growth; nearest is " in notes(result)
 
 
+@pytest.mark.full
 def test_five_fingers_and_a_chest_with_joints_are_recognised(tmp_path):
     infant = mimo_of(12, body={"hands": "five_finger", "chest_joint": True})
     result = imported(tmp_path, infant, world=WORLD + TARGET)
@@ -206,6 +208,7 @@ def test_an_infant_without_a_free_joint_is_welded_to_what_it_was_fixed_to(tmp_pa
     assert data.body("hip").xpos[2] == pytest.approx(0.4, abs=0.01)
 
 
+@pytest.mark.full
 def test_one_file_and_includes_give_the_same(tmp_path):
     """Also where an include is below a body, and names of geoms have the prefix of later scenes."""
     path = write_scene(tmp_path / "parts")
@@ -375,6 +378,7 @@ def test_a_link_is_not_followed(tmp_path):
     assert "is a link, which mimoc does not follow; put the file itself in its place" in refused(path)
 
 
+@pytest.mark.full
 def test_a_missing_picture_is_refused_with_its_line(tmp_path):
     path = write_scene(tmp_path, assets='<texture name="mine" type="2d" file="mine.png"/>')
     line = next(number for number, text in enumerate(path.read_text().splitlines(), 1) if "mine.png" in text)
@@ -428,6 +432,7 @@ def test_a_few_copies_are_no_obstacle(tmp_path):
     assert imported(tmp_path, world=WORLD + boxes).spec["age_months"] == 9
 
 
+@pytest.mark.full
 def test_a_picture_of_other_programs_is_read_and_one_that_unpacks_to_more_is_refused(tmp_path):
     """Other programs write 16 bits a channel, interlaced rows and texts; a few kilobytes can unpack to gigabytes."""
     texture = '<texture name="t" type="2d" file="t.png"/>'
@@ -499,6 +504,7 @@ def test_the_command_writes_a_spec_and_a_scene_and_nothing_else(tmp_path, monkey
     assert mujoco.MjModel.from_xml_path("kim_scene.xml").nu == 44
 
 
+@pytest.mark.full
 def test_the_command_replaces_nothing_unasked_and_never_its_source(tmp_path, monkeypatch, invoke):
     path = write_scene(tmp_path)
     monkeypatch.chdir(tmp_path)

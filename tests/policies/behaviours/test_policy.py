@@ -46,6 +46,7 @@ def test_infants_sit_at_six_months_and_fall_at_three(age_months, held):
     assert metrics["held_s"] == 10.0 if held else metrics["held_s"] < 1.0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("policy", "young", "old"), [("prone", 1, 4), ("hands_and_knees", 4, 8), ("stand", 5, 12), ("hold", 0, 9)]
 )
@@ -313,6 +314,7 @@ def test_a_behaviour_from_outside_goes_with_the_others(nine):
         POLICIES.remove("nod")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("vergence", "share"), [("off", 1.0), (3, 0.0), (4, 0.5)])
 def test_eyes_converge_on_what_is_near_as_far_as_they_are_mature(vergence, share):
     env = infant(9, senses={"vision": {"width_px": 8, "height_px": 8, "vergence": vergence}})

@@ -33,6 +33,7 @@ def onset_ms(env, seed: int) -> float:
     raise AssertionError("the gaze did not move")
 
 
+@pytest.mark.full
 @pytest.mark.slow
 @pytest.mark.parametrize("preset", ["none", "physiological"])
 @pytest.mark.parametrize("age_months", [1, 3, 6, 12])

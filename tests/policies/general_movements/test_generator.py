@@ -106,6 +106,7 @@ def hip_and_knee(age_months: float) -> tuple[float, float]:
 LEGS = "left_hip1", "right_hip1", "left_knee"
 
 
+@pytest.mark.full
 def test_joints_of_a_leg_come_apart_and_legs_come_together_with_age():
     """Thelen 1985; Chen 2020; Thelen, Ridley-Johnson & Fisher 1983; as one most of all at 2 months (Piek 1996)."""
     coupled, phases = zip(*map(hip_and_knee, (0, 2, 4, 9)), strict=True)

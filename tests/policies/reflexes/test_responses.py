@@ -210,6 +210,7 @@ def test_the_other_hand_does_not_close():
     assert commanded == {"act:right_fingers_negative"}
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_an_infant_that_moves_by_itself_does_not_startle_itself():
     examiner = examiner_of(3, "muscle")

@@ -101,6 +101,7 @@ def test_an_indicator_without_the_infant_still_has_its_standard():
     assert labelled(panel).keys() == {"WHO, 5th to 95th percentile", "WHO, mean"}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("suffix", "start"), [(".svg", b"<?xml"), (".pdf", b"%PDF"), (".jpg", b"\xff\xd8"), (".WEBP", b"RIFF")]
 )

@@ -20,6 +20,7 @@ def bundle(age_months: float = 6, **keys) -> mimoc.Bundle:
     return store.built({**spec, **keys})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_an_infant_that_grows_gives_what_it_gives_alone_in_the_wrapper(mode):
     """Mid-episode and across episodes, with physiological delays, which change their length."""

@@ -64,6 +64,7 @@ def test_an_infant_gives_what_it_gives_alone(config):
     assert ended >= 2 * bool(spec.task)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
 def test_so_does_one_with_eyes(mode):
     senses = {"vision": {"width_px": 16, "height_px": 16}, "touch": {}}
@@ -76,6 +77,7 @@ def test_so_it_does_for_300_steps(config):
     live_alike([of_config(config, 70)], 2, 300, mode)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("threads", [1, 3])
 def test_seven_ages_live_side_by_side_with_delays_noise_and_touch(threads):
     senses = {"proprioception": {}, "vestibular": {"canals": "age"}, "touch": {}}

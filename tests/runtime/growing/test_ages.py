@@ -68,6 +68,7 @@ def test_growing_to_the_present_age_changes_nothing(live):
 # Ways to an environment that grows.
 
 
+@pytest.mark.full
 def test_bundles_specs_and_tasks_can_grow(tmp_path):
     bundle = mimoc.build(spec(6))
     folder = mimoc.write_bundle(bundle, tmp_path / "out")

@@ -19,6 +19,7 @@ def energy_j(env: mimoc.InfantEnv) -> float:
     return float(env.data.energy.sum())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("pose", POSES)
 def test_infants_grow_in_quarter_months_without_sinking_into_anything(live, pose):
     env = live(5, scene={"pose": pose})

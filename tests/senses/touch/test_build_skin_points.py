@@ -29,6 +29,7 @@ from mimoc.senses.touch.build_skin_points import skin_points
 # Where the points are.
 
 
+@pytest.mark.full
 @given(children(), st.sampled_from((0.1, 1.0)))
 @settings(max_examples=60)
 def test_every_point_is_on_its_body_and_inside_none_of_its_geoms(tree, density):

@@ -73,6 +73,7 @@ def child(request):
     return infant(age_months, hands)[:2]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("response", get_args(TouchResponse))
 @pytest.mark.parametrize("quantity", get_args(TouchQuantity))
 @pytest.mark.parametrize(

@@ -62,6 +62,7 @@ def test_points_of_a_longer_arm_move_along_it():
     assert new[:, 2] - middles[1] == pytest.approx(expected, abs=1e-11)
 
 
+@pytest.mark.full
 @given(children())
 @settings(max_examples=20)
 def test_points_stay_where_they_are_on_their_geoms_or_move_to_the_nearest_place_outside(tree):

@@ -174,6 +174,7 @@ def test_closing_frees_once(open_eyes, contexts):
     assert [context.freed for context in contexts] == [1]
 
 
+@pytest.mark.full
 def test_eyes_that_nobody_has_any_more_are_freed(contexts):
     model, data = posed()
     Eyes(model, ("level",), 16, 16)(data)

@@ -102,6 +102,7 @@ def test_smoothness_is_of_windows_in_which_something_moves():
     assert movements_in(path_m[:1], 0.01) == []
 
 
+@pytest.mark.full
 def test_scores_are_those_of_the_episodes(here):
     """As `mimoc.evaluate` has them."""
     results = mimoc.run_bench("random", "random.json", **TWO)
@@ -118,6 +119,7 @@ def test_scores_are_those_of_the_episodes(here):
     assert (scores.likeness, list(results.cells)) == (None, ["reach/12", "grasp/12"])
 
 
+@pytest.mark.full
 def test_results_come_out_again_to_the_bit(here):
     written = mimoc.run_bench("random", "random.json", **TWO)
     assert read_results("random.json").content == (here / "random.json").read_bytes() == written.content
@@ -125,6 +127,7 @@ def test_results_come_out_again_to_the_bit(here):
     assert [path.name for path in here.glob("*.json*")] == ["random.json"]
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_results_do_not_depend_on_the_number_of_processes(here):
     cells = {"tasks": ["grasp"], "ages_months": [9, 12], "episodes": 2}
@@ -148,6 +151,7 @@ def test_what_differs_is_said(here):
     assert difference.startswith("the states of the simulation")
 
 
+@pytest.mark.full
 def test_an_interrupted_run_goes_on(here, monkeypatch):
     def interrupted(done: int, total: int) -> None:
         if done:
@@ -193,6 +197,7 @@ def test_movement_is_compared_with_real_infants(monkeypatch):
         assert (scores.likeness is not None, scores.success, scores.success_95) == (is_known, None, None)
 
 
+@pytest.mark.full
 def test_tables_have_a_column_for_each_policy(here):
     zero, random = (mimoc.run_bench(name, f"{name}.json", **TWO) for name in ("zero", "random"))
     table = markdown_tables([zero, random])

@@ -44,6 +44,7 @@ def paper_s(behaviour, size) -> float:
 # The paper's laws.
 
 
+@pytest.mark.full
 @each_behaviour
 def test_older_infants_are_faster_to_60_degrees(behaviour):
     found = [effort(behaviour, age_months) for age_months in PAPER_MONTHS]

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.schema.infant import InfantSpec
@@ -45,6 +46,7 @@ def test_from_any_age_on_the_walk_finds_what_the_search_does_of_an_infant_that_l
     assert len(outcome.outcomes) <= 2 + abs(2 * near - first)
 
 
+@pytest.mark.full
 def test_near_the_expected_age_a_child_is_found_to_rise_when_the_plain_search_finds_it_with_fewer_attempts():
     """A light, lean child that matures slowly."""
     individual = {"sex": "male", "length_percentile": 60, "weight_percentile": 20, "maturation_rate": 0.9}

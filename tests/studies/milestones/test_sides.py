@@ -154,6 +154,7 @@ def test_nobody_is_judged_by_an_assumption_and_no_window_rests_on_memory():
     assert all(any(mark in window.source for mark in ("19", "20")) for window in WINDOWS.values())
 
 
+@pytest.mark.full
 def test_a_child_born_early_is_tried_from_term_on_and_judged_by_its_corrected_age():
     """Its head lags until four months after term, 6.3 months after it was born."""
     preterm = mimoc.InfantSpec(mimoc=1, name="early", age_months=9, impairments={"gestation_weeks": 30})

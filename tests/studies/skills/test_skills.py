@@ -35,6 +35,7 @@ def test_a_movement_of_zeros_is_the_start_on_both_sides_alike():
     assert swayed[1] == pytest.approx(np.array([0.5, 0, 0.5, -0.5]))
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_search_gets_better_and_the_same_seed_gives_the_same():
     outcomes = [search(env_of("sit_up", steps=25), 3, tries=4 * DRAWS, starts=2) for _ in range(2)]
@@ -72,6 +73,7 @@ def test_the_interval_is_wilsons():
     assert (low, high) == (pytest.approx(0.0089, abs=1e-3), pytest.approx(0.236, abs=1e-3))
 
 
+@pytest.mark.full
 def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, monkeypatch):
     def learn(tries=DRAWS):
         return learn_skill(

@@ -148,6 +148,7 @@ def test_a_ball_can_be_caught(catch, age_months, development, model, hands):
     assert any(caught(env, seed) for seed in range(10))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("age_months", "light_kg", "heavy_kg"), [(0, 0.05, 0.2), (3, 0.15, 0.6), (6, 0.75, 1.25)])
 def test_infants_that_mature_catch_heavier_balls_the_older_they_are(catch, age_months, light_kg, heavy_kg):
     """Most of the light ones, and hardly any of the heavy ones; the task's weigh up to 0.5 kg."""
@@ -156,6 +157,7 @@ def test_infants_that_mature_catch_heavier_balls_the_older_they_are(catch, age_m
     assert sum(caught(env, seed, heavy_kg) for seed in range(5)) <= 1
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("age_months", "light_kg", "heavy_kg"), [(0, 0.05, 0.2), (3, 0.15, 0.4), (6, 0.3, 0.5)])
 def test_arms_that_mature_hold_heavier_balls_up_the_older_they_are(catch, age_months, light_kg, heavy_kg):
     """Fingers hold on to balls under which the arm sinks."""
@@ -169,6 +171,7 @@ def test_arms_that_mature_hold_heavier_balls_up_the_older_they_are(catch, age_mo
     assert sum(held_up(seed, heavy_kg) for seed in range(5)) <= 1
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_either_hand_catches_most_balls_at_eighteen_months(catch, hand):
     env = catch(hand=hand)

@@ -15,6 +15,7 @@ def reach(age_months: float, hands: str = "mitten", **keys) -> mimoc.InfantSpec:
     return mimoc.InfantSpec.model_validate({**data, **keys})
 
 
+@pytest.mark.full
 @given(age_months=st.floats(0, 24), hands=st.sampled_from(["mitten", "five_finger"]))
 @settings(max_examples=10)
 def test_the_ball_is_farther_the_longer_the_arm(age_months, hands):

@@ -89,6 +89,7 @@ def touch(env, side: str, target: tuple[str, ...]) -> bool:
     return False
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("age_months", "hands", "hand"),
     [

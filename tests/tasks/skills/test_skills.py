@@ -31,6 +31,7 @@ def lie(env, pose: str) -> None:
     mujoco.mj_forward(env.model, env.data)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", SKILLS)
 def test_neither_chance_nor_rest_has_a_skill(kind):
     env = infant(kind, 6)

@@ -50,6 +50,7 @@ def test_bottom_and_soles_are_on_the_floor_and_nothing_else_touches(development,
         assert env.data.body(f"{side}_foot").xmat.reshape(3, 3)[2, 2] == pytest.approx(1, abs=1e-6)
 
 
+@pytest.mark.full
 @given(age_months=st.floats(3, 24), hands=st.sampled_from(HANDS), chest_joint=st.booleans())
 @settings(max_examples=6)
 @pytest.mark.slow
@@ -72,6 +73,7 @@ def test_a_child_as_long_as_mimo_has_a_rail_as_high_as_mimos():
     assert 0.42 <= opened(MIMOS_AGE).model.geom("rail").pos[2] <= 0.45
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("hands", HANDS)
 def test_an_older_child_has_a_higher_rail_and_farther_to_go(hands):
     goals, rails = [], []

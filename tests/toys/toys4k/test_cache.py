@@ -217,6 +217,7 @@ for _ in range(2):
 """
 
 
+@pytest.mark.full
 def test_processes_that_fill_one_cache_at_once_leave_whole_entries(tmp_path):
     for number in range(3):
         put(tmp_path / "toys", f"box_{number:03}", obj(mesh_kinds.box(1, 1, 1 / (1 + number))))

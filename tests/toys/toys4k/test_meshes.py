@@ -210,6 +210,7 @@ def test_what_would_fall_over_is_set_down_on_another_side(turned, load):
     assert lean_deg_after(toy, 1.0) < 6
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("quickly", "without_simplifier")
 @pytest.mark.parametrize("kind", full_but(["confetti"], ["many_faces"]))
 def test_few_faces_are_left_without_the_library_for_it(kind, load):
@@ -257,6 +258,7 @@ def test_a_toy_that_is_not_there_is_an_error(name, reason, tmp_path):
         load_toy(find_toys(tmp_path), name)
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("without_coacd")
 def test_no_other_file_is_read(load, tmp_path):
     """A material file that cannot even be opened without waiting for ever, and a buffer elsewhere."""
@@ -286,6 +288,7 @@ def triangle_of(count: int) -> dict:
 CORNERS = np.eye(3, dtype="<f4").tobytes()
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("without_coacd")
 @pytest.mark.parametrize(
     "change",
@@ -353,6 +356,7 @@ def _refuse():
     raise subprocesses.WorkerError("fails")
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("reading_here")
 def test_coacd_keeps_hollows_open(load):
     toy = load(USABLE["torus"]())
@@ -437,6 +441,7 @@ def test_a_reader_that_needs_too_much_memory_is_ended(load, monkeypatch, tmp_pat
         load(mesh_kinds.box())
 
 
+@pytest.mark.full
 def test_neither_networkx_nor_coacd_is_needed(tmp_path):
     put(tmp_path, "ball_000", obj(USABLE["two_shells"]()))
     source = f"""

@@ -53,6 +53,7 @@ def wait(case: Case, seed: int) -> Result:
     return Result(values={"waited": seed})
 
 
+@pytest.mark.full
 def test_an_interruption_ends_running_trials_within_seconds_and_keeps_finished_ones(tmp_path):
     def interrupt(done: int, total: int) -> None:
         raise KeyboardInterrupt

@@ -38,6 +38,7 @@ def few_pulls(monkeypatch):
     monkeypatch.setattr(trial, "PULLS_N", (4.0, 10.0, 16.0))
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("few_pulls")
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 @pytest.mark.parametrize("age_months", [0.0, 3.0])

@@ -124,6 +124,7 @@ def test_rolling_is_tried_only_if_it_is_asked_for():
     assert [name for name in TRIALS if name not in USUAL] == ["roll"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("model", ["position", "muscle"])
 @pytest.mark.parametrize("name", ["posture", "arm_pull", "reach"])
 def test_held_out_trials_work_in_every_actuation_model(name, model, monkeypatch):

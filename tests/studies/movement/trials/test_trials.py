@@ -120,6 +120,7 @@ def test_a_rod_is_put_into_the_hand_without_touching_it(hands):
     assert np.allclose(data.geom_xmat[rod].reshape(3, 3)[:, 2], hand.axis, atol=1e-6)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("hands", "strengths"), [("mitten", (0.4, 1.0)), ("five_finger", (1.0, 3.0))])
 def test_a_stronger_hand_holds_more_along_the_fingers(hands, strengths, monkeypatch):
     """Up to some strength: a mitten of much more than a newborn's squeezes the rod out."""
