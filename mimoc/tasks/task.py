@@ -113,7 +113,7 @@ class Task:
 
     @property
     def class_name(self) -> str:
-        """Class of the task, or of the object that it stands for, as `module:Class`."""
+        """Module and class of the task, or of the object that it stands for, joined by a colon."""
         return class_name(self)
 
     @property
@@ -283,7 +283,7 @@ class CustomTask(Task):
 
     @property
     def class_name(self) -> str:
-        """Class of the object, as `module:Class`."""
+        """Module and class of the object, joined by a colon."""
         return class_name(self._custom)
 
     @property
