@@ -49,6 +49,7 @@ def test_the_program_that_runs_an_experiment_works(here):
     assert any((here / "out" / "growth").glob("*.md"))
 
 
+@pytest.mark.extras
 @pytest.mark.slow
 def test_the_programs_that_run_many_infants_work(here, capsys):
     session: dict = {}

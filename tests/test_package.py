@@ -24,7 +24,7 @@ def folder(bundle_at, tmp_path_factory):
     return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
 
 
-@pytest.mark.parametrize("package", ["mimoc", "mimoc.plugin", "mimoc.schema"])
+@pytest.mark.parametrize("package", [pytest.param("mimoc", marks=pytest.mark.extras), "mimoc.plugin", "mimoc.schema"])
 def test_every_public_name_is_there(package):
     module = import_module(package)
     assert all(getattr(module, name) is not None for name in module.__all__)

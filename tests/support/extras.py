@@ -15,6 +15,7 @@ FILES = tuple(
         "runtime/test_learning.py",
         "render/test_triton.py",
         "studies/experiments/test_experiments.py",
+        "studies/experiments/test_figures.py",
         "studies/experiments/test_growing.py",
         "studies/skills/test_trainings.py",
         "test_docstrings.py",

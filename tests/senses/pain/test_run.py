@@ -65,6 +65,7 @@ def test_a_joint_hurts_as_far_as_it_is_forced_beyond_its_range(knee_deg, pain):
     assert sense(data) == pytest.approx([0, pain], abs=1e-6)
 
 
+@pytest.mark.extras
 def test_pain_is_a_term():
     model, data, sense = pressed(50.0)
     check_term(sense.term, model)
