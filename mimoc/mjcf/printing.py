@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -123,7 +124,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        bytecode_cache=CompiledTemplates(str(platformdirs.user_cache_path("mimoc") / "templates")),
+        bytecode_cache=CompiledTemplates(str(platformdirs.user_cache_path("mimoc") / f"jinja2-{version('jinja2')}")),
     )
     result.filters["num"] = num
     return result

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from mimoc.base.errors import Problem, SpecError
 from mimoc.bundle.asset_check import MOST_PIXELS, pixels_of
 from mimoc.bundle.regular_files import MOST_BYTES, MOST_BYTES_IN_ALL, UnusableFileError
+from mimoc.importers.mimo.limits import ATTACHES
 from mimoc.importers.mimo.reading import Element, first_existing, read_file
 
 FOLDERS = ("assetdir", "meshdir", "texturedir", "strippath")
@@ -63,7 +64,7 @@ class AssetFiles:
         if element.tag == "compiler":
             attributes = {name: value for name, value in attributes.items() if name not in FOLDERS}
         if element.tag == "model" and element.get("file"):
-            problems.append(element.problem("attaches another model; include its parts, or write them into the scene"))
+            problems.append(element.problem(ATTACHES))
             return element
         for name in file_attributes(element):
             path = self._path(element, attributes[name])

@@ -28,10 +28,11 @@ BOUNDS: Mapping[str, float] = {
 BYTES = {"k": 2**10, "m": 2**20, "g": 2**30}
 GENERATORS = ("replicate", "composite", "flexcomp")
 """Elements of which MuJoCo makes many."""
+ATTACHES = "attaches another model; include its parts, or write them into the scene"
 REFUSED: Mapping[str, str] = {
     "plugin": "uses a plug-in of MuJoCo's, which mimoc does not load; remove it",
     "extension": "uses plug-ins of MuJoCo's, which mimoc does not load; remove it",
-    "attach": "attaches another model; include its parts, or write them into the scene",
+    "attach": ATTACHES,
 }
 
 
