@@ -99,6 +99,13 @@ def world_bundle(
     return WorldBundle(in_order(files), manifest, MappingProxyType(infants), path)
 
 
+def manifests_of(bundle: Bundle | WorldBundle) -> Mapping[str, Manifest]:
+    """Return the manifests of the infants of a world, by name, or that of an infant that is alone, named ""."""
+    if isinstance(bundle, WorldBundle):
+        return {name: infant.manifest for name, infant in bundle.infants.items()}
+    return {"": bundle.manifest}
+
+
 def file_of(infant: str, name: str) -> str:
     """Return the path of a file of an infant within the bundle of its world."""
     return f"{INFANTS}/{infant}/{name}"
