@@ -82,7 +82,6 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         draws = bool(render_mode) or self._custom.is_any or growing.sees_skin(manifest)
         pictures = Pictures(render_mode, width, height)
         self.simulation = Simulation(variant, {"": self}, variants, pictures, draws=draws)
-        self.action_space, self.observation_space = self.spaces()
 
     @property
     def random(self) -> np.random.Generator:  # pyright: ignore[reportIncompatibleVariableOverride] - Gymnasium's.

@@ -109,6 +109,10 @@ class Infant:
     """Random numbers of its task."""
     steps = 0
     """Control steps of this episode so far."""
+    action_space: Any
+    """The space of its actions: one command for each of its commanded actuators."""
+    observation_space: Any
+    """The space of what it observes; like that of its actions, it stays as it is when it grows."""
     _binding: Binding
     _judged: Task | None = None
     """The task whose first judgement was as it must be."""
@@ -124,6 +128,10 @@ class Infant:
         """Draw random numbers from this seed on."""
         self.random, _ = np_random(seed)
         self.noise.restart(seed)
+
+    def render(self) -> Any:
+        """Return a picture of its simulation; see `Simulation.render`."""
+        return self.simulation.render()
 
     def bind(self, bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Look up in a model, in which no episode has changed anything yet, everything that the manifest names.
@@ -271,11 +279,10 @@ class Infant:
     @property
     def rest(self) -> npt.NDArray[np.float32]:
         """The action that commands nothing, shape (n,)."""
-        space = self.spaces()[0]
-        return np.clip(0.0, space.low, space.high).astype(np.float32)
+        return np.clip(0.0, self.action_space.low, self.action_space.high).astype(np.float32)
 
     def spaces(self) -> tuple[Any, Any]:
-        """Return the spaces of its actions and of what it observes."""
+        """Return the spaces of its actions and of what it observes as they are at its present age."""
         return action_space(self.actuation, self.voice is not None), observation_space(self.senses, self.task)
 
     # What can be done to it.

@@ -86,6 +86,8 @@ class Simulation:
         for name, infant in infants.items():
             infant.name, infant.simulation = name, self
         self._bind()
+        for infant in infants.values():
+            infant.action_space, infant.observation_space = infant.spaces()
         # Recordings keep what the first reset ends, so that this must be the same each time.
         self._start(chance=np.random.default_rng(0))
         self._pictures = pictures or Pictures()
@@ -343,12 +345,11 @@ class Simulation:
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infants at other ages or in another scene, where nothing is started yet."""
-        before = {name: infant.spaces()[1] for name, infant in self.infants.items()}
         with self._undone_on_failure():
             self._variant = variant
             self._bind()
-            for name, infant in self.infants.items():
-                check_same_space(before[name], infant.spaces()[1])
+            for infant in self.infants.values():
+                check_same_space(infant.observation_space, infant.spaces()[1])
 
     @contextmanager
     def _undone_on_failure(self) -> Iterator[dict[str, Any]]:

@@ -100,7 +100,6 @@ class WorldEnv:
     def _describe(self, simulation: Simulation) -> None:
         """Say what the infants of a simulation command and observe."""
         self.simulation = simulation
-        self._spaces = {name: infant.spaces() for name, infant in simulation.infants.items()}
         self.possible_agents, self.agents = list(simulation.infants), list[str]()
         rate_hz = round(1 / ms_to_s(self.bundle.manifest.step_ms))
         self.metadata = {**type(self).metadata, "render_modes": available_modes(), "render_fps": rate_hz}
@@ -133,7 +132,7 @@ class WorldEnv:
             UnknownNameError: If there is no such infant.
         """
         check_name("name of an infant of this world", agent, self.infants)
-        return self._spaces[agent][1]
+        return self.infants[agent].observation_space
 
     def action_space(self, agent: str) -> Any:
         """Return the space of an infant's actions: one command for each of its commanded actuators.
@@ -142,7 +141,7 @@ class WorldEnv:
             UnknownNameError: If there is no such infant.
         """
         check_name("name of an infant of this world", agent, self.infants)
-        return self._spaces[agent][0]
+        return self.infants[agent].action_space
 
     @property
     def state_space(self) -> Box:
@@ -262,13 +261,16 @@ class WorldEnv:
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out what is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in ("simulation", "closed")}
-        return {**kept, "kept": self.simulation.kept()}
+        spaces = {name: (infant.action_space, infant.observation_space) for name, infant in self.infants.items()}
+        return {**kept, "spaces": spaces, "kept": self.simulation.kept()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""
-        simulation = kept.pop("kept")
+        simulation, spaces = kept.pop("kept"), kept.pop("spaces")
         self.__dict__.update(kept)
         infants = {name: Infant(custom) for name, custom in self._custom.items()}
+        for name, infant in infants.items():
+            infant.action_space, infant.observation_space = spaces[name]
         self.simulation = Simulation.again(simulation, infants)
 
     def _split(self, options: dict[str, Any]) -> tuple[dict[str, Any], int | None]:

@@ -136,7 +136,7 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
         self._limit, self._own = limit, tuple(infant.max_steps for infant in infants)
         self.autoreset_mode, self.num_envs = mode, len(spaces)
         self.metadata = {**metadata, "autoreset_mode": mode}
-        self.single_action_space = infants[0].spaces()[0]
+        self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, len(spaces))
         self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
         if any(space != spaces[0] for space in spaces):
@@ -245,7 +245,7 @@ def check_mixture(infants: Sequence[Infant]) -> None:
 def _parts(infant: Infant) -> dict[str, Any]:
     """Return what must be the same of all infants, by what it is called."""
     manifest = infant.manifest
-    arrays: Any = infant.spaces()[1]
+    arrays: Any = infant.observation_space
     return {
         "control step": f"{manifest.step_ms:g} ms",
         "physics step": f"{manifest.timestep_ms:g} ms",

@@ -71,7 +71,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         check_mixture([infant for world in simulations for infant in world.infants.values()])
         self._batch = Batch(simulations, threads)
         self.render_mode, self._max_steps = self._envs[0].render_mode, max_episode_steps
-        spaces = [infant.spaces()[1] for infant in self.infants]
+        spaces = [infant.observation_space for infant in self.infants]
         self._describe(self._envs[0].metadata, self.infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
         self._ended = np.zeros(self.num_envs, bool)
         for world in simulations if schedule else ():
