@@ -1,7 +1,7 @@
-"""The same infant at another age, or in the scene of another seed, as an environment is handed it."""
+"""Infants at other ages, or in the scene of another seed, alone or in one world, as environments are handed them."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,6 +11,7 @@ import mujoco
 from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
+from mimoc.bundle.world import WorldBundle
 
 
 @dataclass(eq=False)
@@ -64,4 +65,29 @@ class Variants(Protocol):
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months, in the scene of a seed, or raise a MimocError and change nothing."""
+        ...
+
+
+@dataclass(eq=False)
+class WorldVariant:
+    """Several infants in one world, each at some age."""
+
+    bundle: WorldBundle
+    model: mujoco.MjModel
+    """Their model, which belongs to whoever asked for it and may be changed."""
+
+
+class WorldMaker(Protocol):
+    """Makes a world with its infants at any ages and in any scene; it can be copied and pickled."""
+
+    @property
+    def has_other_scenes(self) -> bool:
+        """Whether it makes scenes of other seeds than the world's own."""
+        ...
+
+    def __call__(self, ages_months: Mapping[str, float], scene_seed: int) -> WorldVariant:
+        """Return the world with infants of some ages, in months, in the scene of a seed, or raise a MimocError.
+
+        Infants that are not named have the age of their spec. All keep their places, their clothes and their parts.
+        """
         ...
