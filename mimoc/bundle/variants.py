@@ -26,7 +26,7 @@ class Variant:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle it with its skin."""
-        return Variant, (self.bundle, self.model)
+        return type(self), (self.bundle, self.model)
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -44,7 +44,7 @@ class Variant:
 
     def again(self, model: mujoco.MjModel | None = None) -> "Variant":
         """Return the same infant with a model of its own: a copy, or a model that was copied from it before."""
-        return Variant(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
+        return type(self)(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
 
 
 def open_variant(source: Variant | Bundle | str | Path) -> Variant:
@@ -69,12 +69,10 @@ class Variants(Protocol):
 
 
 @dataclass(eq=False)
-class WorldVariant:
+class WorldVariant(Variant):
     """Several infants in one world, each at some age."""
 
-    bundle: WorldBundle
-    model: mujoco.MjModel
-    """Their model, which belongs to whoever asked for it and may be changed."""
+    bundle: WorldBundle  # pyright: ignore[reportIncompatibleVariableOverride] - Whoever asks knows which of the two.
 
 
 class WorldMaker(Protocol):
