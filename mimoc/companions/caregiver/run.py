@@ -294,7 +294,8 @@ class Caregiver(Companion):
             raise MimocError(f"'{act}' needs the name of the {about}: do('{act}', ...)")
         if infant is not None:
             check_name("name of an infant of this world", infant, self.infants)
-        parts = self._parts[infant if infant is not None else self._first]
+        whose = [infant] if infant is not None else [*self.infants]
+        parts = set.intersection(*(set(self._parts[name]) for name in whose))
         known = {"face": self.entry.materials, "object": self._objects, "part": parts}
         if about:
             check_name(f"{about} for '{act}'", str(what), known[about])
