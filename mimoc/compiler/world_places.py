@@ -3,9 +3,11 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from mimoc.base.rounding import rounded
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
@@ -64,6 +66,18 @@ def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Pla
         name: Placement(cm_to_m(item.x_cm or 0.0), cm_to_m(y_cm if item.y_cm is None else item.y_cm), yaw)
         for name, item, y_cm, yaw in zip(builders, plan.spec.placed, row_cm, yaws, strict=True)
     }
+
+
+def entries_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> list[dict[str, Any]]:
+    """Return the infants of a world as its file lists them, with the names and the places that it leaves open."""
+    entries, at = list[dict[str, Any]](), {item.name: item.at for item in plan.spec.scene.objects}
+    for item, (name, place) in zip(plan.spec.placed, places_of(plan, builders).items(), strict=True):
+        entry: dict[str, Any] = {"name": name, "spec": item.spec}
+        if item.start_at is None or at[item.start_at] is None:  # Otherwise, the furniture takes it to its place.
+            y_cm = rounded(100 * place.y_m) if item.y_cm is None else item.y_cm
+            entry |= {"x_cm": item.x_cm or 0.0, "y_cm": y_cm, "yaw_deg": item.yaw_deg}
+        entries.append(entry | ({} if item.start_at is None else {"start_at": item.start_at}))
+    return entries
 
 
 def _row_cm(infants: Sequence[FloatArray]) -> list[float]:

@@ -42,6 +42,7 @@ from mimoc.compiler.world_places import (
     InfantPart,
     Poses,
     Settings,
+    entries_of,
     part_of,
     places_of,
     states_of,
@@ -245,7 +246,7 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
     first_name, first = next(iter(builders.items()))
     problems = []
     for index, (name, one) in enumerate(builders.items()):
-        if one.infant.solver != first.infant.solver:
+        if one.infant.solver.integrator != first.infant.solver.integrator:
             models = one.spec.actuation.model, first.spec.actuation.model
             message = (
                 f"'{name}' has '{models[0]}' actuators and '{first_name}' '{models[1]}' ones, which need another "
@@ -401,16 +402,8 @@ def _readme(manifest: WorldManifest, manifests: Mapping[str, Manifest]) -> bytes
 def _resolved(built: BuiltWorld) -> dict[str, Any]:
     """Return the file of a world with all that it leaves open, which names the files of the infants in the bundle."""
     data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
-    relative = places_of(built.plan, built.builders)
     data["infants"] = [
-        {
-            "name": name,
-            "spec": file_of(name, RESOLVED),
-            "x_cm": rounded(100 * relative[name].x_m),
-            "y_cm": rounded(100 * relative[name].y_m),
-            "yaw_deg": item.yaw_deg,
-        }
-        for name, item in zip(built.builders, built.plan.spec.placed, strict=True)
+        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
     ]
     data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
     return data
