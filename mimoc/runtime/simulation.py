@@ -170,30 +170,32 @@ class Simulation:
         Raises:
             ValueError: If an action has the wrong shape or is not finite; nothing has changed then.
         """
-        self.grow_as_scheduled()
-        acting, controls = [self.infants[name] for name in actions], self.controls(actions)
+        if self.schedules:
+            self.grow_as_scheduled()
+        controls, data = self._controls(actions), self.data
+        acting = [self.infants[name] for name in actions]
         for infant in acting:
             infant.observer.stepping()
         self._control_step(controls)
         self.steps_done += 1
-        unstable = is_unstable(self.data)
+        unstable = is_unstable(data)
         stepped: dict[str, Stepped] = {}
         for infant in acting:
-            judged = infant.judge(actions[infant.name], unstable=unstable)
-            observation = infant.observe()
+            action = actions[infant.name]
+            judged, observation = infant.judge(action, unstable=unstable), infant.observe()
             if unstable:
                 for reading in observation.values():
                     np.nan_to_num(reading, copy=False)
-            infant.observer.stepped(actions[infant.name], observation, judged)
+            infant.observer.stepped(action, observation, judged)
             stepped[infant.name] = (observation, *judged)
         self.renderer.show()
         return stepped
 
-    def controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
+    def _controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
         """Return the controls of all infants' actions; those without one command nothing."""
-        resting = {name: infant.rest for name, infant in self.infants.items() if name not in actions}
-        given = {**actions, **resting}
-        return {name: infant.schedule.controls(given[name], self.data) for name, infant in self.infants.items()}
+        if len(actions) < len(self.infants):
+            actions = {**{name: infant.rest for name, infant in self.infants.items()}, **actions}
+        return {name: schedule.controls(actions[name], self.data) for name, schedule in self._schedules.items()}
 
     def grow_as_scheduled(self) -> None:
         """Let infants have the ages that their schedules say, if these are others.
@@ -330,8 +332,8 @@ class Simulation:
         if len(self.infants) > 1:
             for name, infant in self.infants.items():
                 infant.hear([voice for other, voice in voices.items() if other != name])
-        schedules = {name: infant.schedule for name, infant in self.infants.items()}
-        self._control_step = ControlStep(schedules, dict.fromkeys(self.infants, self.data))
+        self._schedules = {name: infant.schedule for name, infant in self.infants.items()}
+        self._control_step = ControlStep(self._schedules, dict.fromkeys(self.infants, self.data))
 
     def _open_renderer(self) -> EnvRenderer:
         shown, roots = self._pictures, [infant.manifest.root_body for infant in self.infants.values()]
