@@ -102,6 +102,8 @@ class Infant:
     simulation: "Simulation"
     """The simulation that it is in."""
     bundle: Bundle
+    render_mode: Any = None
+    """Gymnasium's render mode of its simulation."""
     observer: Observer = NO_OBSERVER
     noise: NoiseStreams
     """Random numbers of noise, jitter and companions, by channel."""

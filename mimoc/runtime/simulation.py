@@ -83,14 +83,14 @@ class Simulation:
         """The schedules of growth of some infants."""
         self.steps_done = 0
         """Control steps taken so far, in all episodes, by which infants with schedules grow."""
+        self._pictures = pictures or Pictures()
         for name, infant in infants.items():
-            infant.name, infant.simulation = name, self
+            infant.name, infant.simulation, infant.render_mode = name, self, self._pictures.mode
         self._bind()
         for infant in infants.values():
             infant.action_space, infant.observation_space = infant.spaces()
         # Recordings keep what the first reset ends, so that this must be the same each time.
         self._start(chance=np.random.default_rng(0))
-        self._pictures = pictures or Pictures()
         self.renderer = self._open_renderer()
 
     @property
@@ -313,7 +313,7 @@ class Simulation:
         simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
         simulation.schedules, simulation.steps_done = kept["growth"]
         for name, infant in infants.items():
-            infant.name, infant.simulation = name, simulation
+            infant.name, infant.simulation, infant.render_mode = name, simulation, kept["pictures"].mode
         simulation._bind()
         simulation._restore(kept["state"])
         simulation.renderer = simulation._open_renderer()
