@@ -15,8 +15,9 @@ from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
 from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.objects.spec_base import ObjectEntry
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
 from mimoc.schema.world import MOST_INFANTS
 
@@ -51,8 +52,12 @@ class WorldManifest(Model):
     """The toys in the scene."""
     objects: tuple[ObjectEntry, ...] = ()
     """The objects of the scene."""
+    caregiver: CaregiverEntry | None = None
+    """An adult by the infants; the face and the kicks in it are those of the infant that it is by."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
+
+    _serialized = omitting("caregiver")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -92,6 +97,13 @@ def world_bundle(
     """Return a world of files and what their manifests say."""
     infants = {name: _infant_of(files, name, manifests[name], path) for name in manifest.infants}
     return WorldBundle(in_order(files), manifest, MappingProxyType(infants), path)
+
+
+def manifests_of(bundle: Bundle | WorldBundle) -> Mapping[str, Manifest]:
+    """Return the manifests of the infants of a world, by name, or that of an infant that is alone, named ""."""
+    if isinstance(bundle, WorldBundle):
+        return {name: infant.manifest for name, infant in bundle.infants.items()}
+    return {"": bundle.manifest}
 
 
 def file_of(infant: str, name: str) -> str:

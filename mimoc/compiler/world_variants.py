@@ -16,7 +16,7 @@ from mimoc.bundle.variants import WorldVariant
 from mimoc.bundle.world import WorldBundle, file_of
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.variants import KEPT, RESOLVED, at_age, at_age_unchecked, errors_at, spec_of
-from mimoc.compiler.world_places import places_of
+from mimoc.compiler.world_places import entries_of
 from mimoc.compiler.worlds import BuiltWorld, assemble_world
 from mimoc.schema import source
 from mimoc.schema.reading import read_keys
@@ -104,15 +104,7 @@ class WorldVariants:
 
     def _placed(self, seed: int) -> WorldPlan:
         """Return the plan with the places of all infants said, in the scene of a seed."""
-        plan, places = self._plan, places_of(self._plan, self._own.builders)
-        infants = [
-            {
-                **item.model_dump(exclude_none=True),
-                "name": name,
-                "y_cm": rounded(100 * place.y_m) if item.y_cm is None else item.y_cm,
-            }
-            for item, (name, place) in zip(plan.spec.placed, places.items(), strict=True)
-        ]
+        plan, infants = self._plan, entries_of(self._plan, self._own.builders)
         scene = {**plan.written.data.get("scene", {}), "seed": seed}
         data = {**plan.written.data, "infants": infants, "scene": scene}
         written = source.in_memory_as_text(data, f"<{plan.spec.name}>", plan.written.folder)

@@ -13,12 +13,11 @@ from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.base.model_fields import WORLD
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
-from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees, pose_of
 from mimoc.bundle.physics_state import STATE, physics_of
 from mimoc.bundle.variants import Variant
-from mimoc.bundle.world import WorldBundle
+from mimoc.bundle.world import manifests_of as manifests_of
 from mimoc.objects.spec_base import names_of
 from mimoc.objects.spec_move import checked_moves
 from mimoc.runtime.infant import AGE as AGE, Binding, Infant
@@ -92,13 +91,6 @@ def find_start(
             objects = Objects(manifest, variant.bare) if is_new else infants[name].binding.objects
             elsewhere |= objects.find_poses(start, checked_moves(moves, names_of(manifest.objects)), elsewhere)
     return poses, elsewhere
-
-
-def manifests_of(bundle: Bundle | WorldBundle) -> dict[str, Manifest]:
-    """Return the manifest of each infant by its name, which is empty for one that is alone."""
-    if isinstance(bundle, Bundle):
-        return {"": bundle.manifest}
-    return {name: infant.manifest for name, infant in bundle.infants.items()}
 
 
 def put(poses: Mapping[str, str], variant: Variant, data: mujoco.MjData) -> None:

@@ -135,8 +135,10 @@ class Infant:
         """Return a picture of its simulation; see `Simulation.render`."""
         return self.simulation.render()
 
-    def bind(self, bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def bind(self, bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData, world: Any = None) -> None:
         """Look up in a model, in which no episode has changed anything yet, everything that the manifest names.
+
+        The first of several infants gets the bundle of their *world*, for what acts on all of them.
 
         Senses of the model before are kept where they can be, or closed.
         """
@@ -145,7 +147,7 @@ class Infant:
         senses = bind_senses(bundle, model, self._former_senses(), custom.senses)
         task = bind_task(bundle, model, custom.task)
         voice = Voice(manifest.actuation.voice) if manifest.actuation.voice else None
-        companions = bind_companions(model, bundle, noise, custom.companions, senses, voice)
+        companions = bind_companions(model, bundle, noise, custom.companions, senses, voice, world)
         schedule = Schedule(senses, actuation, model, timing_of(manifest, senses), noise, companions, voice)
         face, constraints, objects = face_of(bundle), Constraints(manifest.constraints, model), Objects(manifest, model)
         changed = *constraints.model_fields, *task.model_fields, *expression_fields(face, model), *objects.model_fields
@@ -158,11 +160,6 @@ class Infant:
 
     def _former_senses(self) -> Mapping[str, Sense]:
         return self._binding.senses if hasattr(self, "_binding") else NOTHING
-
-    def hear(self, others: Sequence[Voice]) -> None:
-        """Hear the voices of other infants as well."""
-        for sense in self.senses.values():
-            sense.listen_to(self.companions, self._binding.voice, others)
 
     # What can be read of it.
 
@@ -208,12 +205,13 @@ class Infant:
 
     @property
     def caregiver(self) -> Caregiver:
-        """The adult by the infant.
+        """The adult by the infant, the same for all infants of a world.
 
         Raises:
             MimocError: If there is none.
         """
-        companion = self.companions.get("caregiver")
+        first, *_ = self.simulation.infants.values()
+        companion = first.companions.get("caregiver")
         if not isinstance(companion, Caregiver):
             raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
         return companion

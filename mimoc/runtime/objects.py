@@ -143,6 +143,7 @@ class Objects:
     def _within_reach(self, name: str, hand: str, data: mujoco.MjData) -> FloatArray:
         """Return the free place on the floor nearest to a hand that it reaches; in the air for what does not lie."""
         arms = {arm.end: arm for arm in self._manifest.anatomy.arms if arm.end}
+        hand = hand if hand in arms else self._manifest.prefix + hand
         if hand not in arms:
             raise ValueError(f"object '{name}': '{hand}' is no hand of this infant")
         model, entry = self._model, self._entries[name]

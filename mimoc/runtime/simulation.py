@@ -19,6 +19,7 @@ from mimoc.bundle.model import begin, bounded, is_unstable
 from mimoc.bundle.physics_state import STATE, physics_of, set_physics
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import WorldBundle, overlaps
+from mimoc.companions.binding import hear_each_other
 from mimoc.render.environment import EnvRenderer
 from mimoc.runtime import growing
 from mimoc.runtime.control_step import ControlStep
@@ -326,12 +327,10 @@ class Simulation:
         model, bundle = self.model if self._draws else self.bare, self.bundle
         self.data = mujoco.MjData(model)
         bundles = {"": bundle} if isinstance(bundle, Bundle) else bundle.infants
-        for name, infant in self.infants.items():
-            infant.bind(bundles[name], model, self.data)
-        voices = {name: infant.voice for name, infant in self.infants.items() if infant.voice}
-        if len(self.infants) > 1:
-            for name, infant in self.infants.items():
-                infant.hear([voice for other, voice in voices.items() if other != name])
+        for number, (name, infant) in enumerate(self.infants.items()):
+            infant.bind(bundles[name], model, self.data, None if number else bundle)
+        if isinstance(bundle, WorldBundle):
+            hear_each_other(self.infants)
         self._schedules = {name: infant.schedule for name, infant in self.infants.items()}
         self._control_step = ControlStep(self._schedules, dict.fromkeys(self.infants, self.data))
 

@@ -278,9 +278,9 @@ class WorldEnv:
             check_name("name of an infant of this world", name, [*names, *known])
             if name in names:
                 of_infants[name] = growing.options_given(given)
-        if OBJECTS in options:
-            first = of_infants.setdefault(names[0], {})
-            first[OBJECTS] = {**options[OBJECTS], **first.get(OBJECTS, {})}
+        for thing, place in options.get(OBJECTS, {}).items():
+            named = (name for name in names if isinstance(place, str) and f" {name}_" in place)
+            of_infants.setdefault(next(named, names[0]), {}).setdefault(OBJECTS, {}).setdefault(thing, place)
         return of_infants, options.get(SEED)
 
     def _observe(self) -> Observations:
