@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import function_of
 from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
 from mimoc.policies.policy import (
@@ -19,7 +19,7 @@ from mimoc.policies.policy import (
     start_again,
 )
 from mimoc.policies.silent import Silent, limits_of
-from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
+from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 
@@ -51,6 +51,31 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     if env.manifest.actuation.voice:
         policies = [Silent(policy, len(env.actuation.low)) for policy in policies]
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
+
+
+def policies_of(
+    infants: Mapping[str, Any], policy: str | PolicyMaker | Mapping[str, str | PolicyMaker], load: Loader | None = None
+) -> dict[str, Policy]:
+    """Return a policy for each infant of a world, each an object of its own.
+
+    Args:
+        infants: The infants by name.
+        policy: What `policy_of` takes, for all of them or by name; or a text such as `anna=sit,ben=look_at(anna)`.
+        load: Loads trained policies; see `policy_of`.
+
+    Raises:
+        UnknownNameError: If there is no such policy or infant.
+        PolicyError: If an infant has no policy, or it does not fit this infant.
+    """
+    if isinstance(policy, str):
+        policy = parse_policies(policy, infants)
+    if not isinstance(policy, Mapping):
+        policy = dict.fromkeys(infants, policy)
+    for name in (*policy, *infants):
+        check_name("name of an infant of this world", name, infants)
+        if name not in policy:
+            raise PolicyError(f"there is no policy of '{name}'; give one for each infant: {', '.join(infants)}")
+    return {name: policy_of(infant, policy[name], load) for name, infant in infants.items()}
 
 
 class Sum:

@@ -1,10 +1,10 @@
 """What the text that chooses a policy can say: a name, a name with an argument, a trained policy, or a sum of these."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import PolicyKind
 from mimoc.policies import POLICIES
 
@@ -15,6 +15,8 @@ CALLED = re.compile(r"([a-z][a-z0-9_]*)\((.*)\)", re.DOTALL)
 """A name with its argument in parentheses, which means the same as after a colon."""
 APART = re.compile(r"\+(?![^(]*\))")
 """A plus outside of parentheses."""
+FOR_INFANT = re.compile(r"(?:^|,)\s*([a-z][a-z0-9_]*)\s*=(?![^(]*\))")
+"""The name of an infant and an equals sign, outside of parentheses, at the beginning or after a comma."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,37 @@ def parse_policy(text: str) -> tuple[PolicyPart, ...]:
     if "+" in text and not all(text.split("+")):
         raise PolicyError(f"'{text}': a policy is missing beside a '+'; write NAME+NAME, such as random+zero")
     return tuple(_part(piece) for piece in _pieces(text))
+
+
+def parse_policies(text: str, names: Collection[str]) -> dict[str, str]:
+    """Return the policy of each infant of a world in a text such as `anna=sit,ben=look_at(anna)+kick`.
+
+    A text without names is the policy of all. A setting of a behaviour that has the name of an infant has to be in
+    parentheses: `anna=sit(lean=0.4),lean=zero`.
+
+    Raises:
+        UnknownNameError: If there is no such infant.
+        PolicyError: If an infant has no policy, or two.
+    """
+    found = list[re.Match[str]]()
+    for match in FOR_INFANT.finditer(text):
+        has_settings = found and ":" in text[found[-1].end() : match.start()]
+        if match[1] in names or not has_settings:
+            found.append(match)
+    if not found or found[0].start():
+        return dict.fromkeys(names, text)
+    policies = dict[str, str]()
+    for match, end in zip(found, [*(item.start() for item in found[1:]), len(text)], strict=True):
+        name = match[1]
+        check_name("name of an infant of this world", name, names)
+        if name in policies:
+            raise PolicyError(f"'{text}': '{name}' has two policies; write one of them, or their sum with a '+'")
+        policies[name] = text[match.end() : end].strip()
+    for name in names:
+        if not policies.get(name):
+            others = ",".join(f"{item}={policies.get(item) or 'zero'}" for item in names)
+            raise PolicyError(f"'{text}': there is no policy of '{name}'; write one for each infant, such as {others}")
+    return policies
 
 
 def told_apart(parts: Sequence[PolicyPart]) -> tuple[tuple[PolicyPart, ...], tuple[PolicyPart, ...]]:

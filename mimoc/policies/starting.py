@@ -8,7 +8,7 @@ from mimoc.senses.sense import Observation
 def begin_here(env: InfantEnv) -> Observation:
     """Let an infant whose configuration was changed begin its episode there, and return what it senses.
 
-    A recording of the run keeps this as a state that was restored.
+    A recording of the run keeps this as a state that was restored, in a world that of all infants.
     """
     set_physics(env.model, env.data, physics_of(env.model, env.data))
     env.schedule.reset(env.data)

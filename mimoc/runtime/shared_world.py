@@ -94,6 +94,7 @@ class SharedWorld:
             for name, infant in bundle.infants.items()
         }
         for infant in self.infants.values():
+            infant.world = self
             infant.hear([other.voice for other in self.infants.values() if other.voice and other is not infant])
         self.possible_agents, self.agents = list(self.infants), list[str]()
         rate_hz = round(1 / ms_to_s(bundle.manifest.step_ms))

@@ -56,6 +56,7 @@ class WorldInfant(InfantView):
             companions: Objects that act in its world as well, by name.
         """
         self.closed, self.bundle, self.data, self._infant = False, bundle, data, Variant(bundle, model)
+        self.world: Any = None
         self.random, seed = np_random()
         self.noise, self.observer, self._steps = NoiseStreams(seed), NO_OBSERVER, 0
         self._act = bind_actuation(self.manifest.actuation, model)
@@ -119,6 +120,15 @@ class WorldInfant(InfantView):
         """All that its next steps depend on but the physics."""
         counters = {STEPS: self._steps, RANDOM: self.random.bit_generator.state}
         return {**self._living.state_of_infant, **counters}
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the state of its whole world."""
+        return self.world.get_state()
+
+    def set_state(self, state: Mapping[str, Any]) -> Observation:
+        """Restore a state of its whole world; return what the infant observes."""
+        self.world.set_state(state)
+        return self._observe()
 
     def restore_counters(self, state: Mapping[str, Any]) -> None:
         """Restore what a state says besides its simulation."""

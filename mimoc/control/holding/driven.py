@@ -53,6 +53,13 @@ class DrivenInfant:
         return np.asarray(self.model.body_rootid == self.root)
 
     @cached_property
+    def is_other(self) -> npt.NDArray[np.bool_]:
+        """Which bodies of the model are those of other infants, shape (nbody,)."""
+        model = self.model
+        driven = model.body_rootid[model.jnt_bodyid[model.actuator_trnid[:, 0]]]
+        return np.isin(model.body_rootid, driven) & ~self.is_own
+
+    @cached_property
     def actuators(self) -> slice:
         """Where the a actuators of its hinges stand among those of the model; they follow one another."""
         own = np.flatnonzero(np.isin(self.model.actuator_trnid[:, 0], self.joints))

@@ -71,14 +71,14 @@ class BehaviourPolicy:
         if reason := self._ensemble.lost(env.data):
             label, advice = self._labels[self._ensemble.whole or 0], "choose another scene.pose, or hold other parts"
             raise PolicyError(f"'{label}' cannot begin where held parts or locked joints are ({reason}); {advice}")
-        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos.copy(), None, 0.0
+        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos[~self._is_of_others], None, 0.0
         return observation
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action, shape (n,); of the generator, only times of reactions depend, and nothing of the rest."""
         env = self._env
         self._chance.generator = generator
-        if env.steps == 0 and not np.array_equal(env.data.qpos, self._begun_at):
+        if env.steps == 0 and not np.array_equal(env.data.qpos[~self._is_of_others], self._begun_at):
             self.begin()
         elif env.model is not self._model:  # The infant has grown.
             self._bind()
@@ -102,6 +102,8 @@ class BehaviourPolicy:
         if actuation not in ACTUATIONS:
             raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
         self._model, self._infant = model, DrivenInfant.of(model, env.manifest)
+        owners = np.repeat(model.jnt_bodyid, np.diff(np.append(model.jnt_qposadr, model.nq)))
+        self._is_of_others = self._infant.is_other[owners]
         subject = Subject(self._infant, env.manifest, self._chance)
         self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
         self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
