@@ -189,9 +189,8 @@ class ContactConstraints:
 
     def rows(self, data: mujoco.MjData) -> IntArray:
         """Return the constraints that hold the infant, shape (m,); *data* must have the solver's forces."""
-        kinds, is_sticking = data.efc_type, data.efc_state == _STICKING
-        if self._has_others:
-            is_sticking &= ~_sliding(data)
+        kinds = data.efc_type
+        is_sticking = _sticking_by_force(data) if self._has_others else data.efc_state == _STICKING
         holding = kinds == _EQUALITY
         holding |= (kinds == _TENDON_END) & is_sticking
         contacts = np.flatnonzero((kinds >= _FIRST_CONTACT) & is_sticking)
@@ -230,17 +229,19 @@ class ContactConstraints:
         return np.logical_or.reduce(ours[geoms] & self._still[geoms[:, ::-1]], axis=1)
 
 
-def _sliding(data: mujoco.MjData) -> npt.NDArray[np.bool_]:
-    """Return which constraints are those of sliding contacts, whose forces f are on the cone |f_t / μ| = f_n.
+def _sticking_by_force(data: mujoco.MjData) -> npt.NDArray[np.bool_]:
+    """Return which constraints act and are not those of sliding contacts, whose forces f are on the cone |f_t/μ| = f_n.
 
-    Where MuJoCo solves for several islands, as with several infants, `efc_state` does not tell them from sticking ones.
+    It is what `efc_state` says, but where MuJoCo solves for several islands, as with several infants: then, that does
+    not stand in the order of the constraints (MuJoCo 3.17).
     """
-    contacts, is_sliding = data.contact, np.zeros(data.nefc, bool)
+    contacts, force = data.contact, data.efc_force
+    is_sticking = force != 0.0
     for first, size, friction in zip(contacts.efc_address, contacts.dim, contacts.friction, strict=True):
-        if first >= 0 and size > 1:
-            normal_n, across_n = data.efc_force[first], data.efc_force[first + 1 : first + size]
-            is_sliding[first : first + size] = np.linalg.norm(across_n / friction[: size - 1]) > ON_CONE * normal_n
-    return is_sliding
+        if first >= 0:
+            across = np.linalg.norm(force[first + 1 : first + size] / friction[: size - 1])
+            is_sticking[first : first + size] = across < ON_CONE * force[first]
+    return is_sticking
 
 
 def _couplings(model: mujoco.MjModel) -> FloatArray:
