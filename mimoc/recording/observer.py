@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.physics_state import physics_of
 from mimoc.columns import GROUPS
 from mimoc.columns.column import Column
 from mimoc.columns.reader import MovementReader
@@ -22,7 +23,6 @@ from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import Observer
-from mimoc.runtime.simulation_state import physics_of
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]

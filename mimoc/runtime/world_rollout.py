@@ -8,8 +8,9 @@ import numpy as np
 
 from mimoc.policies.named import Loader, policies_of
 from mimoc.policies.policy import PolicyMaker, begin, start_again
+from mimoc.policies.starting import check_apart
 from mimoc.runtime.rollout import Summary, Tally
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 
 class WorldRun:
@@ -17,7 +18,7 @@ class WorldRun:
 
     def __init__(
         self,
-        world: SharedWorld,
+        world: WorldEnv,
         policy: str | PolicyMaker | Mapping[str, str | PolicyMaker],
         seed: int,
         load: Loader | None = None,
@@ -62,11 +63,10 @@ class WorldRun:
             self._begin()
 
     def _begin(self) -> None:
-        """Let policies put their infants where episodes begin, and then all infants sense that."""
+        """Let policies put their infants where episodes begin."""
         if any([begin(policy) is not None for policy in self._policies.values()]):
-            for infant in self.world.infants.values():
-                infant.schedule.reset(infant.data)
-            self.observations = self.world.set_state(self.world.get_state())
+            check_apart(self.world.infants)
+            self.observations = {name: infant.observe() for name, infant in self.world.infants.items()}
 
     def summaries(self) -> dict[str, Summary]:
         """Return the summary of each infant's steps so far, of which there must be at least one."""
