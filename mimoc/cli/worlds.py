@@ -89,9 +89,9 @@ def run(
 
     from mimoc.cli import console
     from mimoc.policies.class_policy import class_or_text
+    from mimoc.policies.spec import parse_policies
     from mimoc.recording.record import film_of
     from mimoc.runtime.world_env import WorldEnv
-    from mimoc.policies.spec import parse_policies
     from mimoc.runtime.world_rollout import WorldRun
 
     chosen = {name: class_or_text(text) for name, text in parse_policies(policy, world.infants).items()}

@@ -25,6 +25,9 @@ from mimoc.senses.sense import Observation
 
 Loader = Callable[[str], PolicyMaker]
 """Loads the trained policy in a file, as `mimoc.load_policy` does."""
+Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
+"""A policy of all infants of an environment, or policies by infant; see `policies_of`."""
+AT_REST = "zero"
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
@@ -53,29 +56,26 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
 
 
-def policies_of(
-    infants: Mapping[str, Any], policy: str | PolicyMaker | Mapping[str, str | PolicyMaker], load: Loader | None = None
-) -> dict[str, Policy]:
-    """Return a policy for each infant of a world, each an object of its own.
+def policies_of(infants: Mapping[str, Any], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
+    """Return the policy of each infant of an environment, by name: each is an object of its own.
 
     Args:
         infants: The infants by name.
-        policy: What `policy_of` takes, for all of them or by name; or a text such as `anna=sit,ben=look_at(anna)`.
+        policy: What `policy_of` takes, for all of them, or by infant; or a text such as `anna=sit,ben=look_at(anna)`.
+            Infants without a policy command nothing.
         load: Loads trained policies; see `policy_of`.
 
     Raises:
         UnknownNameError: If there is no such policy or infant.
-        PolicyError: If an infant has no policy, or it does not fit this infant.
+        PolicyError: If the text is no policy otherwise, or a policy does not fit its infant.
     """
     if isinstance(policy, str):
         policy = parse_policies(policy, infants)
     if not isinstance(policy, Mapping):
         policy = dict.fromkeys(infants, policy)
-    for name in (*policy, *infants):
+    for name in policy:
         check_name("name of an infant of this world", name, infants)
-        if name not in policy:
-            raise PolicyError(f"there is no policy of '{name}'; give one for each infant: {', '.join(infants)}")
-    return {name: policy_of(infant, policy[name], load) for name, infant in infants.items()}
+    return {name: policy_of(infant, policy.get(name, AT_REST), load) for name, infant in infants.items()}
 
 
 class Sum:

@@ -52,33 +52,30 @@ def parse_policy(text: str) -> tuple[PolicyPart, ...]:
 
 
 def parse_policies(text: str, names: Collection[str]) -> dict[str, str]:
-    """Return the policy of each infant of a world in a text such as `anna=sit,ben=look_at(anna)+kick`.
+    """Return the policies of the infants of a world in a text such as `anna=sit,ben=look_at(anna)+kick`, by infant.
 
-    A text without names is the policy of all. A setting of a behaviour that has the name of an infant has to be in
-    parentheses: `anna=sit(lean=0.4),lean=zero`.
+    A text that begins with no name is the policy of all. A setting of a behaviour that has the name of an infant has to
+    be in parentheses: `anna=sit(lean=0.4),lean=zero`.
 
     Raises:
         UnknownNameError: If there is no such infant.
-        PolicyError: If an infant has no policy, or two.
+        PolicyError: If no policy stands behind a name, or an infant has two.
     """
     found = list[re.Match[str]]()
     for match in FOR_INFANT.finditer(text):
-        has_settings = found and ":" in text[found[-1].end() : match.start()]
-        if match[1] in names or not has_settings:
+        may_be_setting = found and ":" in text[found[-1].end() : match.start()]
+        if match[1] in names or not may_be_setting:
             found.append(match)
     if not found or found[0].start():
         return dict.fromkeys(names, text)
     policies = dict[str, str]()
     for match, end in zip(found, [*(item.start() for item in found[1:]), len(text)], strict=True):
-        name = match[1]
-        check_name("name of an infant of this world", name, names)
-        if name in policies:
-            raise PolicyError(f"'{text}': '{name}' has two policies; write one of them, or their sum with a '+'")
-        policies[name] = text[match.end() : end].strip()
-    for name in names:
-        if not policies.get(name):
-            others = ",".join(f"{item}={policies.get(item) or 'zero'}" for item in names)
-            raise PolicyError(f"'{text}': there is no policy of '{name}'; write one for each infant, such as {others}")
+        check_name("name of an infant of this world", match[1], names)
+        if match[1] in policies:
+            raise PolicyError(f"'{text}': '{match[1]}' has two policies; write one, or their sum with a '+'")
+        policies[match[1]] = policy = text[match.end() : end].strip()
+        if not policy:
+            raise PolicyError(f"'{text}': there is no policy behind '{match[0]}'; write {match[1]}=NAME, such as sit")
     return policies
 
 

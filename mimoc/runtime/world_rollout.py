@@ -1,13 +1,12 @@
 """Run the infants of a world under policies, and summarise what each did."""
 
-from collections.abc import Mapping
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from mimoc.policies.named import Loader, policies_of
-from mimoc.policies.policy import PolicyMaker, begin, start_again
+from mimoc.policies.named import Loader, Policies, policies_of
+from mimoc.policies.policy import begin, start_again
 from mimoc.policies.starting import check_apart
 from mimoc.runtime.rollout import Summary, Tally
 from mimoc.runtime.world_env import WorldEnv
@@ -16,24 +15,18 @@ from mimoc.runtime.world_env import WorldEnv
 class WorldRun:
     """A run of a world under a policy of each infant, each with its own numbers drawn at random."""
 
-    def __init__(
-        self,
-        world: WorldEnv,
-        policy: str | PolicyMaker | Mapping[str, str | PolicyMaker],
-        seed: int,
-        load: Loader | None = None,
-    ):
+    def __init__(self, world: WorldEnv, policy: Policies, seed: int, load: Loader | None = None):
         """Reset the world.
 
         Args:
             world: The world.
-            policy: The policy of all infants, or of each; see `policies_of`.
+            policy: The policy of all infants, or policies by infant; see `policies_of`.
             seed: Of the reset and the policies; that of infant i draws from `seed + i`.
             load: Loads trained policies.
 
         Raises:
             UnknownNameError: If there is no such policy or infant.
-            PolicyError: If its name lacks something, it does not fit an infant, or an infant has none.
+            PolicyError: If its name lacks something, or it does not fit an infant.
         """
         self.world = world
         self.observations, _ = world.reset(seed=seed)
@@ -64,7 +57,8 @@ class WorldRun:
 
     def _begin(self) -> None:
         """Let policies put their infants where episodes begin."""
-        if any([begin(policy) is not None for policy in self._policies.values()]):
+        begun = [begin(policy) for policy in self._policies.values()]
+        if any(observation is not None for observation in begun):
             check_apart(self.world.infants)
             self.observations = {name: infant.observe() for name, infant in self.world.infants.items()}
 
