@@ -5,9 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gymnasium.vector import AutoresetMode
+
 from mimoc.base.classes import PATH, check_class, takes
 from mimoc.base.errors import BundleError, MimocError, MissingExtraError, check_name
 from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema import source as sources
 from mimoc.schema.infant import InfantSpec
@@ -15,7 +18,7 @@ from mimoc.schema.world import WorldPlan, is_world
 
 if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not everyone has.
     from mimoc.runtime.parallel_env import InfantsParallelEnv
-    from mimoc.training.world_vec_env import WorldVecEnv
+    from mimoc.training.vector_env import InfantVecEnv
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
@@ -107,14 +110,14 @@ def shared_world(source: WorldSource, **options: Any) -> WorldEnv:
     return WorldEnv(**world_parts(source), **options)
 
 
-def world_vec_env(*worlds: WorldEnv) -> "WorldVecEnv":
+def world_vec_env(*worlds: WorldEnv) -> "InfantVecEnv":
     """Return the infants of one world or several as an environment of Stable-Baselines3: all learn one policy.
 
     Each infant is a row, so all must observe and command the same. When the episode of any infant ends, those of the
     others in its world are truncated, and its world is reset in the same step.
 
     Args:
-        worlds: What `make_parallel` returns.
+        worlds: What `make_parallel` returns; they are closed with it.
 
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
@@ -130,8 +133,9 @@ def world_vec_env(*worlds: WorldEnv) -> "WorldVecEnv":
         16
         >>> envs.close()
     """
-    from mimoc.training import WorldVecEnv
+    from mimoc.training import InfantVecEnv
 
     for world in worlds:
         check_class("world_vec_env", world, "what mimoc.make_parallel returns", WorldEnv)
-    return WorldVecEnv(worlds)
+    openers = [lambda world=world: world for world in worlds]
+    return InfantVecEnv(BatchEnv(openers, autoreset_mode=AutoresetMode.SAME_STEP))

@@ -89,12 +89,12 @@ def run(
 
     from mimoc.cli import console
     from mimoc.policies.class_policy import class_or_text
+    from mimoc.policies.spec import parse_policies
     from mimoc.recording.record import film_of
     from mimoc.runtime.world_env import WorldEnv
-    from mimoc.runtime.world_rollout import WorldRun, check_policy
+    from mimoc.runtime.world_rollout import WorldRun
 
-    chosen = class_or_text(policy)
-    check_policy(chosen)
+    chosen = {name: class_or_text(text) for name, text in parse_policies(policy, world.infants).items()}
     roots = [infant.manifest.root_body for infant in world.infants.values()]
     step_ms = world.manifest.step_ms
     with closing(WorldEnv(world, "human" if window else None)) as env:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import function_of
 from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
 from mimoc.policies.policy import (
@@ -19,12 +19,15 @@ from mimoc.policies.policy import (
     start_again,
 )
 from mimoc.policies.silent import Silent, limits_of
-from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
+from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 
 Loader = Callable[[str], PolicyMaker]
 """Loads the trained policy in a file, as `mimoc.load_policy` does."""
+Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
+"""A policy of all infants of an environment, or policies by infant; see `policies_of`."""
+AT_REST = "zero"
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
@@ -51,6 +54,28 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     if env.manifest.actuation.voice:
         policies = [Silent(policy, len(env.actuation.low)) for policy in policies]
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
+
+
+def policies_of(infants: Mapping[str, Any], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
+    """Return the policy of each infant of an environment, by name: each is an object of its own.
+
+    Args:
+        infants: The infants by name.
+        policy: What `policy_of` takes, for all of them, or by infant; or a text such as `anna=sit,ben=look_at(anna)`.
+            Infants without a policy command nothing.
+        load: Loads trained policies; see `policy_of`.
+
+    Raises:
+        UnknownNameError: If there is no such policy or infant.
+        PolicyError: If the text is no policy otherwise, or a policy does not fit its infant.
+    """
+    if isinstance(policy, str):
+        policy = parse_policies(policy, infants)
+    if not isinstance(policy, Mapping):
+        policy = dict.fromkeys(infants, policy)
+    for name in policy:
+        check_name("name of an infant of this world", name, infants)
+    return {name: policy_of(infant, policy.get(name, AT_REST), load) for name, infant in infants.items()}
 
 
 class Sum:

@@ -118,7 +118,7 @@ class PosturePolicy:
         self._speeds = np.array([names.index(f"{joint} velocity [rad/s]") for joint in movement.joints])
         if movement.sway and not _sensed(env, "vestibular"):
             raise PolicyError("this movement needs the sense of balance; add senses.vestibular: {}")
-        low, high = np.array([env.model.joint(joint).range for joint in movement.joints]).T
+        low, high = np.array([env.model.joint(env.manifest.prefix + joint).range for joint in movement.joints]).T
         self._middle, self._half = (low + high) / 2, (high - low) / 2
         self._sway = np.array(movement.sway) if movement.sway else None
         self._matrix, self._is_servo = _commands(env, movement.joints)
@@ -170,9 +170,9 @@ def _commands(env: InfantEnv, joints: tuple[str, ...]) -> tuple[FloatArray, bool
     column = {joint: place for place, joint in enumerate(joints)}
     are_muscles = env.manifest.actuation.model == "muscle"
     for row, actuator in enumerate(commanded):
-        if actuator.joint in column:
+        if (joint := env.manifest.of_infant(actuator.joint)) in column:
             gear = env.model.actuator(actuator.name).gear[0]
-            matrix[row, column[actuator.joint]] = -np.sign(gear) if are_muscles else 1.0
+            matrix[row, column[joint]] = -np.sign(gear) if are_muscles else 1.0
     return matrix, env.manifest.actuation.model == "position"
 
 

@@ -81,6 +81,7 @@ class ReachPolicy:
             errors_m, least_m = np.array(self._errors_m), np.array(self._least_m[: len(self._errors_m)])
             metrics = {"hand_error_m": float(np.median(errors_m)), "hand_targets": len(errors_m)}
             for number, hand in enumerate(self._control.hands):
+                hand = self._env.manifest.of_infant(hand)
                 metrics[f"{hand}_error_m"] = float(np.median(errors_m[:, number]))
                 metrics[f"{hand}_reached_share"] = float(np.mean(least_m[:, number] <= REACHED_M))
         if self._fell_after_s is not None:

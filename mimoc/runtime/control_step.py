@@ -22,6 +22,8 @@ class ControlStep(Generic[Key]):
     def __init__(self, schedules: Mapping[Key, Schedule], datas: Mapping[Key, mujoco.MjData]):
         """Join the schedules of infants, whose control steps are equally long, and the states that they are in."""
         self._schedules, self._datas = schedules, datas
+        self._data = next(iter(datas.values()))
+        self._model = self._data.model
         self._segments: dict[Key, tuple[Segment, ...]] = {}
         self._parts: Sequence[MergedSegment[Key]] = ()
 
@@ -46,10 +48,9 @@ class ControlStep(Generic[Key]):
 
     def _simulate(self, number: int, part: MergedSegment[Key]) -> None:
         """Make the physics steps of a part, and sample what is due at its end."""
-        data = next(iter(self._datas.values()))
         try:
-            mujoco.mj_step(data.model, data, part.physics_steps)
+            mujoco.mj_step(self._model, self._data, part.physics_steps)
         except mujoco.FatalError as error:
             raise out_of_memory(error) from None
         for key, segment in part.ended:
-            self._schedules[key].sample(segment, data)
+            self._schedules[key].sample(segment, self._data)

@@ -102,6 +102,8 @@ class Infant:
     simulation: "Simulation"
     """The simulation that it is in."""
     bundle: Bundle
+    render_mode: Any = None
+    """Gymnasium's render mode of its simulation."""
     observer: Observer = NO_OBSERVER
     noise: NoiseStreams
     """Random numbers of noise, jitter and companions, by channel."""
@@ -369,9 +371,10 @@ class Infant:
             KindError: If the task's reward is no finite number, or its first judgement is none.
         """
         self.steps += 1
-        task, verdict, reward = self.task, NO_REWARD, 0.0
+        bound = self._binding
+        task, verdict, reward = bound.task, NO_REWARD, 0.0
         if not unstable:
-            verdict = task.judge(self.data, action, self.effort)
+            verdict = task.judge(bound.data, action, self.effort)
             if verdict is not NO_REWARD:
                 if self._judged is not task:
                     check_judgement(verdict, task)

@@ -84,14 +84,14 @@ class Simulation:
         """The schedules of growth of some infants."""
         self.steps_done = 0
         """Control steps taken so far, in all episodes, by which infants with schedules grow."""
+        self._pictures = pictures or Pictures()
         for name, infant in infants.items():
-            infant.name, infant.simulation = name, self
+            infant.name, infant.simulation, infant.render_mode = name, self, self._pictures.mode
         self._bind()
         for infant in infants.values():
             infant.action_space, infant.observation_space = infant.spaces()
         # Recordings keep what the first reset ends, so that this must be the same each time.
         self._start(chance=np.random.default_rng(0))
-        self._pictures = pictures or Pictures()
         self.renderer = self._open_renderer()
 
     @property
@@ -171,30 +171,32 @@ class Simulation:
         Raises:
             ValueError: If an action has the wrong shape or is not finite; nothing has changed then.
         """
-        self.grow_as_scheduled()
-        acting, controls = [self.infants[name] for name in actions], self.controls(actions)
+        if self.schedules:
+            self.grow_as_scheduled()
+        controls, data = self._controls(actions), self.data
+        acting = [self.infants[name] for name in actions]
         for infant in acting:
             infant.observer.stepping()
         self._control_step(controls)
         self.steps_done += 1
-        unstable = is_unstable(self.data)
+        unstable = is_unstable(data)
         stepped: dict[str, Stepped] = {}
         for infant in acting:
-            judged = infant.judge(actions[infant.name], unstable=unstable)
-            observation = infant.observe()
+            action = actions[infant.name]
+            judged, observation = infant.judge(action, unstable=unstable), infant.observe()
             if unstable:
                 for reading in observation.values():
                     np.nan_to_num(reading, copy=False)
-            infant.observer.stepped(actions[infant.name], observation, judged)
+            infant.observer.stepped(action, observation, judged)
             stepped[infant.name] = (observation, *judged)
         self.renderer.show()
         return stepped
 
-    def controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
+    def _controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
         """Return the controls of all infants' actions; those without one command nothing."""
-        resting = {name: infant.rest for name, infant in self.infants.items() if name not in actions}
-        given = {**actions, **resting}
-        return {name: infant.schedule.controls(given[name], self.data) for name, infant in self.infants.items()}
+        if len(actions) < len(self.infants):
+            actions = {**{name: infant.rest for name, infant in self.infants.items()}, **actions}
+        return {name: schedule.controls(actions[name], self.data) for name, schedule in self._schedules.items()}
 
     def grow_as_scheduled(self) -> None:
         """Let infants have the ages that their schedules say, if these are others.
@@ -312,7 +314,7 @@ class Simulation:
         simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
         simulation.schedules, simulation.steps_done = kept["growth"]
         for name, infant in infants.items():
-            infant.name, infant.simulation = name, simulation
+            infant.name, infant.simulation, infant.render_mode = name, simulation, kept["pictures"].mode
         simulation._bind()
         simulation._restore(kept["state"])
         simulation.renderer = simulation._open_renderer()
@@ -329,8 +331,8 @@ class Simulation:
             infant.bind(bundles[name], model, self.data, None if number else bundle)
         if isinstance(bundle, WorldBundle):
             hear_each_other(self.infants)
-        schedules = {name: infant.schedule for name, infant in self.infants.items()}
-        self._control_step = ControlStep(schedules, dict.fromkeys(self.infants, self.data))
+        self._schedules = {name: infant.schedule for name, infant in self.infants.items()}
+        self._control_step = ControlStep(self._schedules, dict.fromkeys(self.infants, self.data))
 
     def _open_renderer(self) -> EnvRenderer:
         shown, roots = self._pictures, [infant.manifest.root_body for infant in self.infants.values()]

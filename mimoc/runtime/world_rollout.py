@@ -1,42 +1,38 @@
-"""Run the infants of a world under a policy, and summarise what each did."""
+"""Run the infants of a world under policies, and summarise what each did."""
 
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from mimoc.base.errors import PolicyError
-from mimoc.policies.named import Loader, policy_of
-from mimoc.policies.policy import PolicyMaker, start_again
-from mimoc.policies.spec import parse_policy
+from mimoc.policies.named import Loader, Policies, policies_of
+from mimoc.policies.policy import begin, start_again
+from mimoc.policies.starting import check_apart
 from mimoc.runtime.rollout import Summary, Tally
 from mimoc.runtime.world_env import WorldEnv
 
-SHARING = ("random", "zero", "general_movements", "reflexes")
-"""Policies that take no other things of a model than those of their infant."""
-
 
 class WorldRun:
-    """A run of a world under a policy, the same for all infants, each with its own numbers drawn at random."""
+    """A run of a world under a policy of each infant, each with its own numbers drawn at random."""
 
-    def __init__(self, world: WorldEnv, policy: str | PolicyMaker, seed: int, load: Loader | None = None):
+    def __init__(self, world: WorldEnv, policy: Policies, seed: int, load: Loader | None = None):
         """Reset the world.
 
         Args:
             world: The world.
-            policy: Name of a policy, a sum of names, or a function from an infant to its policy; see `policy_of`.
+            policy: The policy of all infants, or policies by infant; see `policies_of`.
             seed: Of the reset and the policies; that of infant i draws from `seed + i`.
             load: Loads trained policies.
 
         Raises:
-            UnknownNameError: If there is no such policy.
-            PolicyError: If its name lacks something, it does not fit an infant, or it is for one that is alone.
+            UnknownNameError: If there is no such policy or infant.
+            PolicyError: If its name lacks something, or it does not fit an infant.
         """
-        check_policy(policy)
         self.world = world
         self.observations, _ = world.reset(seed=seed)
         infants: dict[str, Any] = world.infants  # Policies read of an environment what there is of these as well.
-        self._policies = {name: policy_of(infant, policy, load) for name, infant in infants.items()}
+        self._policies = policies_of(infants, policy, load)
+        self._begin()
         self._tallies = {name: Tally(infant) for name, infant in world.infants.items()}
         self._generators = {name: np.random.default_rng(seed + number) for number, name in enumerate(infants)}
         self._wall_s = 0.0
@@ -57,22 +53,15 @@ class WorldRun:
             self.observations, _ = self.world.reset()
             for policy in self._policies.values():
                 start_again(policy)
+            self._begin()
+
+    def _begin(self) -> None:
+        """Let policies put their infants where episodes begin."""
+        begun = [begin(policy) for policy in self._policies.values()]
+        if any(observation is not None for observation in begun):
+            check_apart(self.world.infants)
+            self.observations = {name: infant.observe() for name, infant in self.world.infants.items()}
 
     def summaries(self) -> dict[str, Summary]:
         """Return the summary of each infant's steps so far, of which there must be at least one."""
         return {name: tally.summary(self._wall_s, self._policies[name]) for name, tally in self._tallies.items()}
-
-
-def check_policy(policy: str | PolicyMaker) -> None:
-    """Check that a policy is one for infants that share a world.
-
-    Raises:
-        UnknownNameError: If there is no such policy.
-        PolicyError: If it is not.
-    """
-    for part in parse_policy(policy) if isinstance(policy, str) else ():
-        if part.kind is not None and part.kind.name not in SHARING:
-            raise PolicyError(
-                f"'{part.label}' reads a model with one infant only; infants that share a world can have "
-                f"{', '.join(SHARING)}, sums of these, and trained policies"
-            )

@@ -19,7 +19,7 @@ from stable_baselines3.common.vec_env import (
     VecNormalize,
     VecTransposeImage,
 )
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
@@ -45,7 +45,7 @@ class InfantVecEnv(DummyVecEnv):
     def __init__(self, infants: BatchEnv):
         """Give infants that are reset in the same step to Stable-Baselines3, which closes them."""
         assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
-        self.infants, self.envs = infants, list[gymnasium.Env](infants.infants)
+        self.infants = infants
         VecEnv.__init__(self, infants.num_envs, infants.single_observation_space, infants.single_action_space)
 
     def reset(self) -> VecEnvObs:
@@ -70,6 +70,25 @@ class InfantVecEnv(DummyVecEnv):
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
             last_infos.append(info)
         return observation, rewards.astype(np.float32), done, last_infos
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Return an attribute of each infant."""
+        return [getattr(self.infants.infants[index], attr_name) for index in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Set an attribute of each infant."""
+        for index in self._get_indices(indices):
+            setattr(self.infants.infants[index], attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **kwargs: Any
+    ) -> list[Any]:
+        """Call a method of each infant."""
+        return [method(*method_args, **kwargs) for method in self.get_attr(method_name, indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
+        """Return that no infant is wrapped."""
+        return [False for _ in self._get_indices(indices)]
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""

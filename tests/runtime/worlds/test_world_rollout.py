@@ -5,7 +5,7 @@ import pytest
 from support.store import built
 from support.worlds import ANNA, BEN, placed, world
 
-from mimoc.base.errors import PolicyError, UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
@@ -43,12 +43,6 @@ def test_a_run_is_summed_up_for_each_infant():
         assert (summary.steps, summary.episodes, summary.unstable) == (10, 1, False)
         assert summary.joint_speed_rad_s > 0.05
     assert summaries["anna"].joint_speed_rad_s != summaries["ben"].joint_speed_rad_s
-
-
-@pytest.mark.parametrize("policy", ["sit", "hold+general_movements", "reach", "motion:somewhere"])
-def test_policies_that_read_a_model_of_one_infant_are_refused(policy):
-    with pytest.raises(PolicyError, match="reads a model with one infant only; infants that share a world can have"):
-        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), policy, seed=0)
 
 
 def test_a_policy_that_there_is_not_is_refused():
