@@ -177,6 +177,19 @@ def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
     return plan
 
 
+def with_keys(plan: WorldPlan, **keys: Any) -> WorldPlan:
+    """Return a world with other keys than its file, written anew; its infants are the same."""
+    data = {**plan.written.data, **keys}
+    written = in_memory_as_text(data, f"<{plan.spec.name}>", plan.written.folder)
+    return WorldPlan(read_keys(WorldSpec, written), plan.infants)
+
+
+def in_scene(plan: WorldPlan, seed: int) -> WorldPlan:
+    """Return a world in the scene of a seed."""
+    scene = plan.written.data.get("scene", {})
+    return plan if seed == plan.spec.scene.seed else with_keys(plan, scene={**scene, "seed": seed})
+
+
 def in_world(plan: WorldPlan, name: str) -> InfantSpec:
     """Return the spec of an infant with the world's scene around it, without what lies there: that is the world's.
 

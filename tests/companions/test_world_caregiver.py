@@ -201,3 +201,21 @@ def test_a_world_without_a_caregiver_says_so():
     with pytest.raises(MimocError, match=r"has no caregiver; add 'caregiver: \{\}' to the scene"):
         _ = env.infants["ben"].caregiver
     env.close()
+
+
+def test_rows_of_a_batch_of_worlds_have_the_caregiver_that_the_world_has_alone():
+    plan = plan_world(
+        {name: mimoc.InfantSpec.model_validate(data) for name, data in PAIR.items()}, scene={"caregiver": ANSWERS}
+    )
+    env, envs = shared_world(plan), mimoc.make_vec(plan, num_envs=4)
+    env.reset(seed=0)
+    envs.reset(seed=0)
+    generator = np.random.default_rng(0)
+    for _ in range(60):
+        actions = generator.uniform(-1, 1, envs.action_space.shape).astype(np.float32)
+        envs.step(actions)
+        env.step(dict(zip(env.agents, actions[:2], strict=True)))
+    assert np.array_equal(envs.simulations[0].data.qpos, env.data.qpos)
+    assert np.array_equal(envs.simulations[0].data.mocap_pos, env.data.mocap_pos)
+    env.close()
+    envs.close()
