@@ -76,12 +76,14 @@ class WorldSpec(FileModel):
     scene: SceneSpec = Field(default_factory=SceneSpec)
     """The scene around all of them; what is an infant's own, `pose` and `held`, is in the scene of its spec."""
 
-    @model_validator(mode="after")
-    def _scene_is_for_all(self) -> Self:
+    @model_validator(mode="before")
+    @classmethod
+    def _scene_is_for_all(cls, data: Any) -> Any:
+        scene = data.get("scene") if isinstance(data, Mapping) else None
         for key, message in NOT_OF_ALL.items():
-            if key in self.scene.model_fields_set:
+            if isinstance(scene, Mapping) and key in scene:
                 raise KeyedError(("scene", key), message)
-        return self
+        return data
 
     @model_validator(mode="after")
     def _furniture_has_one_infant_and_one_place(self) -> Self:
