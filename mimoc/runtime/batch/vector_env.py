@@ -76,7 +76,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self._ended = np.zeros(self.num_envs, bool)
         if schedule:
             for world in simulations:
-                world.grow_by({name: schedule for name in world.infants})
+                world.grow_by(dict.fromkeys(world.infants, schedule))
         self.closed = False
 
     @property
