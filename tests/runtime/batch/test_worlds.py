@@ -38,7 +38,8 @@ def test_rows_are_what_infants_are_in_their_world_alone(threads):
             theirs = [alone[0].grow({"lee": 3.5}), alone[1].grow({"kim": 8, "lee": 4})]
         actions = generator.uniform(-0.3, 0.3, many.action_space.shape).astype(np.float32)
         observed, rewards, *_ = many.step(actions)
-        stepped = [world.step(dict(zip(PAIR, actions[2 * n : 2 * n + 2], strict=True))) for n, world in enumerate(alone)]
+        by_world = actions.reshape(2, 2, -1)
+        stepped = [world.step(dict(zip(PAIR, pair, strict=True))) for world, pair in zip(alone, by_world, strict=True)]
         theirs = [step[0] for step in stepped]
         assert rewards.tolist() == [reward for step in stepped for reward in step[1].values()]
 
@@ -85,7 +86,7 @@ def test_options_are_of_rows_and_scenes_of_worlds():
 @pytest.mark.parametrize(
     ("options", "kind", "message"),
     [
-        ({"num_envs": 3}, MimocError, "num_envs=3 infants are not the infants of whole worlds of 2; give .* num_envs=4"),
+        ({"num_envs": 3}, MimocError, "infants of whole worlds of 2; give .* num_envs=4"),
         ({"device": "cuda"}, MimocError, "infants that share a world are simulated on the CPU; leave out device"),
         ({"task": Still()}, UnknownNameError, "'task' is not a keyword of a vector environment of worlds; .*'tasks'"),
     ],

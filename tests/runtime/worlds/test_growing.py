@@ -67,7 +67,8 @@ def test_it_grows_as_it_does_alone():
 
 def test_a_reset_gives_ages_a_scene_and_places():
     env = opened(scene={"kind": "flat", "objects": [BLOCK]})
-    env.reset(seed=0, options={"kim": {"age_months": 10}, "scene_seed": 7, "objects": {"block": {"x_cm": 70, "y_cm": 5}}})
+    moved = {"block": {"x_cm": 70, "y_cm": 5}}
+    env.reset(seed=0, options={"kim": {"age_months": 10}, "scene_seed": 7, "objects": moved})
     assert (env.infants["kim"].age_months, env.bundle.manifest.seed) == (10.0, 7)
     assert np.allclose(env.data.body("object_block").xpos[:2], (0.7, 0.05), atol=1e-3)
     env.reset(options={"lee": {"objects": {"block": {"x_cm": -70, "y_cm": 5}}}})
