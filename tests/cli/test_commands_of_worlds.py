@@ -62,12 +62,18 @@ def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
         assert getattr(filmed, "n_frames", 1) >= 2
 
 
+def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
+    done = invoke("run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3")
+    assert done.code == 0
+    assert "Error of the gaze" in done.out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
         (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
-        (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
+        (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
         (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "sitting"], "--pose is for a single infant"),
