@@ -1,7 +1,6 @@
 """Run the infants of a world under policies, and summarise what each did."""
 
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -30,11 +29,10 @@ class WorldRun:
         """
         self.world = world
         self.observations, _ = world.reset(seed=seed)
-        infants: dict[str, Any] = world.infants  # Policies read of an environment what there is of these as well.
-        self._policies = policies_of(infants, policy, load)
+        self._policies = policies_of(world.infants, policy, load)
         self._begin()
         self._tallies = {name: Tally(infant) for name, infant in world.infants.items()}
-        self._generators = {name: np.random.default_rng(seed + number) for number, name in enumerate(infants)}
+        self._generators = {name: np.random.default_rng(seed + number) for number, name in enumerate(world.infants)}
         self._wall_s = 0.0
 
     def step(self) -> None:
