@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import mimoc
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 
 AGES = (0, 3, 6, 9, 12, 18)
 STEPS = 1000

@@ -12,8 +12,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from mimoc.cohorts import Cohort
-from mimoc.cohorts.store import size_bytes
+from mimoc.studies.cohorts import Cohort
+from mimoc.studies.cohorts.store import size_bytes
 
 BASE = {
     "mimoc": 1,

@@ -20,7 +20,7 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.body_points import locate
 from mimoc.motion.read_mini_rgbd import JOINTS, POINTS
-from mimoc.retargeting.observations import camera_from_world
+from mimoc.movement.retargeting.observations import camera_from_world
 
 MOST_M = 20.0
 """Distances from the camera above are in millimetres."""

@@ -15,9 +15,9 @@ import numpy as np
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.joint_motion import motion_of
+from mimoc.movement.retargeting.folder import altered
 from mimoc.policies.motion import MotionPolicy
-from mimoc.retargeting.folder import altered
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 
 
 def main() -> None:

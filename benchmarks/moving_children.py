@@ -11,8 +11,8 @@ import mujoco
 import numpy as np
 from known_motions import FloatArray, random_child
 
-from mimoc.environments import open_infant
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 
 RATE_HZ = 25.0

@@ -15,8 +15,8 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.body_points import locate
 from mimoc.motion.points import MINI_RGBD_POINTS
-from mimoc.retargeting.result import QUANTILE, Retargeted
-from mimoc.retargeting.sizes import lengths_of
+from mimoc.movement.retargeting.result import QUANTILE, Retargeted
+from mimoc.movement.retargeting.sizes import lengths_of
 from mimoc.schema.body import BodySpec
 
 HEIGHT_M = 1.08

@@ -15,11 +15,11 @@ from measuring import cpu_medians_s
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder
+from mimoc.compiler.looks.skin.deformation import skins
 from mimoc.compiler.variants import SpecVariants, skin_at
-from mimoc.looks.skin.deformation import skins
+from mimoc.components.senses.vision.eyes import Eyes
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.soft_light import ONCE
-from mimoc.senses.vision.eyes import Eyes
 
 CHOICES = {"skin": True, "solids": False}
 CAMERAS, OWN_HEAD, EYE_PX = ("eye_left", "eye_right"), ("head", "left_eye", "right_eye"), 64

@@ -21,7 +21,7 @@ from measuring import cpu_medians_s, felt
 from step import CONTROL_STEPS, bare
 
 import mimoc
-from mimoc.senses.touch.run import bind
+from mimoc.components.senses.touch.run import bind
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from support.touch_oracle import touch_loop

@@ -26,10 +26,10 @@ from scipy.ndimage import map_coordinates
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.senses.vision import VisionEntry, eyes as eyes_module
-from mimoc.senses.vision.eyes import Eyes
-from mimoc.senses.vision.foveation import to_source
-from mimoc.senses.vision.run import Vision, bind, perceive
+from mimoc.components.senses.vision import VisionEntry, eyes as eyes_module
+from mimoc.components.senses.vision.eyes import Eyes
+from mimoc.components.senses.vision.foveation import to_source
+from mimoc.components.senses.vision.run import Vision, bind, perceive
 
 SIZES_PX = (64, 128)
 AGE_MONTHS = 4

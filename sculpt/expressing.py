@@ -7,7 +7,7 @@ import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
 
-from mimoc.geometry.smoothstep import smoothstep
+from mimoc.base.geometry.smoothstep import smoothstep
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ LEAST_MM = 0.12
 def moved(mesh, face: Moved) -> Array:
     """Return how the vertices of the surface of a mesh, a `make_head.HeadMesh`, move; those of strips as their edges.
 
-    Lids turn about the eyeballs besides (`mimoc.looks.skin.head.turned_lids`).
+    Lids turn about the eyeballs besides (`mimoc.compiler.looks.skin.head.turned_lids`).
     """
     verts = mesh.verts
     moves = (_mouth(verts, mesh.side, face) + _brows(verts, face) + _cheeks(verts, face))[mesh.twins]

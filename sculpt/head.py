@@ -7,7 +7,7 @@ import numpy as np
 from faces import FaceShape
 from fields import Array, Field, ball, ellipsoid, smooth_max, smooth_min, tube
 
-from mimoc.looks.skin.head import CORNER_DEG, LOWER_LID_DEG, UPPER_LID_DEG, outward_of, seen_from_eye
+from mimoc.compiler.looks.skin.head import CORNER_DEG, LOWER_LID_DEG, UPPER_LID_DEG, outward_of, seen_from_eye
 
 
 @dataclass(frozen=True)

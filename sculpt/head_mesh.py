@@ -9,7 +9,7 @@ from fields import Array, Field
 from head import Head, field, folded, mouth_corner, mouth_line, opening
 from uv_map import unwrapped, wrapped
 
-from mimoc.geometry.smoothstep import smoothstep
+from mimoc.base.geometry.smoothstep import smoothstep
 
 EAR_MM = (-6.4, -66.0, -14.0)
 """Middle of the right ear."""

@@ -13,9 +13,9 @@ from fields import Array
 from hair import scalp
 from scipy.interpolate import RBFInterpolator
 
+from mimoc.base.geometry.smoothstep import smoothstep
 from mimoc.body.grow import grow_body
-from mimoc.geometry.smoothstep import smoothstep
-from mimoc.looks.skin.template_mesh import MOVE_M
+from mimoc.compiler.looks.skin.template_mesh import MOVE_M
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0

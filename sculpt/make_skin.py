@@ -17,14 +17,14 @@ from embedding import PLANE
 from fields import Array
 from make_head import sculpt_head
 
+from mimoc.base.geometry.arrays import read_arrays, together
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import Frame, frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
-from mimoc.geometry.arrays import read_arrays, together
-from mimoc.looks.skin.deformation import boxes
-from mimoc.looks.skin.surface_distance import height_above, surface_distance
-from mimoc.looks.skin.template_mesh import FOLDER, assembled
+from mimoc.compiler.looks.skin.deformation import boxes
+from mimoc.compiler.looks.skin.surface_distance import height_above, surface_distance
+from mimoc.compiler.looks.skin.template_mesh import FOLDER, assembled
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0

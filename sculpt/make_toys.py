@@ -5,8 +5,8 @@ import json
 from toys import animals, fruit, household, playthings, sea_animals, sweets, vehicles
 
 from mimoc.bundle.arrays import Array, pack_arrays
-from mimoc.toys.builtin import FIGURES, MESHES
-from mimoc.toys.shape import ToyModel
+from mimoc.compiler.toys.shape import ToyModel
+from mimoc.components.toys.builtin import FIGURES, MESHES
 
 TOYS = {
     animals: "bunny chicken elephant pig",

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities.movement import CORE
 from mimoc.motion.reading import read_points
 from mimoc.movement import measure_movement
 from mimoc.movement.classifier import windows_of
 from mimoc.movement.real_infants import FILES
-from mimoc.quantities.movement import CORE
 
 
 def main(paths: list[Path]) -> None:

@@ -12,10 +12,10 @@ from mimoc.body.kinematics import Frame, frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
-from mimoc.looks.skin.deformation import layers_of
-from mimoc.looks.skin.garments import BARE
-from mimoc.looks.skin.template_mesh import Sculpture
-from mimoc.mjcf.skin import SkinLayer
+from mimoc.compiler.looks.skin.deformation import layers_of
+from mimoc.compiler.looks.skin.garments import BARE
+from mimoc.compiler.looks.skin.template_mesh import Sculpture
+from mimoc.compiler.mjcf.skin import SkinLayer
 from mimoc.schema.infant import InfantSpec
 
 ALLOWED_MM = 0.6

@@ -12,8 +12,8 @@ from scipy.sparse import coo_matrix
 from weights import symmetric
 
 from mimoc.body.kinematics import frames
-from mimoc.looks.skin.deformation import layers_of
-from mimoc.looks.skin.template_mesh import Sculpture
+from mimoc.compiler.looks.skin.deformation import layers_of
+from mimoc.compiler.looks.skin.template_mesh import Sculpture
 
 AGES_MONTHS = (0.0, 9.0, 24.0)
 POSES = 300

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 
 POLE_DEG = -16.0
 """Elevation of the direction in the middle of the picture, below the eyes; the picture ends opposite, in the hair."""

@@ -10,8 +10,8 @@ from meshing import edges_of
 from scipy.sparse import coo_matrix, diags, eye
 from scipy.sparse.linalg import splu
 
+from mimoc.base.geometry.smoothstep import smoothstep
 from mimoc.body.kinematics import Frame
-from mimoc.geometry.smoothstep import smoothstep
 
 BONES = 4
 """Bodies that move a vertex, at most."""

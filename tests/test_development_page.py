@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.strength import STRENGTH
 from mimoc.fits import measure

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 import mimoc
-from mimoc.exporters import EXPORTERS
+from mimoc.schema.components.exporters import EXPORTERS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 

@@ -248,7 +248,7 @@ def _imported(node: ast.AST, module: str, is_package: bool) -> Iterator[str]:
 
 
 def _named(node: ast.AST) -> Iterator[str]:
-    """Yield what a string imports: `"mimoc.senses.touch.run"`, `import_module("torch")`, `import_module(f"av.{x}")`."""
+    """Yield what a string imports: `"mimoc.components.senses.touch.run"`, `import_module("torch")`, `import_module(f"av.{x}")`."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         name = node.value.partition(":")[0]
         if name in MODULES and name != "mimoc":
@@ -260,7 +260,7 @@ def _named(node: ast.AST) -> Iterator[str]:
 
 
 def _is_code_of_record(item: Import) -> bool:
-    """Return whether a kind's record names code of the kind, such as `mimoc.senses.touch.run`, or its device part."""
+    """Return whether a kind's record names code of the kind, such as `mimoc.components.senses.touch.run`, or its device part."""
     folder = item.module.removeprefix("mimoc.").partition(".")[0]
     packages = (f"mimoc.{folder}.run_",) if folder == "quantities" else (f"{item.module}.", "mimoc.runtime.device.")
     return item.by_string and folder in (*KIND_FOLDERS, "quantities") and item.name.startswith(packages)
@@ -343,32 +343,72 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.runtime.env", "from mimoc.body import grow_tree", "runtime may not import body"),
         ("mimoc.runtime.env", "import mimoc.fits.tables", "runtime may not import fits"),
         ("mimoc.runtime.env", "from mimoc import compiler", "runtime may not import compiler"),
-        ("mimoc.senses.touch.run", "from ...body import tree", "run may not import body"),
-        ("mimoc.senses.touch.run", "from mimoc.senses.touch import build", "run may not import build"),
-        ("mimoc.tasks.reach.run", "from mimoc.runtime.env import InfantEnv", "run may not import runtime"),
-        ("mimoc.tasks.reach.build", "from mimoc.tasks.reach.run import ReachTask", "build may not import run"),
-        ("mimoc.senses.touch.build", "from mimoc.control import PositionTask", "build may not import control"),
-        ("mimoc.senses.touch.spec", "from mimoc.body import BodyTree", "spec may not import body"),
-        ("mimoc.senses.touch", "from mimoc.senses.touch import build", "spec may not import build"),
-        ("mimoc.senses.touch.run_forces", "from mimoc.senses.touch.build_points import f", "run may not import build"),
-        ("mimoc.senses.touch.build_points", "from mimoc.senses.touch.run import f", "build may not import run"),
-        ("mimoc.senses.touch.run", "from mimoc.senses.touch.kernel import f", "run may not import device"),
-        ("mimoc.senses.touch.run", "import warp", "warp belongs to device"),
-        ("mimoc.senses.touch.specks", "from mimoc.body import grow", "run may not import body"),
-        ("mimoc.toys.paint", "from mimoc.runtime.env import InfantEnv", "build may not import runtime"),
+        ("mimoc.components.senses.touch.run", "from ...body import tree", "run may not import body"),
+        (
+            "mimoc.components.senses.touch.run",
+            "from mimoc.components.senses.touch import build",
+            "run may not import build",
+        ),
+        ("mimoc.components.tasks.reach.run", "from mimoc.runtime.env import InfantEnv", "run may not import runtime"),
+        (
+            "mimoc.components.tasks.reach.build",
+            "from mimoc.components.tasks.reach.run import ReachTask",
+            "build may not import run",
+        ),
+        (
+            "mimoc.components.senses.touch.build",
+            "from mimoc.policies.control import PositionTask",
+            "build may not import control",
+        ),
+        ("mimoc.components.senses.touch.spec", "from mimoc.body import BodyTree", "spec may not import body"),
+        (
+            "mimoc.components.senses.touch",
+            "from mimoc.components.senses.touch import build",
+            "spec may not import build",
+        ),
+        (
+            "mimoc.components.senses.touch.run_forces",
+            "from mimoc.components.senses.touch.build_points import f",
+            "run may not import build",
+        ),
+        (
+            "mimoc.components.senses.touch.build_points",
+            "from mimoc.components.senses.touch.run import f",
+            "build may not import run",
+        ),
+        (
+            "mimoc.components.senses.touch.run",
+            "from mimoc.components.senses.touch.kernel import f",
+            "run may not import device",
+        ),
+        ("mimoc.components.senses.touch.run", "import warp", "warp belongs to device"),
+        ("mimoc.components.senses.touch.specks", "from mimoc.body import grow", "run may not import body"),
+        (
+            "mimoc.schema.components.toys.paint",
+            "from mimoc.runtime.env import InfantEnv",
+            "build may not import runtime",
+        ),
         ("mimoc.base.errors", "from mimoc.base.units import m_to_cm", "errors may not import units"),
         ("mimoc.training.trainer", "from mimoc.studies import run_experiment", "training may not import studies"),
         ("mimoc.render.portrait", "from mimoc.runtime.env import InfantEnv", "drawing may not import runtime"),
-        ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
-        ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
+        ("mimoc.components.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
+        (
+            "mimoc.components.scenes.crib.build",
+            "def f():\n    from mimoc import compiler",
+            "build may not import compiler",
+        ),
         ("mimoc.runtime.env", "CODE = 'mimoc.body.grow'", "runtime may not import body"),
-        ("mimoc.bundle.io", "import_module('mimoc.notebook')", "bundle may not import mimoc"),
+        ("mimoc.bundle.io", "import_module('mimoc.viewer.notebook')", "bundle may not import mimoc"),
         ("mimoc.fits.tables", "import_module('yaml')", "yaml belongs to language"),
         ("mimoc.fits.tables", "import_module(f'yaml.{name}')", "yaml belongs to language"),
-        ("mimoc.senses.touch", "KIND = SenseKind(build='mimoc.senses.vision.build')", "spec may not import build"),
+        (
+            "mimoc.components.senses.touch",
+            "KIND = SenseKind(build='mimoc.components.senses.vision.build')",
+            "spec may not import build",
+        ),
         (
             "mimoc.body.masses",
-            "if TYPE_CHECKING:\n    from mimoc.mjcf.tree import SceneTree",
+            "if TYPE_CHECKING:\n    from mimoc.compiler.mjcf.tree import SceneTree",
             "body may not import mjcf",
         ),
         ("mimoc.bundle.files", "from mimoc.bundle.io import Bundle", "files may not import bundle"),

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from mimoc.base.model_fields import ModelField, ModelFields
+from mimoc.runtime.model_fields import ModelField, ModelFields
 
 XML = """
 <mujoco>

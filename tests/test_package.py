@@ -66,7 +66,9 @@ def test_running_a_bundle_loads_nothing_that_compiles(folder):
         f"print(json.dumps([m for m in sys.modules if m in {HEAVY} or m.startswith('mimoc.')]))",
     )
     assert not {"scipy", "jinja2", "lxml", "trimesh", "PIL", "typer", "rich", "matplotlib"} & set(loaded)
-    assert not {"mimoc.body.tree", "mimoc.body.grow", "mimoc.mjcf", "mimoc.fits", "mimoc.compiler"} & set(loaded)
+    assert not {"mimoc.body.tree", "mimoc.body.grow", "mimoc.compiler.mjcf", "mimoc.fits", "mimoc.compiler"} & set(
+        loaded
+    )
 
 
 # Gymnasium.
@@ -91,7 +93,7 @@ def test_gymnasium_makes_infants_whatever_was_imported_first(imports, name, fold
 def test_registering_again_changes_nothing():
     assert python(
         "import gymnasium, mimoc",
-        "from mimoc.registration import register_envs",
+        "from mimoc.runtime.opening.registration import register_envs",
         "before = dict(gymnasium.registry)",
         "register_envs()",
         "print(json.dumps(before == dict(gymnasium.registry)))",

@@ -21,8 +21,8 @@ from support.commands import Outcome
 from support.full import FULL
 
 import mimoc
-from mimoc.plugins import KINDS
 from mimoc.schema.composition import recompose
+from mimoc.schema.plugins import KINDS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 PAGES = (

@@ -12,20 +12,20 @@ from gymnasium.utils.env_checker import check_env
 from support.full import FULL
 
 import mimoc
-from mimoc import plugins
 from mimoc.base.errors import BundleError, KindError, SpecError
-from mimoc.base.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
 from mimoc.bundle.io import digests
-from mimoc.scenes import SCENES
-from mimoc.senses import SENSES
-from mimoc.senses.vestibular import VestibularEntry, VestibularSpec
-from mimoc.tasks import TASKS
+from mimoc.components.senses.vestibular import VestibularEntry, VestibularSpec
+from mimoc.schema import plugins
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
 
 def record(name: str = "echo") -> SenseKind:
-    return SenseKind(name, VestibularSpec, VestibularEntry, "mimoc.senses.vestibular.build", "os")
+    return SenseKind(name, VestibularSpec, VestibularEntry, "mimoc.components.senses.vestibular.build", "os")
 
 
 @pytest.fixture
@@ -135,9 +135,9 @@ def entry_point(value: str, group: str = "mimoc.senses") -> EntryPoint:
     ("value", "reason"),
     [
         ("no_such_module:KIND", "No module named 'no_such_module'"),
-        ("mimoc.senses.touch:NO_KIND", "has no attribute 'NO_KIND'"),
-        ("mimoc.senses.touch:KIND", "there is a sense 'touch' already, from mimoc"),
-        ("mimoc.tasks.reach:KIND", "it is a task, which does not belong to the group 'mimoc.senses'"),
+        ("mimoc.components.senses.touch:NO_KIND", "has no attribute 'NO_KIND'"),
+        ("mimoc.components.senses.touch:KIND", "there is a sense 'touch' already, from mimoc"),
+        ("mimoc.components.tasks.reach:KIND", "it is a task, which does not belong to the group 'mimoc.senses'"),
         ("math:pi", "is no record of a kind"),
     ],
 )
@@ -164,17 +164,17 @@ def foreign(tmp_path, monkeypatch):
 
 
 RECORD = """
-from mimoc.base.kinds import SenseKind
-from mimoc.senses.vestibular import VestibularEntry, VestibularSpec
-KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.senses.vestibular.run")
+from mimoc.schema.kinds import SenseKind
+from mimoc.components.senses.vestibular import VestibularEntry, VestibularSpec
+KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.components.senses.vestibular.run")
 """
-USABLE = RECORD.format(build="mimoc.senses.vestibular.build")
+USABLE = RECORD.format(build="mimoc.components.senses.vestibular.build")
 
 
 def senses(plugins: str | None, monkeypatch) -> tuple[list[str], str]:
     """Return the senses that a new process knows, and what it prints besides them."""
     monkeypatch.delenv("MIMOC_PLUGINS") if plugins is None else monkeypatch.setenv("MIMOC_PLUGINS", plugins)
-    program = "import mimoc, mimoc.senses; mimoc.InfantSpec; print(*mimoc.senses.SENSES)"
+    program = "import mimoc; mimoc.InfantSpec; from mimoc.schema.components.senses import SENSES; print(*SENSES)"
     process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     return process.stdout.split(), process.stderr
 

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mimoc
-from mimoc.geometry.spherical_head import interaural_time_s
+from mimoc.base.geometry.spherical_head import interaural_time_s
 
 cup = {"name": "cup", "shape": "cylinder", "radius_cm": 3, "length_cm": 6, "at": {"x_cm": -10, "y_cm": -35, "z_cm": 25}}
 spec = mimoc.InfantSpec(

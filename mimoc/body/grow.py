@@ -8,16 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from operator import itemgetter
 
-from mimoc.body.anatomy import Anatomy, assemble
+from mimoc.anatomy.anatomy import Anatomy, assemble
+from mimoc.anatomy.dimensions import BodyGeometry, mirror, mirror_turn
+from mimoc.anatomy.part import ReferenceGeom, ReferencePart
+from mimoc.anatomy.parts.trunk import TENDONS
 from mimoc.body.composition import AVERAGE, Composition, composition
-from mimoc.body.dimensions import BodyGeometry, mirror, mirror_turn
 from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.maturation import maturation, relative_volumes
 from mimoc.body.measurements import Height, Targets, Weigh, asked_targets, birth_targets, measure_individual
-from mimoc.body.part import ReferenceGeom, ReferencePart
-from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.published import standing_height
 from mimoc.body.reference import CURVES, HEIGHT, Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts

@@ -2,10 +2,10 @@
 
 import math
 
-from mimoc.body.parts.head import REFERENCE_HEAD_RADIUS_M
+from mimoc.anatomy.parts.head import REFERENCE_HEAD_RADIUS_M
+from mimoc.base.geometry.primitives import girth
+from mimoc.base.geometry.rotations import Vec3
 from mimoc.body.tree import Geom
-from mimoc.geometry.primitives import girth
-from mimoc.geometry.rotations import Vec3
 
 _REFERENCE_CENTRE_M: Vec3 = (0.01, 0.0, REFERENCE_HEAD_RADIUS_M)
 """Of MIMo's head, in its frame."""

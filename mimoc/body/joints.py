@@ -21,12 +21,12 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from mimoc.body.anatomy import Anatomy
-from mimoc.body.dimensions import mirror, mirror_turn
+from mimoc.anatomy.anatomy import Anatomy
+from mimoc.anatomy.dimensions import mirror, mirror_turn
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.limits import limit_margin, margin_origin
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, matured, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
-from mimoc.body.part import REFERENCE_AGE_MONTHS, ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tone import TONE

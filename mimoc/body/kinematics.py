@@ -6,10 +6,8 @@ from typing import TypedDict
 
 import numpy as np
 
-from mimoc.base.units import m_to_cm
-from mimoc.body.tree import Body, BodyTree, Geom, Joint
-from mimoc.geometry.primitives import Extents, extents, girth
-from mimoc.geometry.rotations import (
+from mimoc.base.geometry.primitives import Extents, extents, girth
+from mimoc.base.geometry.rotations import (
     FloatArray,
     Vec3,
     matrices_from_axes,
@@ -17,6 +15,8 @@ from mimoc.geometry.rotations import (
     matrix_from_euler,
     matrix_from_quaternion,
 )
+from mimoc.base.units import m_to_cm
+from mimoc.body.tree import Body, BodyTree, Geom, Joint
 
 Frame = tuple[FloatArray, FloatArray]
 """Origin and rotation."""

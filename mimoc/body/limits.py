@@ -14,9 +14,9 @@ so longer steps, which would need 12 degrees of limbs, have no more and overshoo
 is the same from MuJoCo 3.5 on.
 """
 
+from mimoc.anatomy.part import Development, ReferenceJoint
 from mimoc.base.units import rad_to_deg
 from mimoc.body.origins import LAW, LAW_KEY, Origin
-from mimoc.body.part import Development, ReferenceJoint
 from mimoc.body.strength import FASTEST_RAD_S
 
 PUBLISHED_TAU_S, TAU_S = 0.02, 0.01

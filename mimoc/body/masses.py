@@ -9,13 +9,13 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from mimoc.body.anatomy import Anatomy
-from mimoc.body.dimensions import BodyGeometry
+from mimoc.anatomy.anatomy import Anatomy
+from mimoc.anatomy.dimensions import BodyGeometry
+from mimoc.anatomy.part import ReferenceGeom, ReferencePart
+from mimoc.base.geometry.primitives import volume
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
-from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
 from mimoc.body.shapes import Shapes
-from mimoc.geometry.primitives import volume
 
 NECK_SHARE = 0.08
 """Of the neck in the mass of head and neck (D)."""

@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.anatomy import Anatomy
+from mimoc.anatomy.anatomy import Anatomy
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS
+from mimoc.anatomy.parts.trunk import TENDONS
 from mimoc.body.composition import RATE_KEY, Composition
 from mimoc.body.origins import Origin
-from mimoc.body.part import REFERENCE_AGE_MONTHS
-from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import HEIGHT, Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tree import MaturationFactors

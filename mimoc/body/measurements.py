@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 from mimoc.base.errors import GeometryError, IndividualError
+from mimoc.base.geometry.solvers import root
 from mimoc.base.units import cm_to_m, m_to_cm
 from mimoc.fits import Measured, Measurements, load_tables, preterm
 from mimoc.fits.who import Reference, Sex
-from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, INDICATORS, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mimoc.base.geometry.primitives import Extents, girth
+from mimoc.base.geometry.rotations import quaternion_from_axis
+from mimoc.base.geometry.solvers import narrowed
 from mimoc.base.units import deg_to_rad, rad_to_deg
 from mimoc.body import published
 from mimoc.body.kinematics import FloatArray, length_m, pose, pose_all
@@ -13,9 +16,6 @@ from mimoc.body.reference import CURVES, HEIGHT
 from mimoc.body.tree import BodyTree, Joint
 from mimoc.fits import measure
 from mimoc.fits.tables import settled_deg
-from mimoc.geometry.primitives import Extents, girth
-from mimoc.geometry.rotations import quaternion_from_axis
-from mimoc.geometry.solvers import narrowed
 from mimoc.schema.names import SIDES
 
 _STEP_RAD = deg_to_rad(0.5)

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 
+from mimoc.anatomy.part import ReferencePart
+from mimoc.anatomy.published_figures import as_published
 from mimoc.base.units import deg_to_rad, m_to_cm
 from mimoc.body.grow import GrownBody
 from mimoc.body.joints import joint_origins
 from mimoc.body.origins import Entry, Origin
-from mimoc.body.part import ReferencePart
-from mimoc.body.published_figures import as_published
 from mimoc.body.strength import motor_origins
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measurements, load_tables

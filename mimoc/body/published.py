@@ -10,15 +10,15 @@ from functools import reduce
 from operator import or_
 from types import MappingProxyType
 
+from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
+from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.parts.five_finger import FINGERS, finger_dimensions
+from mimoc.anatomy.published_figures import SIZES_M
+from mimoc.anatomy.sections import CLEARANCE_M
+from mimoc.anatomy.segments import REFERENCE_M, foot_half_height, hand_half_thickness, radius_of, share
 from mimoc.base.errors import GeometryError
-from mimoc.base.kinds import PartKind
-from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.parts.five_finger import FINGERS, finger_dimensions
-from mimoc.body.published_figures import SIZES_M
-from mimoc.body.sections import CLEARANCE_M
-from mimoc.body.segments import REFERENCE_M, foot_half_height, hand_half_thickness, radius_of, share
+from mimoc.base.geometry.rotations import Vec3
 from mimoc.fits import Measurements
-from mimoc.geometry.rotations import Vec3
 
 TINY_M = 1e-6
 """Half length of the neck, a ball that nothing touches and that weighs nothing."""

@@ -16,15 +16,16 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
 
-from mimoc.base.kinds import PartKind, function_of
-from mimoc.body.anatomy import Anatomy
-from mimoc.body.dimensions import BodyGeometry
-from mimoc.body.part import REFERENCE_AGE_MONTHS, Development
-from mimoc.body.parts.checking import check_dimensions
+from mimoc.anatomy.anatomy import Anatomy
+from mimoc.anatomy.dimensions import BodyGeometry
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development
+from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.parts.checking import check_dimensions
+from mimoc.anatomy.segments import Proportions, proportions
+from mimoc.base.geometry.primitives import volume
+from mimoc.base.kinds import function_of
 from mimoc.body.published import FORMULAS
-from mimoc.body.segments import Proportions, proportions
 from mimoc.fits import Curves, Measurements, measure
-from mimoc.geometry.primitives import volume
 
 HEIGHT = "crown_sole_length"
 CURVES: Mapping[Development, Curves] = {"maturing": "count", "published": "published"}

@@ -9,18 +9,18 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
+from mimoc.anatomy.anatomy import Sided
+from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
+from mimoc.anatomy.part import ALONG_X, ALONG_Y, ReferenceGeom, ReferencePart
+from mimoc.anatomy.parts.head import maturing_head_dimensions
+from mimoc.anatomy.sections import room_beside
+from mimoc.anatomy.segments import proportions
 from mimoc.base.errors import GeometryError
+from mimoc.base.geometry.rotations import Vec3
 from mimoc.base.units import deg_to_rad
-from mimoc.body.anatomy import Sided
-from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.part import ALONG_X, ALONG_Y, ReferenceGeom, ReferencePart
-from mimoc.body.parts.head import maturing_head_dimensions
 from mimoc.body.published import FORMULAS, published_dimensions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
-from mimoc.body.sections import room_beside
-from mimoc.body.segments import proportions
 from mimoc.fits import Measurements
-from mimoc.geometry.rotations import Vec3
 
 LIMBS = (
     ("{side}_uarm1", "{side}_lower_arm"),

@@ -21,6 +21,8 @@ power were chosen with the least strengths that the trials need in view. Strengt
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mimoc.anatomy.part import ReferenceMotor
+from mimoc.anatomy.published_figures import as_published
 from mimoc.body import origins
 from mimoc.body.maturation import (
     EYES,
@@ -34,8 +36,6 @@ from mimoc.body.maturation import (
     size_gain,
 )
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
-from mimoc.body.part import ReferenceMotor
-from mimoc.body.published_figures import as_published
 from mimoc.body.reference import Reference
 from mimoc.body.tone import tone_of
 from mimoc.body.tree import BodyTree, MaturationFactors, Motor

@@ -4,8 +4,8 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-from mimoc.body.part import Development, GeomType, ReferenceMotor, Region
-from mimoc.geometry.rotations import Vec3
+from mimoc.anatomy.part import Development, GeomType, ReferenceMotor, Region
+from mimoc.base.geometry.rotations import Vec3
 from mimoc.schema.quantities import Direction
 
 FREE_JOINT = "mimo_location"

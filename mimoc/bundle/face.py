@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import BundleError
+from mimoc.base.geometry.face_steps import Steps, stepped
 from mimoc.bundle.arrays import Array
 from mimoc.bundle.manifest import FaceEntry
-from mimoc.geometry.face_steps import Steps, stepped
 
 MOVING = "face/moving"
 """The array of the head's vertices that any expression moves, as indices in the skin of the head, shape (n,)."""

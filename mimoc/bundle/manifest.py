@@ -6,19 +6,19 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StringConstraints, ValidationError, model_validator
 
-from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.spec import ActuationEntry
 from mimoc.base.errors import BundleError
 from mimoc.base.kinds import Kinds
 from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
-from mimoc.companions.caregiver.spec import CaregiverEntry
-from mimoc.delays.spec import DelayEntry, DelaysEntry
-from mimoc.noise.spec import NoiseEntry
-from mimoc.objects.spec_base import ObjectEntry
-from mimoc.plugins import load_plugins
+from mimoc.components.tasks.free import FreeEntry
+from mimoc.schema.actuation import ActuationEntry
 from mimoc.schema.base import Model, omitting
+from mimoc.schema.caregiver import CaregiverEntry
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.composition import composed
+from mimoc.schema.delays import DelayEntry, DelaysEntry
 from mimoc.schema.entries import (
     Amount,
     Body,
@@ -36,12 +36,12 @@ from mimoc.schema.entries import (
     WeldName,
 )
 from mimoc.schema.looks import Clothes
-from mimoc.senses import SENSES
-from mimoc.senses.spec import SensesEntry
-from mimoc.tasks import TASKS
-from mimoc.tasks.free import FreeEntry
-from mimoc.tasks.spec import task_entry_field
-from mimoc.tasks.spec_base import TaskEntry
+from mimoc.schema.noise import NoiseEntry
+from mimoc.schema.object_base import ObjectEntry
+from mimoc.schema.plugins import load_plugins
+from mimoc.schema.senses import SensesEntry
+from mimoc.schema.task import task_entry_field
+from mimoc.schema.task_base import TaskEntry
 
 MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""

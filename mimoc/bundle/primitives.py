@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.primitives import Extents, Kind, extents
+from mimoc.base.geometry.primitives import Extents, Kind, extents
 
 PRIMITIVES: Mapping[int, Kind] = {
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",

@@ -16,10 +16,10 @@ from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
 from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, in_subtrees, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
-from mimoc.companions.caregiver.spec import CaregiverEntry
-from mimoc.objects.spec_base import ObjectEntry
 from mimoc.schema.base import Model, omitting
+from mimoc.schema.caregiver import CaregiverEntry
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
+from mimoc.schema.object_base import ObjectEntry
 from mimoc.schema.world import MOST_INFANTS
 
 INFANTS = "infants"

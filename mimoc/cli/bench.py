@@ -182,7 +182,7 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _months(text: str | None) -> list[float] | None:
-    from mimoc.senses.vision.build_comparison import read_ages
+    from mimoc.components.senses.vision.build_comparison import read_ages
 
     return None if text is None else list(read_ages(text))
 

@@ -10,7 +10,7 @@ import mimoc
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
-    from mimoc.cohorts import Status
+    from mimoc.studies.cohorts import Status
 
 app = typer.Typer(
     name="cohort",
@@ -38,7 +38,7 @@ CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which 
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
     from mimoc.cli import console, tables
-    from mimoc.cohorts.plan import plan as planned
+    from mimoc.studies.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
         estimate = planned(mimoc.read_cohort(cohort), out, show)
@@ -121,7 +121,7 @@ def milestones(
 ) -> None:
     """Say when the children reach milestones, beside WHO's children, and whether the heavy and the fat are late."""
     from mimoc.cli import console, tables
-    from mimoc.cohorts.milestones import milestone_summary
+    from mimoc.studies.cohorts.milestones import milestone_summary
 
     study = mimoc.read_cohort(cohort)
     with console.progress("reading results") as show:

@@ -15,18 +15,18 @@ from rich.text import Text
 from rich.tree import Tree
 
 from mimoc.base.errors import counted
+from mimoc.base.quantities import quantity_of
+from mimoc.base.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
 from mimoc.base.rounding import readable
 from mimoc.cli.terminal import printable
-from mimoc.quantities import quantity_of
-from mimoc.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.bundle.world import WorldManifest
     from mimoc.cli.doctor import Finding
     from mimoc.compiler.explain import Explanation
+    from mimoc.policies.rollout import Summary
     from mimoc.runtime.check import PoseCheck
-    from mimoc.runtime.rollout import Summary
 
 PLAIN_S, PLAIN_SHARE = 30.0, 1 / 10
 """Least time between two lines of progress, in seconds and as a share of the time so far."""

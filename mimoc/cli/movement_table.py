@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from mimoc.base.errors import counted
+from mimoc.base.quantities import QUANTITIES
+from mimoc.base.quantities.movement import CORE
 from mimoc.base.rounding import readable
 from mimoc.cli.console import new_table, open_console
 from mimoc.cli.terminal import printable
-from mimoc.quantities import QUANTITIES
-from mimoc.quantities.movement import CORE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -154,10 +154,10 @@ def _draw(
     framing: "Framing",
 ) -> None:
     """Write a picture of one infant, or of several in a row."""
+    from mimoc.components.senses.touch.run import skin_markers
     from mimoc.render.picture_files import write_picture
     from mimoc.render.picture_poses import load_in_pose
     from mimoc.render.portrait import lineup, portrait
-    from mimoc.senses.touch.run import skin_markers
 
     if framing.crop and len(bundles) > 1:
         raise MimocError("--crop head draws the head of one infant; name one, or leave it out")
@@ -200,11 +200,11 @@ def see(
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
+    from mimoc.components.senses.vision import build_comparison as comparison
+    from mimoc.components.senses.vision.preview import is_blank, preview
     from mimoc.render import picture_files
     from mimoc.render.picture_files import tile_pictures
     from mimoc.schema import VisionSpec
-    from mimoc.senses.vision import build_comparison as comparison
-    from mimoc.senses.vision.preview import is_blank, preview
 
     picture_files.check_picture_name(file)
     bundle = load_infant(infant)
@@ -254,7 +254,7 @@ def rooms(
 
 def _check_seed_matters(spec: "InfantSpec") -> None:
     """Print a note if only the toys depend on the seed; raise a SpecError if nothing in the scene does."""
-    from mimoc.scenes import SCENES
+    from mimoc.schema.components.scenes import SCENES
     from mimoc.schema.infant import as_written
 
     kind = spec.scene.kind

@@ -11,7 +11,7 @@ from mimoc.base.errors import MimocError, counted
 from mimoc.base.kinds import announced
 from mimoc.cli.arguments import Body, RecordingPath, ShownBody, check_video, import_object
 from mimoc.cli.terminal import FAILED_CHECK, printable
-from mimoc.exporters import EXPORTERS
+from mimoc.schema.components.exporters import EXPORTERS
 
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
@@ -29,8 +29,9 @@ def replay(
     body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
-    from mimoc import recording as videos, recordings
+    from mimoc import recording as videos
     from mimoc.cli import console
+    from mimoc.recording import replay_recording as recordings
     from mimoc.recording.reading import read_recording
 
     check_video(video, eyes)

@@ -22,13 +22,13 @@ from mimoc.cli.points import (
     picture_of,
 )
 from mimoc.cli.terminal import printable
-from mimoc.motion import FORMATS
+from mimoc.schema.components.motion import FORMATS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mimoc.motion.point_recording import Camera
-    from mimoc.retargeting.result import Account, Interval, Retargeted
+    from mimoc.movement.retargeting.result import Account, Interval, Retargeted
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
@@ -94,8 +94,8 @@ def retarget(
     """
     from mimoc.cli import console
     from mimoc.motion.reading import read_points
-    from mimoc.retargeting.folder import altered, check_writable, write_retargeted
-    from mimoc.retargeting.retarget import retarget as fit
+    from mimoc.movement.retargeting.folder import altered, check_writable, write_retargeted
+    from mimoc.movement.retargeting.retarget import retarget as fit
 
     check_writable(out, force)
     if age is None and not spec:
@@ -140,7 +140,7 @@ def camera_of(text: str | None) -> "Camera | None":
 
 def is_unfinished(result: "Retargeted") -> bool:
     """Return whether Ctrl-C ended a fit."""
-    from mimoc.retargeting.running import INTERRUPTED as NOTE
+    from mimoc.movement.retargeting.running import INTERRUPTED as NOTE
 
     return NOTE in result.account.notes
 
@@ -169,7 +169,7 @@ def print_account(result: "Retargeted") -> None:
 
 def _range(interval: "Interval", scale: float, decimals: int) -> str:
     """Return an interval as text, with its level."""
-    from mimoc.retargeting.result import LEVEL
+    from mimoc.movement.retargeting.result import LEVEL
 
     low, high = scale * interval.low, scale * interval.high
     return f"{LEVEL:.0%}: {low:.{decimals}f} to {high:.{decimals}f}".replace("%", " %")

@@ -25,18 +25,18 @@ from mimoc.cli.arguments import (
     load_trained,
 )
 from mimoc.cli.terminal import printable
-from mimoc.columns import ALL, GROUPS, groups_named
-from mimoc.policies import POLICIES
 from mimoc.policies.class_policy import class_or_text
 from mimoc.policies.spec import usage
+from mimoc.recording.movement_columns import ALL, GROUPS, groups_named
+from mimoc.schema.components.policies import POLICIES
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mimoc.policies.policy import Policy, PolicyMaker
+    from mimoc.policies.rollout import Summary
     from mimoc.recording.record import Watch
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Summary
     from mimoc.schema.infant import InfantSpec
 
 
@@ -192,7 +192,7 @@ def _run(
 ) -> "Summary":
     """Take some control steps with a progress bar, film them if there is a video, and return the summary."""
     from mimoc.cli import console
-    from mimoc.runtime.rollout import Run
+    from mimoc.policies.rollout import Run
 
     rollout = Run(env, lambda env: act, seed)
     with _interruptible(written), console.progress("running") as show, filmed as watch:

@@ -10,7 +10,7 @@ import typer
 from mimoc.base.errors import MimocError
 from mimoc.cli.arguments import load_spec
 from mimoc.cli.terminal import resumable
-from mimoc.tasks import SKILLS
+from mimoc.schema.components.tasks import SKILLS
 
 Ages = Annotated[
     str | None,

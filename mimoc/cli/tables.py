@@ -10,18 +10,18 @@ from rich.table import Table
 from rich.text import Text
 
 from mimoc.base.errors import counted
+from mimoc.base.quantities import QUANTITIES, Quantity
+from mimoc.base.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 from mimoc.base.rounding import readable
 from mimoc.cli.console import new_table, open_console
-from mimoc.quantities import QUANTITIES, Quantity
-from mimoc.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS, JOB_SIZE, JOB_TIME, MEAN_AGE, TIME_LEFT
 
 if TYPE_CHECKING:
-    from mimoc.cohorts import Status
-    from mimoc.cohorts.milestones import MilestoneSummary
-    from mimoc.cohorts.plan import Plan, StepPlan
-    from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow
-    from mimoc.compiler.validation.who import GrowthReport, Row
     from mimoc.fits.who import Reference
+    from mimoc.studies.cohorts import Status
+    from mimoc.studies.cohorts.milestones import MilestoneSummary
+    from mimoc.studies.cohorts.plan import Plan, StepPlan
+    from mimoc.studies.growth.anthrokids import MeasurementReport, MeasurementRow
+    from mimoc.studies.growth.who import GrowthReport, Row
     from mimoc.studies.milestones import AgeRange, Milestone, MilestoneReport
     from mimoc.studies.movement import MovementReport, Row as MovementRow, Window
 

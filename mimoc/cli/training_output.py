@@ -9,10 +9,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from mimoc.base.quantities.outcome import CURVE
 from mimoc.base.rounding import readable
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
-from mimoc.quantities.outcome import CURVE
 from mimoc.training import CurvePoint, Training
 from mimoc.training.learner import DeviceUse
 

@@ -39,8 +39,8 @@ class Findings:
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_growth
-    from mimoc.compiler.validation import who
-    from mimoc.render.plots.growth import growth_sheet
+    from mimoc.studies.growth import who
+    from mimoc.studies.growth.plot import growth_sheet
 
     report = who.grow_against_who(infant, progress=progress)
     shown = partial(print_growth, report, who.REQUESTED_SD)
@@ -49,8 +49,8 @@ def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_measurements
-    from mimoc.compiler.validation import anthrokids
-    from mimoc.render.plots.growth import measurements_sheet
+    from mimoc.studies.growth import anthrokids
+    from mimoc.studies.growth.plot import measurements_sheet
 
     report = anthrokids.compare_with_anthrokids(infant, progress=progress)
     series = {
@@ -65,7 +65,7 @@ def _against_milestones(
     infant: InfantSpec | None, progress: Progress, *, delays: bool = False, beside: str | None = None
 ) -> Findings:
     from mimoc.cli.tables import print_milestones
-    from mimoc.render.plots.growth import rows_sheet
+    from mimoc.studies.growth.plot import rows_sheet
     from mimoc.studies.milestones import Conditions, validate_milestones
 
     report = validate_milestones(
@@ -84,8 +84,8 @@ def _against_movement(
     beside: str | None = None,
 ) -> Findings:
     from mimoc.cli.tables import print_movement
+    from mimoc.components.senses.vision.build_comparison import read_ages
     from mimoc.render.plots.windows import windows_sheet
-    from mimoc.senses.vision.build_comparison import read_ages
     from mimoc.studies.movement import USUAL, validate_movement
 
     names, months = trials.split(",") if trials else USUAL, read_ages(ages) if ages is not None else None
@@ -98,7 +98,7 @@ def _against_movement(
 
 def _against_skills(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.skill_output import print_skills
-    from mimoc.render.plots.growth import rows_sheet
+    from mimoc.studies.growth.plot import rows_sheet
     from mimoc.studies.skills.shipped import shipped_skills
 
     report = shipped_skills()

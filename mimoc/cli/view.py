@@ -87,8 +87,8 @@ def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
     """Run an infant under a policy and serve what it does."""
     from mimoc.policies.class_policy import class_or_text
     from mimoc.policies.named import policy_of
+    from mimoc.policies.rollout import Run
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run
     from mimoc.viewer.live import LiveView
 
     run = Run(InfantEnv(infant), partial(policy_of, policy=class_or_text(policy), load=load_trained), seed=0)

@@ -85,11 +85,11 @@ def draw(
     framing: "Framing",
 ) -> None:
     """Write a picture of a world, with its skin points if *skin*."""
+    from mimoc.components.senses.touch.run import skin_markers
     from mimoc.render.markers import join_markers
     from mimoc.render.picture_files import write_picture
     from mimoc.render.picture_poses import load_world_in_pose
     from mimoc.render.portrait import world_portrait
-    from mimoc.senses.touch.run import skin_markers
 
     if framing.crop:
         raise MimocError("--crop head draws the head of one infant; leave it out")
@@ -107,9 +107,9 @@ def run(
     from mimoc.cli import console
     from mimoc.policies.class_policy import class_or_text
     from mimoc.policies.spec import parse_policies
+    from mimoc.policies.world_rollout import WorldRun
     from mimoc.recording.record import film_of
     from mimoc.runtime.world_env import WorldEnv
-    from mimoc.runtime.world_rollout import WorldRun
 
     chosen = {name: class_or_text(text) for name, text in parse_policies(policy, world.infants).items()}
     roots = [infant.manifest.root_body for infant in world.infants.values()]

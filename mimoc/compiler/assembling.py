@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping
 from typing import Literal
 
-from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import deg_to_rad, ms_to_s
@@ -11,18 +10,19 @@ from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.limits import limits_of
 from mimoc.body.poses import poses_of, resting_states, standing_height
 from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
+from mimoc.compiler.actuation.setup import ActuationSetup
+from mimoc.compiler.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
+from mimoc.compiler.looks.skin.deformation import skin_of
+from mimoc.compiler.looks.skin.template_mesh import HEAD
 from mimoc.compiler.manifest import EYE, EYE_SIDES
-from mimoc.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
-from mimoc.looks.skin.deformation import skin_of
-from mimoc.looks.skin.template_mesh import HEAD
-from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
-from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
-from mimoc.mjcf.world import World
-from mimoc.scenes.spec import SceneSpec
+from mimoc.compiler.mjcf import sensor_sites
+from mimoc.compiler.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
+from mimoc.compiler.mjcf.scene import Keyframe, Placed, SceneTree, Solver
+from mimoc.compiler.mjcf.world import World
+from mimoc.schema.components.senses import SENSES
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import bodies_of
-from mimoc.senses import SENSES
+from mimoc.schema.scene import SceneSpec
 
 GRIPPING = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.9999, 0.001, 0.5, 1.0)))
 """Contacts of a hand that holds on: those of the hand, whatever it touches, and so stiff that they hardly slip.

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.build_setup import ActuationSetup, build_actuation
-from mimoc.actuation.build_voice import trace_voice
+from mimoc.anatomy.parts import PARTS
 from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.base.rounding import render_json, rounded, rounded_array
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
-from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.arrays import ARRAYS, LazyArrays, pack_arrays
@@ -22,11 +20,18 @@ from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
+from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation
+from mimoc.compiler.actuation.voice import trace_voice
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
+from mimoc.compiler.delays.presets import trace_delays
 from mimoc.compiler.faces import face_arrays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
+from mimoc.compiler.mjcf import printing
+from mimoc.compiler.mjcf.mimo import find_target
+from mimoc.compiler.mjcf.scene import Placed, SceneTree
 from mimoc.compiler.model_check import compile_model, trace_model_error
+from mimoc.compiler.noise_presets import trace_noise
 from mimoc.compiler.notes import notes, notes_on_shapes
 from mimoc.compiler.placing import (
     PlacedScene,
@@ -48,15 +53,10 @@ from mimoc.compiler.provenance import (
     trace_task,
     trace_world,
 )
-from mimoc.delays.build_presets import trace_delays
+from mimoc.compiler.task_setup import TaskSetup
 from mimoc.fits import load_tables
-from mimoc.mjcf import printing
-from mimoc.mjcf.mimo import find_target
-from mimoc.mjcf.scene import Placed, SceneTree
-from mimoc.noise.build_presets import trace_noise
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_document import dump
-from mimoc.tasks.build_setup import TaskSetup
 from mimoc.version import __version__
 
 

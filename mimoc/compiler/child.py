@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import ContractureError, GeometryError, IndividualError, Problem, SpecError
+from mimoc.base.geometry.solvers import root
 from mimoc.base.units import m_to_cm
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import GrownBody, grow_body, grow_child, measure_child, reference_of
 from mimoc.body.measurements import replace_given
 from mimoc.body.reference import CURVES, Reference
 from mimoc.fits import measure
-from mimoc.geometry.solvers import root
 from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec, as_written, validated
 from mimoc.schema.names import unsided

@@ -5,13 +5,13 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from mimoc.base.errors import UnsupportedTaskError
+from mimoc.base.geometry.rotations import quaternion_from_matrix
 from mimoc.body.kinematics import frames_in_world
 from mimoc.body.tree import BodyTree
-from mimoc.geometry.rotations import quaternion_from_matrix
-from mimoc.mjcf.world import Lock, Weld
+from mimoc.compiler.mjcf.world import Lock, Weld
+from mimoc.compiler.task_setup import Hold, TaskSetup
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
-from mimoc.tasks.build_setup import Hold, TaskSetup
 
 SAME = 1e-6
 """Tolerance, in [m] or [rad], within which two poses count as satisfying the same constraint."""

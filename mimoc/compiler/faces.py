@@ -4,7 +4,7 @@ import numpy as np
 
 from mimoc.bundle.arrays import Array
 from mimoc.bundle.face import MOVING, array_of
-from mimoc.mjcf.skin import Skin
+from mimoc.compiler.mjcf.skin import Skin
 
 
 def face_arrays(skin: Skin | None) -> dict[str, Array]:

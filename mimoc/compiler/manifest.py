@@ -3,13 +3,10 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal
 
-from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.build_voice import voice_of
-from mimoc.actuation.spec import ActuationEntry, ActuationSpec, ActuatorEntry
+from mimoc.anatomy.parts import PARTS
 from mimoc.base.kinds import Kinds
 from mimoc.base.rounding import rounded
 from mimoc.body.kinematics import stature
-from mimoc.body.parts import PARTS
 from mimoc.body.tree import FREE_JOINT, BodyTree
 from mimoc.bundle.manifest import (
     AnatomyEntry,
@@ -23,27 +20,30 @@ from mimoc.bundle.manifest import (
     ToyEntry,
     WeldEntry,
 )
-from mimoc.companions.caregiver.spec import CaregiverEntry
+from mimoc.compiler.actuation.voice import voice_of
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
+from mimoc.compiler.delays.presets import delays
+from mimoc.compiler.looks.appearance import face_material
+from mimoc.compiler.mjcf.elements import Actuator
+from mimoc.compiler.mjcf.scene import Placed, SceneTree
+from mimoc.compiler.mjcf.sensor_sites import KEYPOINTS, PREFIX
+from mimoc.compiler.mjcf.world import FreeObject
+from mimoc.compiler.noise_presets import noise
+from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.placing import start_pose
-from mimoc.delays.build_presets import delays
-from mimoc.looks.appearance import face_material
-from mimoc.mjcf.elements import Actuator
-from mimoc.mjcf.scene import Placed, SceneTree
-from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
-from mimoc.mjcf.world import FreeObject
-from mimoc.noise.build_presets import noise
-from mimoc.objects import OBJECTS
-from mimoc.objects.built_object import PlacedThing
-from mimoc.objects.spec_base import ObjectEntry
-from mimoc.scenes import SCENES
+from mimoc.compiler.task_setup import TaskSetup
+from mimoc.schema.actuation import ActuationEntry, ActuationSpec, ActuatorEntry
+from mimoc.schema.caregiver import CaregiverEntry
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.objects import OBJECTS
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.components.toys import TOY_SOURCES
 from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses import SENSES
-from mimoc.senses.spec import SensesEntry
-from mimoc.tasks import TASKS
-from mimoc.tasks.build_setup import TaskSetup
-from mimoc.toys import TOY_SOURCES
+from mimoc.schema.object_base import ObjectEntry
+from mimoc.schema.senses import SensesEntry
 
 Side = Literal["left", "right"]
 Ends = tuple[str, str]

@@ -7,10 +7,10 @@ from typing import Any
 
 import mujoco
 
-from mimoc.mjcf.elements import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
-from mimoc.mjcf.furniture import WorldGeom
-from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import FreeObject, Lock, ObjectBody, Ribbon
+from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
+from mimoc.compiler.mjcf.furniture import WorldGeom
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
+from mimoc.compiler.mjcf.world import FreeObject, Lock, ObjectBody, Ribbon
 
 XML_NAMES = {"euler": "alt.euler", "radius": "size", "angle": "data", "control": "ctrlrange", "user": "userdata"}
 """What MuJoCo's elements call an attribute if that is neither its name in MJCF nor what its field begins with."""

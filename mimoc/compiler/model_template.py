@@ -18,10 +18,10 @@ import numpy.typing as npt
 
 from mimoc.base.rounding import rounded_array
 from mimoc.bundle.model import prepare
+from mimoc.compiler.mjcf.scene import SceneTree
+from mimoc.compiler.mjcf.skin import Skin, single, texture_places
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.model_parameters import Slot, parameters, read
-from mimoc.mjcf.scene import SceneTree
-from mimoc.mjcf.skin import Skin, single, texture_places
 
 KINDS = ("body", "jnt", "dof", "geom", "site", "cam", "light", "tendon", "actuator", "eq", "key", "qpos", "bvh", "pair")
 """What the arrays of a model begin with whose numbers can depend on age."""

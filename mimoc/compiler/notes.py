@@ -7,24 +7,24 @@ have is refused instead (`schema/spec.py`).
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from mimoc.actuation import ACTUATIONS
 from mimoc.base.kinds import Kinds
+from mimoc.compiler.mjcf.mimo import find_target
+from mimoc.compiler.mjcf.world import FreeObject
+from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN
-from mimoc.mjcf.mimo import find_target
-from mimoc.mjcf.world import FreeObject
-from mimoc.objects.built_object import PlacedThing
-from mimoc.scenes import SCENES
-from mimoc.scenes.spec import SceneSpec
+from mimoc.compiler.toys.choosing import Toybox
+from mimoc.components.senses.touch import TouchSpec
+from mimoc.components.senses.vision import VisionSpec
 from mimoc.schema.base import dotted, given
 from mimoc.schema.body import FAT
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.components.toys import TOY_SOURCES
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
+from mimoc.schema.scene import SceneSpec
 from mimoc.schema.sizes import pairs
-from mimoc.senses.touch import TouchSpec
-from mimoc.senses.vision import VisionSpec
-from mimoc.tasks import TASKS
-from mimoc.toys import TOY_SOURCES
-from mimoc.toys.choosing import Toybox
 
 
 def unused_keys(spec: InfantSpec) -> tuple[str, ...]:

@@ -7,11 +7,11 @@ import numpy as np
 
 from mimoc.base.errors import ObjectError
 from mimoc.bundle.model import TOUCH_M
+from mimoc.compiler.mjcf import printing
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.model_template import model_without_pictures
-from mimoc.mjcf import printing
-from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.objects.built_object import PlacedThing
-from mimoc.objects.spec_base import ObjectSpec
+from mimoc.compiler.objects.built_object import PlacedThing
+from mimoc.schema.object_base import ObjectSpec
 
 LONGER_M = 1e-5
 """By how much the way of a ribbon may be longer than that is: numbers are rounded."""

@@ -6,38 +6,38 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.actuation.build_setup import ActuationSetup
 from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError, suggestion
+from mimoc.base.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.companions.caregiver.build import place_caregiver, settings_at
-from mimoc.companions.caregiver.spec import CaregiverEntry, CaregiverSpec
+from mimoc.compiler.actuation.setup import ActuationSetup
+from mimoc.compiler.caregiver.build import place_caregiver, settings_at
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
+from mimoc.compiler.looks.user_textures import read_textures
+from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
+from mimoc.compiler.mjcf.world import NOBODY, FreeObject, barrier_pairs
 from mimoc.compiler.object_check import free_poses
-from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
-from mimoc.looks.user_textures import read_textures
-from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
-from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import NOBODY, FreeObject, barrier_pairs
-from mimoc.objects.built_object import PlacedThing, Surroundings
-from mimoc.objects.placing import place_objects, trace_objects
-from mimoc.objects.starts import place_furniture, start_at
-from mimoc.scenes import SCENES
-from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
-from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
-from mimoc.scenes.spec import SceneSpec
+from mimoc.compiler.objects.built_object import PlacedThing, Surroundings
+from mimoc.compiler.objects.placing import place_objects, trace_objects
+from mimoc.compiler.objects.starts import place_furniture, start_at
+from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
+from mimoc.compiler.scenes.footprint import footprint, reach_of, reachable_floor
+from mimoc.compiler.task_setup import NO_TASK, TaskSetup, build_task
+from mimoc.compiler.toys.choosing import Toybox, choose_toys
+from mimoc.compiler.toys.objects import make_object
+from mimoc.compiler.toys.placing import Floor, ReachableFloor, place_toys
+from mimoc.components.toys.builtin import BUILTIN_TOYS
+from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.toys import TOY_SOURCES
 from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.scene import SceneSpec
 from mimoc.schema.source import Source
-from mimoc.tasks.build_setup import NO_TASK, TaskSetup, build_task
-from mimoc.toys import TOY_SOURCES
-from mimoc.toys.builtin import BUILTIN_TOYS
-from mimoc.toys.choosing import Toybox, choose_toys
-from mimoc.toys.objects import make_object
-from mimoc.toys.placing import Floor, ReachableFloor, place_toys
-from mimoc.toys.spec import ToysSpec
+from mimoc.schema.toys import ToysSpec
 
 
 @dataclass(frozen=True, slots=True)

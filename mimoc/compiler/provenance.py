@@ -4,21 +4,21 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mimoc import fits
-from mimoc.actuation.build_setup import ActuationSetup, Origin
+from mimoc.anatomy.parts import PARTS
 from mimoc.base.units import deg_to_rad
 from mimoc.body.origins import Entry
-from mimoc.body.parts import PARTS
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.manifest import ChildEntry
+from mimoc.compiler.actuation.setup import ActuationSetup, Origin
+from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.placing import PlacedScene
+from mimoc.compiler.toys.objects import mass_entry, trace_toys
 from mimoc.fits.who import percentile
-from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.looks import BODYSUIT_UNTIL_MONTHS
 from mimoc.schema.reading import FileModel
 from mimoc.schema.source import Source
-from mimoc.tasks.spec_base import TaskEntry
-from mimoc.toys.objects import mass_entry, trace_toys
+from mimoc.schema.task_base import TaskEntry
 
 SPEC_FILE = "spec.yaml"
 """The spec in a bundle, as it was written."""

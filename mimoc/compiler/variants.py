@@ -14,10 +14,10 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.child import child_of
 from mimoc.compiler.loading import load_spec
+from mimoc.compiler.looks.skin.deformation import skin_of
+from mimoc.compiler.mjcf.scene import SceneTree
+from mimoc.compiler.mjcf.skin import SkinLayer
 from mimoc.compiler.model_template import DifferenceError, ModelInstance, ModelTemplate
-from mimoc.looks.skin.deformation import skin_of
-from mimoc.mjcf.scene import SceneTree
-from mimoc.mjcf.skin import SkinLayer
 from mimoc.schema import source
 from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec, as_written, read_spec

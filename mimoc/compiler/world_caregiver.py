@@ -9,12 +9,12 @@ import numpy.typing as npt
 
 from mimoc.body.origins import Entry
 from mimoc.bundle.world import START
-from mimoc.companions.caregiver.build import HEAD, BuiltCaregiver, place_caregiver, settings_at
-from mimoc.companions.caregiver.spec import CaregiverEntry, CaregiverSpec
 from mimoc.compiler.building import Builder
+from mimoc.compiler.caregiver.build import HEAD, BuiltCaregiver, place_caregiver, settings_at
+from mimoc.compiler.mjcf.world import Persona
 from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.world_places import InfantPart, Poses, Settings
-from mimoc.mjcf.world import Persona
+from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 
 IntArray = npt.NDArray[np.intp]
 GAP_M = 0.02

@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, matrix_from_euler
 from mimoc.base.rounding import rounded
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.compiler.building import Builder
 from mimoc.compiler.constraints import holds, lock, locked_joints, weld
+from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom
+from mimoc.compiler.mjcf.prefixing import prefixed, prefixed_scene
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
+from mimoc.compiler.mjcf.world import FreeObject, Lock, Weld
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
-from mimoc.geometry.rotations import Vec3, matrix_from_axis, matrix_from_euler
-from mimoc.mjcf.furniture import Furniture, WorldGeom
-from mimoc.mjcf.prefixing import prefixed, prefixed_scene
-from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import FreeObject, Lock, Weld
-from mimoc.scenes.built_scene import Placement
-from mimoc.scenes.footprint import footprint
+from mimoc.compiler.scenes.built_scene import Placement
+from mimoc.compiler.scenes.footprint import footprint
 from mimoc.schema.world import WorldPlan
 
 GAP_CM = 10.0

@@ -24,9 +24,15 @@ from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manif
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.manifest import describe_objects, describe_toys, rounded_caregiver
+from mimoc.compiler.mjcf import printing
+from mimoc.compiler.mjcf.scene import Keyframe
+from mimoc.compiler.mjcf.world import FreeObject, World, barrier_pairs
 from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.notes import notes_on_shapes
 from mimoc.compiler.object_check import free_keyframes
+from mimoc.compiler.objects.built_object import PlacedThing
+from mimoc.compiler.objects.placing import place_objects, trace_objects
+from mimoc.compiler.objects.starts import place_furniture
 from mimoc.compiler.placing import (
     PlacedScene,
     SceneAssets,
@@ -37,6 +43,9 @@ from mimoc.compiler.placing import (
     toys_around,
 )
 from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
+from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
+from mimoc.compiler.scenes.footprint import footprint
+from mimoc.compiler.toys.objects import trace_toys
 from mimoc.compiler.world_caregiver import WorldCaregiver, caregivers
 from mimoc.compiler.world_places import (
     InfantPart,
@@ -51,21 +60,12 @@ from mimoc.compiler.world_places import (
 )
 from mimoc.compiler.world_provenance import trace_around, trace_infant
 from mimoc.fits import load_tables
-from mimoc.mjcf import printing
-from mimoc.mjcf.scene import Keyframe
-from mimoc.mjcf.world import FreeObject, World, barrier_pairs
-from mimoc.objects.built_object import PlacedThing
-from mimoc.objects.placing import place_objects, trace_objects
-from mimoc.objects.spec_base import ObjectSpec
-from mimoc.objects.starts import place_furniture
-from mimoc.scenes import SCENES
-from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
-from mimoc.scenes.footprint import footprint
 from mimoc.schema import source as sources
+from mimoc.schema.components.scenes import SCENES
 from mimoc.schema.infant import InfantSpec, as_written, to_data
+from mimoc.schema.object_base import ObjectSpec
 from mimoc.schema.world import WORLD, WorldPlan, in_world, plan_of, read_world
 from mimoc.schema.yaml_document import dump
-from mimoc.toys.objects import trace_toys
 from mimoc.version import __version__
 
 RESOLVED = "resolved.yaml"

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mimoc.base.geometry.rotations import FloatArray
 from mimoc.base.rounding import significant
-from mimoc.geometry.rotations import FloatArray
 
 B_MIN_MONTHS = 0.1
 """Smallest shift: keeps the curve finite at birth (paper, eq. 1)."""

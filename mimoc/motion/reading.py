@@ -8,15 +8,16 @@ import numpy as np
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, check_name
-from mimoc.base.kinds import MotionFormat, function_of
+from mimoc.base.kinds import function_of
 from mimoc.bundle.regular_files import UnusableFileError, one_line
-from mimoc.motion import FORMATS
 from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
 from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
 from mimoc.motion.point_recording import Camera, PointRecording
 from mimoc.motion.sides import turned
-from mimoc.plugins import load_plugins
+from mimoc.schema.components.motion import FORMATS
+from mimoc.schema.kinds import MotionFormat
+from mimoc.schema.plugins import load_plugins
 
 MOST_PIXELS = 100_000
 """Of the width or height of a picture."""
@@ -40,7 +41,7 @@ def read_points(
 
     Args:
         path: A file, or a folder with a file for each frame.
-        format: Its format, one of `mimoc.motion.FORMATS`; None recognises it.
+        format: Its format, one of `mimoc.schema.components.motion.FORMATS`; None recognises it.
         rate_hz: Frames per second; needed where the files do not say it.
         camera: The camera of pixels, if the files do not say it.
         infant: Which of several persons is the infant: its identity or, where persons have none, its number in the

@@ -26,7 +26,7 @@ class Windows:
     """The 21 measures of windows of 8 s of some infants."""
 
     values: FloatArray
-    """Shape (w, 21), in the order of `mimoc.quantities.movement.CORE`."""
+    """Shape (w, 21), in the order of `mimoc.base.quantities.movement.CORE`."""
     infants: IntArray
     """Which infant each is of, shape (w,)."""
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantities.movement_details import CENTROID, DETAILS
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import Kick, kicks_of
 from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, leg_lengths
 from mimoc.movement.trunk_frame import TrunkPaths
-from mimoc.quantities.movement_details import CENTROID, DETAILS
-from mimoc.quantities.run_movement_units import MOVING_TRUNK_S, unit_spans
+from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, unit_spans
 
 AT_FACE_TRUNK = 0.4
 """A hand this near to the middle of the head is at the face: the head's radius, .07 m, and the half of a hand."""

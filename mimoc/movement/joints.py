@@ -10,7 +10,7 @@ from mimoc.motion.points import SIDES
 from mimoc.movement.kicks import kicks_of
 from mimoc.movement.measures import correlation
 from mimoc.movement.trunk_frame import stand_ins
-from mimoc.quantities.run_movement_units import unit_spans
+from mimoc.runtime.quantities.movement_units import unit_spans
 
 PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")
 LONGEST_LAG_S = 0.5

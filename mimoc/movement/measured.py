@@ -13,7 +13,7 @@ def measure_movement(recording: PointRecording) -> dict[str, float]:
     """Return the measures of movement of a recording, by the name of their quantity.
 
     The first 21 are those that infants are compared by. What needs points that it lacks (a face), or places in space
-    (joint angles), or a kick, is left out. `mimoc.quantities.movement` and `movement_details` define them all.
+    (joint angles), or a kick, is left out. `mimoc.base.quantities.movement` and `movement_details` define them all.
 
     Raises:
         MovementError: If points are missing or never seen, or it is too slow or too short.

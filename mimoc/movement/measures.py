@@ -4,11 +4,11 @@ import numpy as np
 from scipy.signal import find_peaks, welch
 from scipy.stats import kurtosis
 
+from mimoc.base.quantities.movement import CORE
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.trunk_frame import TrunkPaths, trunk_paths
-from mimoc.quantities.movement import CORE
-from mimoc.quantities.run_movement_units import MOVING_TRUNK_S, movement_units
+from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, movement_units
 
 KICK_TRUNK = 0.25
 """Least extension of a leg that counts as a kick."""
@@ -22,7 +22,7 @@ LIMB_POINTS = "hand", "elbow", "foot", "knee"
 
 
 def core_measures(recording: PointRecording) -> dict[str, float]:
-    """Return the 21 measures that infants are compared by, in the order of `mimoc.quantities.movement.CORE`.
+    """Return the 21 measures that infants are compared by, in the order of `mimoc.base.quantities.movement.CORE`.
 
     Raises:
         MovementError: If points are missing, or it is too slow or too short.

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mimoc.base.errors import MovementError
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.movement import CORE
 from mimoc.movement.filming import Filmed
 from mimoc.movement.joints import joint_angles
 from mimoc.movement.report import MovementMeasures
-from mimoc.quantities import Quantity
-from mimoc.quantities.movement import CORE
 from mimoc.render.plots.file import write_sheet
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities.movement import CORE
 from mimoc.motion.point_recording import FloatArray
 from mimoc.movement.classifier import Windows, told_apart
 from mimoc.movement.sample import Sample
-from mimoc.quantities.movement import CORE
 
 NAME = "12 real infants (MINI-RGBD)"
 INFANTS, WINDOWS = 12, 4

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MovementError
+from mimoc.base.quantities import QUANTITIES
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.points import SIDES
 from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, told_apart_error, windows_of
@@ -19,7 +20,6 @@ from mimoc.movement.sample import Sample, distance, standard_scores
 from mimoc.movement.sides import measure_sides
 from mimoc.movement.simulated import Progress, no_progress
 from mimoc.movement.trunk_frame import LEAST_S, stand_ins, trunk_paths
-from mimoc.quantities import QUANTITIES
 
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
 """Speeds that tell whether sides differ, and from which ratio on they do; a choice."""

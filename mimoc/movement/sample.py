@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.quantities.movement import CORE
+from mimoc.base.quantities.movement import CORE
 
 LARGEST_SCORE = 10.0
 """Scores beyond it count as this in a distance, so that one measure alone does not decide."""

@@ -7,13 +7,13 @@ from pathlib import Path
 from mimoc.base.errors import MovementError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.environments import open_infant
 from mimoc.movement.filming import SETTLING_S, Film, Filmed
 from mimoc.policies.policy import PolicyMaker
+from mimoc.policies.rollout import Run
 from mimoc.recording.reading import read_recording
-from mimoc.recordings import replay_recording
+from mimoc.recording.replay_recording import replay_recording
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import Run
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 
 SECONDS = 33.0

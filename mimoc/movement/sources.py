@@ -8,13 +8,13 @@ from typing import Any
 
 from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
-from mimoc.motion import FORMATS
 from mimoc.motion.joint_motion import MOTION
 from mimoc.motion.reading import read_again, read_points
 from mimoc.movement.filming import Filmed, noted
 from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.folder import read_infant
+from mimoc.schema.components.motion import FORMATS
 from mimoc.schema.infant import InfantSpec
 
 POINTS = "points.npz"

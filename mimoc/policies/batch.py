@@ -10,8 +10,8 @@ from mimoc.base.classes import described
 from mimoc.base.errors import PolicyError
 from mimoc.runtime.array_library import NUMPY, torch_library
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.sense import FloatArray
 from mimoc.runtime.term import Put
-from mimoc.senses.sense import FloatArray
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ import numpy as np
 
 from mimoc.base.classes import import_class
 from mimoc.base.errors import PolicyError
-from mimoc.policies import POLICIES
 from mimoc.policies.policy import PolicyMaker
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
+from mimoc.schema.components.policies import POLICIES
 
 CLASS = re.compile(r"([A-Za-z_][\w.]*):[A-Za-z_]\w*")
 EXAMPLE = "my_policy:Kicker"

@@ -8,8 +8,8 @@ import numpy.typing as npt
 
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.manifest import Manifest
-from mimoc.control.tracking import Body, Demand
-from mimoc.senses.sense import FloatArray
+from mimoc.policies.control.tracking import Body, Demand
+from mimoc.runtime.sense import FloatArray
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from mimoc.policies.policy import (
 from mimoc.policies.silent import Silent, limits_of
 from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 Loader = Callable[[str], PolicyMaker]
 """Loads the trained policy in a file, as `mimoc.load_policy` does."""

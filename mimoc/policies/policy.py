@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 """Returns the action for an observation, shape (n,); all random numbers come from the generator.

@@ -17,9 +17,9 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Label, Number
-from mimoc.senses.sense import FloatArray, Observation
 
 Share = Annotated[float, Field(ge=-1, le=1)]
 SWAYS = ("forward", "sideways", "forward_speed", "sideways_speed")

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.units import ms_to_s
-from mimoc.control.reaching import ReachController, ReachGains
+from mimoc.policies.control.reaching import ReachController, ReachGains
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
 
 NEXT_TARGETS_S = 1.5
 """How long hands have to get to their targets."""
@@ -126,7 +126,7 @@ def reach_errors(
 
     Args:
         env: The infant, with motors or muscles; it is reset for each trial.
-        gains: For hands and eyes, such as one of `mimoc.control.GAIN_SETS`.
+        gains: For hands and eyes, such as one of `mimoc.policies.control.GAIN_SETS`.
         generator: Source of the targets.
         trials: Number of trials, each with a target for each hand; the eyes look at that of the first.
         seconds: Simulated time of a trial.

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.actuation.voice import HIGH, LOW
 from mimoc.policies.policy import Policy
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
+from mimoc.runtime.voice import HIGH, LOW
 
 
 class Silent:

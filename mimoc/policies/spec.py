@@ -5,8 +5,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from mimoc.base.errors import PolicyError, check_name
-from mimoc.base.kinds import PolicyKind
-from mimoc.policies import POLICIES
+from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import PolicyKind
 
 TRAINED = ".zip"
 """How the path of a trained policy ends."""

@@ -7,7 +7,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.bundle.world import overlaps
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 
 def begin_here(infant: Infant) -> Observation:

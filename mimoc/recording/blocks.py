@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import RecordingError
-from mimoc.columns.reader import Samples
-from mimoc.senses.sense import Observation
+from mimoc.recording.movement_columns.reader import Samples
+from mimoc.runtime.sense import Observation
 
 Array = npt.NDArray[Any]
 SPARSE_FROM = 1024

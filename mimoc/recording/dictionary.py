@@ -8,7 +8,7 @@ from pathlib import Path
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
-from mimoc.columns.column import Column
+from mimoc.recording.movement_columns.column import Column
 
 DICTIONARY = "columns.csv"
 HEADINGS = ("name", "unit", "about", "frame", "source")

@@ -10,9 +10,9 @@ from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
 from mimoc.bundle.files import staged_folder
-from mimoc.exporters import EARLIER, EXPORTERS
 from mimoc.recording.description import description_in
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
+from mimoc.schema.components.exporters import EARLIER, EXPORTERS
 
 
 @takes("a recording, or the folder of one", ReadRecording, *PATH)

@@ -10,12 +10,12 @@ import numpy as np
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.base.kinds import function_of
+from mimoc.base.quantities import QUANTITIES
+from mimoc.base.quantities.quantity import Quantity
 from mimoc.base.units import ms_to_s
-from mimoc.quantities import QUANTITIES
-from mimoc.quantities.measuring import REDUCERS, Outcome, Value, reduced
-from mimoc.quantities.quantity import Quantity
 from mimoc.recording.description import RECORDING
 from mimoc.recording.reading import Episode, read_recording
+from mimoc.runtime.quantities.measuring import REDUCERS, Outcome, Value, reduced
 
 Progress = Callable[[int, int], None]
 MOST = 10_000

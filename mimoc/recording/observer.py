@@ -12,18 +12,18 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.physics_state import physics_of
-from mimoc.columns import GROUPS
-from mimoc.columns.column import Column
-from mimoc.columns.reader import MovementReader
-from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, reading_of
 from mimoc.recording.columns import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
+from mimoc.recording.movement_columns import GROUPS
+from mimoc.recording.movement_columns.column import Column
+from mimoc.recording.movement_columns.reader import MovementReader
 from mimoc.recording.state_text import to_plain
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import Observer
-from mimoc.senses.sense import Observation
+from mimoc.runtime.quantities.measuring import StepMeasures
+from mimoc.runtime.sense import Observation
 
 Job = Callable[[], None]
 WAITING = 4

@@ -13,7 +13,9 @@ from PIL import Image
 
 from mimoc.base.errors import RenderingError
 from mimoc.base.units import ms_to_s
+from mimoc.components.senses.vision.eyes import Eyes
 from mimoc.policies.policy import PolicyMaker
+from mimoc.policies.rollout import Run, Summary
 from mimoc.recording.sound_track import SoundTrack, hears, sound_file
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
@@ -21,9 +23,7 @@ from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv, infant_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.rollout import Run, Summary
-from mimoc.senses.sense import Observation
-from mimoc.senses.vision.eyes import Eyes
+from mimoc.runtime.sense import Observation
 
 SHAPE = 4 / 3
 """Aspect ratio of the camera image."""

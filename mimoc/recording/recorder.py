@@ -14,16 +14,16 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.base.classes import described
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
-from mimoc.columns import GROUPS, checked_groups
 from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
+from mimoc.recording.movement_columns import GROUPS, checked_groups
 from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
 from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.custom_sense import CustomSense
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.observer import NO_OBSERVER
-from mimoc.senses.custom import CustomSense
-from mimoc.tasks.task import CustomTask
+from mimoc.runtime.task import CustomTask
 
 PART_ROWS = 1000
 """Control steps in a part of an episode: what a kill can lose."""

@@ -22,7 +22,7 @@ from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, SEED
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 Number = tuple[int, str, int, float, float]
 """Row, array, index in it, and both values of a number that differs."""

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.files import write_file
+from mimoc.components.senses.hearing.run import Hearing
 from mimoc.runtime.infant import Infant
-from mimoc.senses.hearing.run import Hearing
 
 LOUDEST = 32_000
 """The loudest sample of a track, of 32,767: tracks are as loud as they can be, whatever their sound pressure."""

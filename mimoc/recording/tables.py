@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MissingExtraError
+from mimoc.base.quantities import QUANTITIES
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.columns.reader import values_of
-from mimoc.quantities import QUANTITIES
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.folder import opened
+from mimoc.recording.movement_columns.reader import values_of
 
 try:
     import pyarrow

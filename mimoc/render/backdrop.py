@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 from mimoc.render.camera import Shot
 from mimoc.render.opengl import set_fog
 from mimoc.render.soft_light import Colour

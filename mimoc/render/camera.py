@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.rotations import FloatArray, direction
-from mimoc.geometry.solvers import root
+from mimoc.base.geometry.rotations import FloatArray, direction
+from mimoc.base.geometry.solvers import root
 
 View = tuple[float, float]
 """Azimuth and elevation of the direction that a camera looks in, [deg]."""

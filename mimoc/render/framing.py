@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.geometry.rotations import FloatArray
 from mimoc.bundle.model import in_subtrees
-from mimoc.geometry.rotations import FloatArray
 from mimoc.render.camera import FROM_THE_SIDE, Spheres, View, view_of_body
 from mimoc.render.extents import tight_spheres
 from mimoc.render.renderer import Shown

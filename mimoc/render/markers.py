@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 
 RADIUS_IN_SPACINGS = 0.16
 """Radius of a marker, as a share of the spacing of the skin."""

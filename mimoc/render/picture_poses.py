@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import UnknownNameError, check_name
+from mimoc.base.geometry.rotations import matrix_from_axis
+from mimoc.base.geometry.solvers import root
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin, bounded, in_subtrees, load_model, pose_of
 from mimoc.bundle.world import WorldBundle, load_world_model, take_pose
-from mimoc.geometry.rotations import matrix_from_axis
-from mimoc.geometry.solvers import root
 from mimoc.render.extents import lowest_m
 
 SIDES = ("right", "left")

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.base.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
-from mimoc.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.render.camera import FROM_THE_FRONT, view_of_body
 from mimoc.render.picture_poses import load_in_pose
 

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.rotations import FloatArray, direction
+from mimoc.base.geometry.rotations import FloatArray, direction
 from mimoc.render.camera import Shot
 from mimoc.render.renderer import Picture
 

@@ -12,7 +12,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.runtime.constraints import Constraints
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 CHECKED_S = 1.0
 """Simulated time of each trial."""

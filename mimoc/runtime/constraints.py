@@ -3,10 +3,10 @@
 import mujoco
 import numpy as np
 
-from mimoc.base.model_fields import ModelField
 from mimoc.base.mujoco_layout import LOCK_ANGLE, WELD_ANCHOR, WELD_PLACE, WELD_TURN
 from mimoc.bundle.manifest import ConstraintsEntry
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.model_fields import ModelField
+from mimoc.runtime.sense import FloatArray, IntArray
 
 
 class Constraints:

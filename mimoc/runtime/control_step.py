@@ -6,9 +6,9 @@ from typing import Generic, TypeVar
 import mujoco
 
 from mimoc.bundle.model import out_of_memory
-from mimoc.delays.merging import MergedSegment, merge_segments
-from mimoc.delays.schedule import Schedule, Segment
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.delays.merging import MergedSegment, merge_segments
+from mimoc.runtime.delays.schedule import Schedule, Segment
+from mimoc.runtime.sense import FloatArray
 
 Key = TypeVar("Key", bound=Hashable)
 

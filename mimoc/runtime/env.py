@@ -15,15 +15,15 @@ from mimoc.base.state_form import demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
-from mimoc.noise.noise import NoiseStreams
 from mimoc.render.environment import MODES, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import AGE, SEED
 from mimoc.runtime.infant import PHYSICS, Custom, Infant
+from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import BEFORE, INFANTS, Pictures, Simulation
 from mimoc.runtime.spaces import with_limit
-from mimoc.senses.sense import Observation
 
 
 @closable()

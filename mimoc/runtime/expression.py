@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import check_name
-from mimoc.base.model_fields import ModelField
 from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
+from mimoc.runtime.model_fields import ModelField
 
 
 def face_of(bundle: Bundle) -> Face | None:

@@ -1,6 +1,7 @@
 """Filters: what a sense organ makes, over time, of what acts on it, between the sensor and the delay line.
 
-A filter is a term as noise is (`mimoc.noise.noise`), so one definition runs on one infant, on many, and on a device:
+A filter is a term as noise is (`mimoc.runtime.noise.noise`), so one definition runs on one infant, on many, and on a
+device:
 
     @dataclass(frozen=True)
     class Adapted(Filter):

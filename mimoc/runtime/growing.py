@@ -8,9 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.base.model_fields import WORLD
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
@@ -18,11 +16,13 @@ from mimoc.bundle.model import pose_of
 from mimoc.bundle.physics_state import STATE, physics_of
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import manifests_of as manifests_of, take_pose
-from mimoc.objects.spec_base import names_of
-from mimoc.objects.spec_move import checked_moves
+from mimoc.runtime.arousal import checked_arousal
 from mimoc.runtime.infant import AGE as AGE, Binding, Infant
+from mimoc.runtime.model_fields import WORLD
 from mimoc.runtime.objects import Objects, Pose
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
+from mimoc.schema.object_base import names_of
+from mimoc.schema.object_moves import checked_moves
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""

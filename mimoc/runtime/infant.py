@@ -11,36 +11,36 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.utils.seeding import np_random
 
-from mimoc.actuation.arousal import Arousal
-from mimoc.actuation.binding import Actuation, bind_actuation
-from mimoc.actuation.voice import Voice
 from mimoc.base.errors import MimocError, check_name
-from mimoc.base.model_fields import ModelFields
 from mimoc.base.state_form import check_form
 from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.physics_state import time_of
-from mimoc.companions.binding import bind_companions
-from mimoc.companions.caregiver.run import Caregiver
-from mimoc.companions.companion import Companions
-from mimoc.delays.schedule import Schedule
-from mimoc.delays.timing import timing_of
-from mimoc.noise.noise import NoiseStreams
+from mimoc.components.companions.caregiver.run import Caregiver
+from mimoc.runtime.actuation import Actuation, bind_actuation
+from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.closing import closable
+from mimoc.runtime.companion import Companions
+from mimoc.runtime.companions import bind_companions
 from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.custom_sense import by_name
+from mimoc.runtime.delays.schedule import Schedule
+from mimoc.runtime.delays.timing import timing_of
 from mimoc.runtime.expression import expression_fields, face_of, set_expression
+from mimoc.runtime.judgement import NO_REWARD, check_judgement, reward_of
+from mimoc.runtime.model_fields import ModelFields
+from mimoc.runtime.noise.noise import NoiseStreams
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.observer import NO_OBSERVER, Observer
+from mimoc.runtime.sense import Observation, Sense
+from mimoc.runtime.senses import bind_senses
 from mimoc.runtime.spaces import action_space, observation_space
-from mimoc.senses.binding import bind_senses
-from mimoc.senses.custom import by_name
-from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.judgement import NO_REWARD, check_judgement, reward_of
-from mimoc.tasks.task import Task, bind_task
+from mimoc.runtime.task import Task, bind_task
+from mimoc.runtime.voice import Voice
 
 if TYPE_CHECKING:  # Touch needs SciPy, which most environments do without.
-    from mimoc.senses.touch.run import SkinState
+    from mimoc.components.senses.touch.run import SkinState
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"

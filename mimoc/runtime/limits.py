@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from mimoc.actuation.binding import all_commanded, bind_actuation
 from mimoc.base.classes import PATH, takes
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
+from mimoc.runtime.actuation import all_commanded, bind_actuation
 
 
 @takes("a bundle, or the folder of one", Bundle, *PATH)

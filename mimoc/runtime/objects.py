@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.base.model_fields import ModelField
+from mimoc.base.geometry.floor_reach import STRETCHED, leaning_reach, places_around
+from mimoc.base.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import TOUCH_M
-from mimoc.geometry.floor_reach import STRETCHED, leaning_reach, places_around
-from mimoc.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
-from mimoc.objects.spec_move import Move, NewPlace
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.model_fields import ModelField
+from mimoc.runtime.sense import FloatArray
+from mimoc.schema.object_moves import Move, NewPlace
 
 STEP_M, DIRECTIONS = 0.01, 16
 """Of the search for a free place within reach."""

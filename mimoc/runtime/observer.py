@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 
 class Observer:

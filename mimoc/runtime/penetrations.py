@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.model import TOUCH_M
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray, IntArray
 
 LEFT_M = 1e-4
 """Penetration that is left, so that what supports the infant goes on to do so; as in the poses of `body.poses`."""

@@ -19,15 +19,15 @@ from mimoc.bundle.model import begin, bounded, is_unstable
 from mimoc.bundle.physics_state import STATE, physics_of, set_physics
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import WorldBundle, overlaps
-from mimoc.companions.binding import hear_each_other
 from mimoc.render.environment import EnvRenderer
 from mimoc.runtime import growing
+from mimoc.runtime.companions import hear_each_other
 from mimoc.runtime.control_step import ControlStep
 from mimoc.runtime.growing import AGE, AROUSAL, SEED
 from mimoc.runtime.infant import NOTHING, PHYSICS, Binding, Infant
 from mimoc.runtime.objects import NOWHERE, Pose
+from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.spaces import check_same_space
-from mimoc.senses.sense import FloatArray, Observation
 
 INFANTS, BEFORE = "infants", "before"
 """Names in a state."""

@@ -8,11 +8,11 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.spaces import Box, Dict
 
-from mimoc.actuation.binding import Actuation
-from mimoc.actuation.voice import HIGH, LOW
 from mimoc.base.errors import MimocError
-from mimoc.senses.sense import Sense
-from mimoc.tasks.task import Task
+from mimoc.runtime.actuation import Actuation
+from mimoc.runtime.sense import Sense
+from mimoc.runtime.task import Task
+from mimoc.runtime.voice import HIGH, LOW
 
 
 def action_space(actuation: Actuation, has_voice: bool = False) -> Any:

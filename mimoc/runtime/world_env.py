@@ -17,11 +17,11 @@ from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.render.environment import available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
+from mimoc.runtime.custom_sense import by_name
 from mimoc.runtime.growing import OBJECTS, SEED
 from mimoc.runtime.infant import Custom, Infant
+from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import Pictures, Simulation
-from mimoc.senses.custom import by_name
-from mimoc.senses.sense import Observation
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 Observations = dict[str, Observation]

@@ -5,13 +5,17 @@ from typing import TYPE_CHECKING
 from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
-    from mimoc.actuation.spec import ActuationSpec as ActuationSpec
-    from mimoc.companions.caregiver.spec import AnswersSpec as AnswersSpec, CaregiverSpec as CaregiverSpec
-    from mimoc.delays.spec import DelaysSpec as DelaysSpec
-    from mimoc.noise.spec import NoiseSpec as NoiseSpec
-    from mimoc.scenes.room.spec import RoomSpec as RoomSpec
-    from mimoc.scenes.spec import SceneSpec as SceneSpec, TexturesSpec as TexturesSpec
+    from mimoc.components.scenes.room.spec import RoomSpec as RoomSpec
+    from mimoc.components.senses.hearing import HearingSpec as HearingSpec
+    from mimoc.components.senses.pain import PainSpec as PainSpec
+    from mimoc.components.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
+    from mimoc.components.senses.touch import TouchSpec as TouchSpec
+    from mimoc.components.senses.vestibular import VestibularSpec as VestibularSpec
+    from mimoc.components.senses.vision import AcuitySpec as AcuitySpec, VisionSpec as VisionSpec
+    from mimoc.schema.actuation import ActuationSpec as ActuationSpec
     from mimoc.schema.body import BodySpec as BodySpec, IndividualSpec as IndividualSpec, PartSpec as PartSpec
+    from mimoc.schema.caregiver import AnswersSpec as AnswersSpec, CaregiverSpec as CaregiverSpec
+    from mimoc.schema.delays import DelaysSpec as DelaysSpec
     from mimoc.schema.impairments import ImpairmentsSpec as ImpairmentsSpec, ToneSpec as ToneSpec
     from mimoc.schema.infant import (
         InfantSpec as InfantSpec,
@@ -21,15 +25,11 @@ if TYPE_CHECKING:
         validated as validated,
     )
     from mimoc.schema.looks import LooksSpec as LooksSpec
+    from mimoc.schema.noise import NoiseSpec as NoiseSpec
+    from mimoc.schema.scene import SceneSpec as SceneSpec, TexturesSpec as TexturesSpec
+    from mimoc.schema.senses import SensesSpec as SensesSpec
     from mimoc.schema.spec import ControlSpec as ControlSpec
-    from mimoc.senses.hearing import HearingSpec as HearingSpec
-    from mimoc.senses.pain import PainSpec as PainSpec
-    from mimoc.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
-    from mimoc.senses.spec import SensesSpec as SensesSpec
-    from mimoc.senses.touch import TouchSpec as TouchSpec
-    from mimoc.senses.vestibular import VestibularSpec as VestibularSpec
-    from mimoc.senses.vision import AcuitySpec as AcuitySpec, VisionSpec as VisionSpec
-    from mimoc.tasks.spec_base import TaskSpec as TaskSpec
-    from mimoc.toys.spec import ToysSpec as ToysSpec
+    from mimoc.schema.task_base import TaskSpec as TaskSpec
+    from mimoc.schema.toys import ToysSpec as ToysSpec
 
 __getattr__, __dir__, __all__ = names_of(__name__)

@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticKnownError
 
+from mimoc.anatomy.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.base.errors import suggestion
-from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.expressions import Expression
 from mimoc.schema.looks import LooksSpec

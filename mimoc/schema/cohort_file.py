@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from mimoc.base.errors import suggestion
+from mimoc.base.quantities import measures
 from mimoc.base.rounding import rounded
-from mimoc.quantities import measures
 from mimoc.schema.base import KeyedError, Model, plain
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_steps import FUNCTION, Step, by_shape, not_empty

@@ -9,7 +9,7 @@ from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import suggestion
-from mimoc.quantities.milestones import MILESTONE_AGES
+from mimoc.base.quantities.milestones import MILESTONE_AGES
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Distinct, Whole, among

@@ -10,16 +10,16 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, Va
 
 from mimoc.base.errors import SpecError
 from mimoc.base.rounding import rounded
-from mimoc.plugins import load_plugins
 from mimoc.schema.base import changed, everything, given, plain, shown
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
 from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided
+from mimoc.schema.plugins import load_plugins
 from mimoc.schema.reading import read_keys
 from mimoc.schema.sizes import pairs
 from mimoc.schema.source import Source, in_memory, in_memory_as_text
 from mimoc.schema.spec import InfantKeys
-from mimoc.tasks.spec import task_field
+from mimoc.schema.task import task_field
 
 OLDEST_MONTHS = 24
 """Last age of the growth tables."""

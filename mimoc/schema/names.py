@@ -5,10 +5,10 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
+from mimoc.anatomy.anatomy import assemble, on_named_sides
+from mimoc.anatomy.part import Development as Development
+from mimoc.anatomy.parts import HEAD, PARTS, TRUNK, extra_kinds, kinds_of_hands
 from mimoc.base.errors import suggestion
-from mimoc.body.anatomy import assemble, on_named_sides
-from mimoc.body.part import Development as Development
-from mimoc.body.parts import HEAD, PARTS, TRUNK, extra_kinds, kinds_of_hands
 from mimoc.schema.quantities import Distinct
 
 SIDES = ("left", "right")

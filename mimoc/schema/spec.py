@@ -7,29 +7,29 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.spec import ActuationSpec
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import suggestion
 from mimoc.base.units import to_steps
-from mimoc.body.anatomy import assemble
-from mimoc.companions.caregiver.spec import check_times
-from mimoc.delays.spec import DelaysSpec
-from mimoc.noise.spec import NoiseSpec, check_noise
-from mimoc.scenes.spec import SceneSpec, infants_named
+from mimoc.schema.actuation import ActuationSpec
 from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
+from mimoc.schema.caregiver import check_times
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.composition import composed
+from mimoc.schema.delays import DelaysSpec
 from mimoc.schema.impairments import ImpairmentsSpec
 from mimoc.schema.looks import Clothes
 from mimoc.schema.names import SIDES, Development, single_groups, unsided
+from mimoc.schema.noise import NoiseSpec, check_noise
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
+from mimoc.schema.scene import SceneSpec, infants_named
+from mimoc.schema.senses import SensesSpec
 from mimoc.schema.sizes import check_sizes
-from mimoc.senses import SENSES
-from mimoc.senses.spec import SensesSpec
-from mimoc.tasks import TASKS
-from mimoc.tasks.spec import task_field
-from mimoc.tasks.spec_base import TaskSpec
+from mimoc.schema.task import task_field
+from mimoc.schema.task_base import TaskSpec
 
 
 def parts_left(body: BodySpec) -> dict[str, str]:

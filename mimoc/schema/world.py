@@ -8,15 +8,15 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StringConstraints, Tag, model_validator
 
 from mimoc.base.errors import Problem, SpecError, suggestion
-from mimoc.companions.caregiver.spec import check_times
-from mimoc.objects.spec import check_start
-from mimoc.scenes.spec import SceneSpec, infants_named
 from mimoc.schema import source as sources
 from mimoc.schema.base import KeyedError, Model, given
+from mimoc.schema.caregiver import check_times
 from mimoc.schema.cohort_steps import by_shape
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.objects import check_start
 from mimoc.schema.quantities import Degrees, Identifier, PathText, Real, version_one
 from mimoc.schema.reading import FileModel, read_keys
+from mimoc.schema.scene import SceneSpec, infants_named
 from mimoc.schema.source import FileKind, Source, in_memory_as_text
 from mimoc.schema.spec import parts_left
 

@@ -11,7 +11,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, start_again
 from mimoc.runtime.env import InfantEnv, infant_of
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.training.loading import load_policy
 
 

@@ -21,7 +21,7 @@ from mimoc.policies.interface import check_fits, interface_of, spaces_of
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
 from mimoc.training.settings import TrainingSettings, complete
 from mimoc.training.vector_env import normalized_names, statistics

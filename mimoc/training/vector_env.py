@@ -23,12 +23,12 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
-from mimoc.environments import BundleVariants
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.runtime.growth_wrapper import GrowthWrapper
+from mimoc.runtime.opening.environments import BundleVariants
 from mimoc.training.settings import TrainingSettings
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from mimoc.base.geometry.face_steps import STEP_M
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.variants import Variant
-from mimoc.geometry.face_steps import STEP_M
 from mimoc.viewer.encoding import Places
 from mimoc.viewer.growth import IntArray, Own, own_parts
 from mimoc.viewer.meshes import pixels_of, rows_of, skin_of

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.replay_recording import chosen_episodes, replay_recording
 from mimoc.recording.video import SMALL, Mp4
-from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.filmed_points import points_of

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.motion.points import BONES
-from mimoc.retargeting.folder import is_retargeted, read_retargeted
+from mimoc.movement.retargeting.folder import is_retargeted, read_retargeted
 
 EDGE = 0.06
 """Empty margin around the points, as a share of the larger side of their picture."""

@@ -14,9 +14,9 @@ from mimoc.bundle.manifest import ChildEntry, Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
 from mimoc.fits.who import percentile
-from mimoc.render.plots.growth import PERCENTILES, who_chart
 from mimoc.render.plots.plot import Line
-from mimoc.senses.binding import bind_sense
+from mimoc.runtime.senses import bind_sense
+from mimoc.studies.growth.plot import PERCENTILES, who_chart
 from mimoc.viewer.encoding import Places
 
 IntArray = npt.NDArray[np.intp]

@@ -4,8 +4,8 @@ import numpy as np
 from pictures.cubes import FACE_CELL_PX, blob, directions, over, within
 from pictures.expressions import FACES, Face
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.colours import Colour
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks.colours import Colour
 
 SKIN: Colour = (232, 190, 162)
 SHADE: Colour = (206, 156, 130)

@@ -3,7 +3,7 @@
 import numpy as np
 from pictures.tiling import cells, grid, half_drop, lit, noise, paint, plain
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 
 
 def plaster() -> FloatArray:

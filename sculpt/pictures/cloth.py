@@ -9,8 +9,8 @@ import numpy as np
 from pictures.cubes import over, within
 from pictures.inks import Painted, ink, plain, with_palette
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.colours import FOLDED, INKS
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks.colours import FOLDED, INKS
 
 ROWS_PX, COLUMNS_PX = 128, 32
 """Height and width of a picture."""

@@ -6,10 +6,10 @@ import numpy as np
 from pictures.expressions import FACES, Face
 from pictures.inks import ink, mixed, plain
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.geometry.smoothstep import smoothstep
-from mimoc.looks.appearance import GRID_LAYOUT
-from mimoc.looks.colours import Colour
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.base.geometry.smoothstep import smoothstep
+from mimoc.compiler.looks.appearance import GRID_LAYOUT
+from mimoc.compiler.looks.colours import Colour
 
 FACE_CELL_PX = 85
 """Size of a cell, of which three are in a row."""

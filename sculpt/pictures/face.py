@@ -12,7 +12,7 @@ from pictures.inks import Painted, ink, mixed, plain, with_palette
 from scipy.ndimage import distance_transform_edt
 from uv_map import wrapped
 
-from mimoc.looks.skin.template_mesh import template_mesh
+from mimoc.compiler.looks.skin.template_mesh import template_mesh
 
 FACE_PX = 320
 """Sides of the picture of a face."""

@@ -3,8 +3,8 @@
 import numpy as np
 from pictures.tiling import Field, cells, grid, lit, noise, paint, plain, tones
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.colours import Colour
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks.colours import Colour
 
 BOARDS = 6
 """Number of boards side by side in a tile."""

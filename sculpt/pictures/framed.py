@@ -3,8 +3,8 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.colours import Colour
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks.colours import Colour
 
 WIDTH_PX, HEIGHT_PX = 256, 192
 FRAME_PX, MOUNT_PX = 12, 10

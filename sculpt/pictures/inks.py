@@ -1,6 +1,6 @@
 """Pictures that are painted with named inks, so that a spec can choose their colours.
 
-The colour of a texel is not red, green and blue but a mixture: how much of each ink of `mimoc.looks.colours` is in it.
+The colour of a texel is not red, green and blue but a mixture: how much of each ink of `looks.colours` is in it.
 `ink("hair")` and `mixed(skin=0.4, shade=0.6)` are used as colours elsewhere are: `plain(shape, SKIN)` is a canvas of
 bare skin, and `over(canvas, HAIR, coverage)` of `pictures.cubes` paints on it. In the end, `with_palette(canvas, 128)`
 makes a PNG with a palette of 128 mixtures, which `make_pictures.py` stores; `coloured(canvas)` shows its colours.
@@ -17,10 +17,10 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks import palettes
-from mimoc.looks.colours import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of
-from mimoc.looks.pictures import png_of
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks import palettes
+from mimoc.compiler.looks.colours import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of
+from mimoc.compiler.looks.pictures import png_of
 from mimoc.schema.looks import LooksSpec
 
 WHOLE = 255

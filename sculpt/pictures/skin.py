@@ -4,7 +4,7 @@ import numpy as np
 from pictures.cubes import SKIN, over
 from pictures.inks import Painted, ink, mixed, plain, with_palette
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 
 SHADES = 256
 """Colours of skin and cloth."""

@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 from pictures.cubes import over
 
-from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.colours import Colour
+from mimoc.base.geometry.rotations import FloatArray
+from mimoc.compiler.looks.colours import Colour
 
 TILE_PX = 256
 """Size of a tile."""

@@ -4,7 +4,7 @@ import numpy as np
 from pictures.ceilings import star
 from pictures.tiling import cells, grid, half_drop, lit, noise, paint, plain, tones
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 
 
 def plaster() -> FloatArray:

@@ -7,7 +7,7 @@ from toys.shaping import ball, egg, lathe, rod, small_ball, tube
 from toys.solids import block, capsule, ellipsoid, sphere
 from toys.transforms import flatten_below, move, pair, turn
 
-from mimoc.toys.shape import Looks, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, ToyModel, assemble
 
 
 def bunny() -> ToyModel:

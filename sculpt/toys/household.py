@@ -4,7 +4,7 @@ from toys.materials import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD
 from toys.shaping import Outline, box, lathe, rod, tube
 from toys.solids import block, capsule, cylinder, wall
 
-from mimoc.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
 MANY = 24
 """Corners of circles that are seen from close up."""

@@ -7,7 +7,7 @@ from toys.shaping import ball as globe, box, lathe, loft, ring, rod, small_ball
 from toys.solids import block, capsule, cylinder, hoop, sphere
 from toys.transforms import move, pair, turn
 
-from mimoc.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
 MANY = 24
 """Corners of circles that are seen from close up."""

@@ -7,7 +7,7 @@ from toys.shaping import board, egg, lathe, ring, small_ball, tube
 from toys.solids import block, capsule, cylinder, ellipsoid, sphere
 from toys.transforms import flatten_below, move, pair, turn
 
-from mimoc.toys.shape import Looks, Mesh, Solid, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, Mesh, Solid, ToyModel, assemble
 
 
 def penguin() -> ToyModel:

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from toys.transforms import move, stretch, turn
 
-from mimoc.geometry.rotations import FloatArray, Vec3
-from mimoc.toys.shape import IntArray, Mesh
+from mimoc.base.geometry.rotations import FloatArray, Vec3
+from mimoc.compiler.toys.shape import IntArray, Mesh
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 ROUND = 16

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from mimoc.geometry.rotations import (
+from mimoc.base.geometry.rotations import (
     Quaternion,
     Vec3,
     quaternion_between,
     quaternion_from_axis,
     quaternion_product,
 )
-from mimoc.toys.shape import UPRIGHT, Solid
+from mimoc.compiler.toys.shape import UPRIGHT, Solid
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 SAG = 0.01

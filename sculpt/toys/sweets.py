@@ -8,7 +8,7 @@ from toys.shaping import ball, box, egg, lathe, loft, plate, ring, tube
 from toys.solids import capsule, cylinder, ellipsoid, hoop, sphere
 from toys.transforms import move, turn
 
-from mimoc.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
 MANY = 24
 """Corners of circles that are seen from close up."""

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from mimoc.geometry.rotations import Vec3, matrix_from_axis
-from mimoc.toys.shape import Mesh
+from mimoc.base.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.compiler.toys.shape import Mesh
 
 
 def move(mesh: Mesh, by: Vec3) -> Mesh:

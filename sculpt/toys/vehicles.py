@@ -6,8 +6,8 @@ from toys.solids import block, capsule, sphere
 from toys.transforms import move, pair, turn
 from toys.wheels import axles, wheels
 
-from mimoc.geometry.rotations import Vec3
-from mimoc.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.base.geometry.rotations import Vec3
+from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
 
 def car() -> ToyModel:

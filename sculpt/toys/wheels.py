@@ -4,7 +4,7 @@ from toys.shaping import lathe
 from toys.solids import capsule
 from toys.transforms import move, pair, turn
 
-from mimoc.toys.shape import Mesh, Solid
+from mimoc.compiler.toys.shape import Mesh, Solid
 
 
 def wheels(

@@ -13,11 +13,11 @@ from gymnasium.utils.env_checker import check_env
 from support.registered import registered
 
 import mimoc
+from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
+from mimoc.anatomy.part import ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
+from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.parts import PARTS
 from mimoc.base.errors import KindError, SpecError
-from mimoc.base.kinds import PartKind
-from mimoc.body.dimensions import BodyGeometry, GeomShape
-from mimoc.body.part import ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
-from mimoc.body.parts import PARTS
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
+from mimoc.base.geometry.primitives import volume
 from mimoc.body.grow import grow_average
-from mimoc.geometry.primitives import volume
 
 ACTUATORS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
 

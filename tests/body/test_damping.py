@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_body
 from mimoc.schema import InfantSpec
 

@@ -22,13 +22,13 @@ from support.segment_masses import (
     shares_table,
 )
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
+from mimoc.base.geometry.primitives import depths
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.body.reference import head_share
 from mimoc.body.tree import Body, BodyTree
 from mimoc.fits import measure
-from mimoc.geometry.primitives import depths
 
 HANDS = ("mitten", "five_finger")
 ages_months = st.floats(0, 24)

@@ -13,7 +13,7 @@ from mimoc.body.grow import grow_body
 from mimoc.body.impairments import REFLEX, THRESHOLD_RAD_S
 from mimoc.compiler.child import child_of
 from mimoc.compiler.explain import entries_of
-from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import load_tables
 from mimoc.fits.fat import mean_percent
 from mimoc.schema.regions import REGIONS, place_of

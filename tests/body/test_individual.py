@@ -11,14 +11,14 @@ from support.full import full_but
 from support.start_poses import DEPTH_M
 
 import mimoc
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import SpecError
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_body, grow_tree
-from mimoc.compiler.validation.measuring import compile_infant
-from mimoc.compiler.validation.who import measure_compiled
+from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse
+from mimoc.studies.growth.who import measure_compiled
 
 INDICATORS = {
     "length": ("length_cm", "length_percentile"),

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import pose
 from mimoc.fits import measure

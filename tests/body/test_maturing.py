@@ -8,11 +8,11 @@ import pytest
 from support.papers_law import by_volume
 
 import mimoc
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_tree
 from mimoc.body.joints import LEAST_ARMATURE_KGM2, NEWBORN_FIST_DEG, RELAXED
 from mimoc.body.maturation import FINGERS
-from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import measure
 
 AGES_MONTHS = (0, 0.5, 1, 1.5, 2, 3, 4, 5, 6, 7.5, 9, 10.5, 12, 14, 16, 18)

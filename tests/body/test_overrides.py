@@ -10,13 +10,13 @@ from hypothesis import assume, given, settings, strategies as st
 from support.full import full_but
 
 import mimoc
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
+from mimoc.base.geometry.ellipsoids import ellipse_perimeter
+from mimoc.base.geometry.primitives import volume
 from mimoc.body.grow import grow_body, grow_child, reference_of
 from mimoc.bundle.model import load_model
-from mimoc.compiler.validation.measuring import MEASURES, STRAIGHT, Figure
+from mimoc.compiler.measuring import MEASURES, STRAIGHT, Figure
 from mimoc.fits import measure
-from mimoc.geometry.ellipsoids import ellipse_perimeter
-from mimoc.geometry.primitives import volume
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import LIMB_MEASUREMENTS, MEASUREMENTS, limb_bodies, trunk_bodies
 

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import mimoc
-from mimoc.body.parts import PARTS
+from mimoc.anatomy.parts import PARTS
 from mimoc.schema.composition import recompose
 
 ROOT = Path(__file__).resolve().parents[2]

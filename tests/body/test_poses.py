@@ -8,12 +8,12 @@ import pytest
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, poses_of
 from mimoc.compiler.assembling import keyframes
 from mimoc.fits import measure
-from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.scene import SceneSpec
 
 AGES_MONTHS = (0, 1, 6, 12, 18, 24)
 PER_AGE_AND_POSE = [(age, pose) for age in AGES_MONTHS for pose in POSES]

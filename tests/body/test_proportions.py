@@ -4,9 +4,9 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, strategies as st
 
+from mimoc.anatomy.sections import CHEST, HIP, WAIST, stadium
+from mimoc.anatomy.segments import REFERENCE_M, Proportions, proportions
 from mimoc.base.errors import GeometryError
-from mimoc.body.sections import CHEST, HIP, WAIST, stadium
-from mimoc.body.segments import REFERENCE_M, Proportions, proportions
 from mimoc.fits import load_tables, measure
 
 ages_months = st.floats(0, 24)

@@ -12,7 +12,7 @@ from support.full import FULL, full_rows
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.compiler.explain import entries_of
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import limb_bodies

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import mimoc
+from mimoc.anatomy.anatomy import assemble
+from mimoc.anatomy.published_figures import DEFECTS
 from mimoc.base.errors import SpecError
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_body
 from mimoc.body.published import standing_height
-from mimoc.body.published_figures import DEFECTS
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import entries_of
 from mimoc.fits import load_tables, measure

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from support.resting import rest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average
 from mimoc.body.kinematics import pose, pose_all
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, Pose, pose_angles, poses_of, resting_state, resting_states

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import GeometryError
-from mimoc.body.anatomy import assemble
+from mimoc.base.geometry.primitives import depths
 from mimoc.body.grow import grow_tree
 from mimoc.fits import Measurements, measure
-from mimoc.geometry.primitives import depths
 
 ON_SURFACE_M = 1e-8
 """Nine digits are written."""

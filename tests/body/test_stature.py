@@ -1,7 +1,7 @@
 import pytest
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.units import m_to_cm
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.fits import load_tables, measure

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_body, grow_tree
 from mimoc.body.strength import AGE_KEY, STRENGTH_KEY
 from mimoc.fits import measure

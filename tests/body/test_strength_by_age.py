@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.strength import STRENGTH
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)

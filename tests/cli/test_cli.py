@@ -12,8 +12,8 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.bundle.io import LOCK, lock_files
-from mimoc.compiler.validation import who
 from mimoc.studies import movement
+from mimoc.studies.growth import who
 from mimoc.studies.movement import TRIALS
 
 CONFIGS = Path(__file__).parents[2] / "configs"

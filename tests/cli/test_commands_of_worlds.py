@@ -84,7 +84,9 @@ def test_it_is_built_in_the_scene_of_another_seed(invoke, folder, tmp_path):
 
 
 def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
-    done = invoke("run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3")
+    done = invoke(
+        "run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3"
+    )
     assert done.code == 0
     assert "Error of the gaze" in done.out
 

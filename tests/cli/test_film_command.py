@@ -6,8 +6,8 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.base.kinds import PolicyKind
 from mimoc.policies import random
+from mimoc.schema.kinds import PolicyKind
 
 
 @pytest.fixture(scope="module")

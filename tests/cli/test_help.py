@@ -15,9 +15,9 @@ from support.full import FULL
 
 import mimoc
 from mimoc.cli import cohort, commands
-from mimoc.compiler.validation import who
 from mimoc.motion.body_points import film
 from mimoc.studies.experiments import growth
+from mimoc.studies.growth import who
 from mimoc.training import settings
 from mimoc.training.settings import HYPERPARAMETERS
 

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.senses.vision.build_acuity import acuity_at
+from mimoc.components.senses.vision.build_acuity import acuity_at
 
 
 @pytest.fixture

@@ -8,11 +8,11 @@ import pytest
 from support.full import full_but
 
 from mimoc import fits
-from mimoc.body.parts import kinds_of_hands
-from mimoc.compiler.validation.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
-from mimoc.compiler.validation.measuring import MEASURES, compile_infant, measure_body
+from mimoc.anatomy.parts import kinds_of_hands
+from mimoc.compiler.measuring import MEASURES, compile_infant, measure_body
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import SIDES, limb_bodies
+from mimoc.studies.growth.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
 
 """Of the published law, whose head is a sphere."""
 

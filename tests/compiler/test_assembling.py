@@ -4,13 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.actuation.build_setup import build_actuation
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
+from mimoc.compiler.actuation.setup import build_actuation
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.building import builder
+from mimoc.compiler.looks.appearance import HEAD_FEATURES
 from mimoc.fits import measure
-from mimoc.looks.appearance import HEAD_FEATURES
 from mimoc.schema import InfantSpec
 from mimoc.schema.expressions import EXPRESSIONS
 

@@ -11,7 +11,7 @@ from support import store
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec
-from mimoc.senses import SENSES
+from mimoc.schema.components.senses import SENSES
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 

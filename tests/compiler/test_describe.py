@@ -6,7 +6,7 @@ import mujoco
 import pytest
 from support import store
 
-from mimoc.body.anatomy import assemble
+from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import stature
 from mimoc.bundle.manifest import Manifest, to_data

@@ -11,10 +11,10 @@ from support.full import FULL, full_but
 import mimoc
 from mimoc.base.errors import NoSpaceError
 from mimoc.compiler import building, model_check
+from mimoc.compiler.mjcf.scene import SceneTree
 from mimoc.compiler.placing import SceneAssets, place_in_scene
-from mimoc.mjcf.scene import SceneTree
-from mimoc.scenes.footprint import footprint, reachable_floor
-from mimoc.toys.placing import GAP_M
+from mimoc.compiler.scenes.footprint import footprint, reachable_floor
+from mimoc.compiler.toys.placing import GAP_M
 
 SIX = {"count": [6, 6]}
 INFANTS = {0: "mitten", 9: "five_finger", 24: "mitten"}

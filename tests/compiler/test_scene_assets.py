@@ -170,7 +170,7 @@ def test_a_picture_that_is_none_is_pointed_at():
 
 
 def test_the_build_says_so_where_toys_are_only_hulls(toys4k, monkeypatch):
-    monkeypatch.setattr("mimoc.toys.toys4k.build.has_coacd", lambda: False)
+    monkeypatch.setattr("mimoc.components.toys.toys4k.build.has_coacd", lambda: False)
     (note,) = built(f"{{toys: {{source: toys4k, root: {toys4k}, subset: [ball], count: [1, 1]}}}}").manifest.notes
     assert "pip install 'mimoc[toys]'" in note
 

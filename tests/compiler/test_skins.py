@@ -10,10 +10,10 @@ import pytest
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder, sees_skin
+from mimoc.compiler.looks.skin import deformation as carrying
+from mimoc.compiler.looks.skin.deformation import layers_of
+from mimoc.compiler.mjcf.skin import single
 from mimoc.compiler.variants import SpecVariants, skin_at
-from mimoc.looks.skin import deformation as carrying
-from mimoc.looks.skin.deformation import layers_of
-from mimoc.mjcf.skin import single
 
 LAYERS = ["body", "shirt", "trousers", "head", "hair"]
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}

@@ -5,15 +5,15 @@ import pytest
 from support.full import full_rows
 
 from mimoc import fits
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import Problem, SpecError
 from mimoc.base.units import DAYS_PER_MONTH
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import Stature, stature
 from mimoc.compiler import child
-from mimoc.compiler.validation.measuring import compile_infant
-from mimoc.compiler.validation.who import GrowthReport, Row, compare_with_who, grow_against_who, measure_compiled
+from mimoc.compiler.measuring import compile_infant
 from mimoc.schema import InfantSpec
+from mimoc.studies.growth.who import GrowthReport, Row, compare_with_who, grow_against_who, measure_compiled
 
 MITTEN = assemble("mitten", False)
 LAW = {"length_cm": 0.8, "weight_kg": 0.8, "head_circumference_cm": 0.8, "arm_circumference_cm": 1.0}

@@ -11,12 +11,12 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.motion.joint_motion import pack_motion
-from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
+from mimoc.policies.rollout import Run
 from mimoc.policies.spec import needs_argument
-from mimoc.runtime.rollout import Run
+from mimoc.policies.world_rollout import WorldRun
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
+from mimoc.schema.components.policies import POLICIES
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}, "touch": {"density": 0.3}}
 KIM: dict[str, Any] = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": SENSES, "scene": {"pose": "sitting"}}

@@ -15,7 +15,7 @@ from support.pages import few_ages
 
 import mimoc
 from mimoc.compiler.explain import explain
-from mimoc.notebook import bundle_html
+from mimoc.viewer.notebook import bundle_html
 from mimoc.viewer.page import page_of
 
 STEPS = 3
@@ -68,7 +68,7 @@ OTHER_USES: tuple[Callable[[Path, Path], Any], ...] = (
 
 def _report(bundle: Path, page: Path) -> None:
     """Write a report without its picture, which is tried by itself."""
-    with patch("mimoc.reporting.infant.introduce", lambda bundle: ((), ())):
+    with patch("mimoc.studies.reporting.infant.introduce", lambda bundle: ((), ())):
         mimoc.report(bundle, page)
 
 

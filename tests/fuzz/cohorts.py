@@ -12,10 +12,10 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.base.errors import MimocError
-from mimoc.cohorts import Cohort
-from mimoc.cohorts.plan import plan
-from mimoc.cohorts.store import Result, Store
 from mimoc.schema.yaml_document import dump
+from mimoc.studies.cohorts import Cohort
+from mimoc.studies.cohorts.plan import plan
+from mimoc.studies.cohorts.store import Result, Store
 
 STUDY = {
     "mimoc": 1,

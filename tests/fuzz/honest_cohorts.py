@@ -18,18 +18,18 @@ from fuzz.mutations import pick
 import mimoc
 from mimoc import cli
 from mimoc.base.errors import MimocError, SpecError
-from mimoc.cohorts import Cohort, Job, engines, plan as plans
-from mimoc.cohorts.infants import children_of
-from mimoc.cohorts.run_jobs import run_jobs
-from mimoc.cohorts.store import Result, Store
-from mimoc.policies import POLICIES
+from mimoc.base.quantities import measures
 from mimoc.policies.named import policy_of
 from mimoc.policies.spec import needs_argument
-from mimoc.quantities import measures
+from mimoc.schema.components.policies import POLICIES
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.source import in_memory
 from mimoc.schema.yaml_document import dump
+from mimoc.studies.cohorts import Cohort, Job, engines, plan as plans
+from mimoc.studies.cohorts.infants import children_of
+from mimoc.studies.cohorts.run_jobs import run_jobs
+from mimoc.studies.cohorts.store import Result, Store
 from mimoc.training.settings import check_learnable
 
 MOST_INFANTS = 4

@@ -20,15 +20,15 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.base.errors import SpecError
+from mimoc.components.toys.builtin import NAMES as TOYS
 from mimoc.fits import measure
+from mimoc.schema.components.senses import SENSES
 from mimoc.schema.impairments import PRESETS
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
 from mimoc.schema.regions import RANGED
 from mimoc.schema.source import in_memory
-from mimoc.senses import SENSES
-from mimoc.toys.builtin import NAMES as TOYS
 
 MOST_KEYS = 3
 """Keys of a section that are drawn."""

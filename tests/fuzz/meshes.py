@@ -9,9 +9,9 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, pick
 from support.mesh_kinds import WRITERS, box, confetti, cup, glb_of
 
-from mimoc.toys.toys4k import processing, subprocesses, worker
-from mimoc.toys.toys4k.build import load_toy
-from mimoc.toys.toys4k.dataset import find_toys
+from mimoc.components.toys.toys4k import processing, subprocesses, worker
+from mimoc.components.toys.toys4k.build import load_toy
+from mimoc.components.toys.toys4k.dataset import find_toys
 
 SHAPES = {"box": box(), "cup": cup(), "soup": confetti(150)}
 

@@ -15,10 +15,10 @@ from support import filmed
 import mimoc
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.motion import FORMATS
 from mimoc.motion.body_points import film
 from mimoc.motion.options import UPS, VIEWS
 from mimoc.motion.writing import write_mini_rgbd
+from mimoc.schema.components.motion import FORMATS
 
 FRAMES = 12
 OPTIONS = MappingProxyType(

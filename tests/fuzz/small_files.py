@@ -15,9 +15,9 @@ from support.motions import moved, retargeted
 
 import mimoc
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.movement.retargeting.folder import ACCOUNT, FITTED, POINTS, write_retargeted
 from mimoc.policies.named import policy_of
 from mimoc.policies.skill import shipped
-from mimoc.retargeting.folder import ACCOUNT, FITTED, POINTS, write_retargeted
 from mimoc.studies.bench.entrant import check_files
 from mimoc.studies.bench.results import markdown_tables, read_results
 

@@ -17,8 +17,8 @@ from support.full import full_but
 
 import mimoc
 from mimoc.base.errors import MimocError, TrainingError
-from mimoc.cohorts import Cohort
-from mimoc.cohorts.store import MARK, Store, finished_jobs
+from mimoc.studies.cohorts import Cohort
+from mimoc.studies.cohorts.store import MARK, Store, finished_jobs
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import CURVE, RUN, STATE, read_training_run
 

@@ -8,9 +8,9 @@ from fuzz.fuzzing import is_clear
 from support.mesh_kinds import glb_of
 
 from mimoc.base.errors import TextureError, ToyError
-from mimoc.looks.user_textures import read_textures
-from mimoc.toys.toys4k.build import load_toy
-from mimoc.toys.toys4k.dataset import find_toys
+from mimoc.compiler.looks.user_textures import read_textures
+from mimoc.components.toys.toys4k.build import load_toy
+from mimoc.components.toys.toys4k.dataset import find_toys
 
 PNG, *_, TIFF = pictures.prepare(None)
 PICTURES = {

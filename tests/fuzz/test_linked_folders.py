@@ -15,7 +15,7 @@ from fuzz.canaries import Canaries
 from support.full import full_but
 
 from mimoc.base.errors import MimocError
-from mimoc.cohorts.store import MARK
+from mimoc.studies.cohorts.store import MARK
 from mimoc.training.run_folder import RUN
 
 FILE = b"of somebody else"

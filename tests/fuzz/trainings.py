@@ -15,7 +15,7 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.base.errors import RenderingError
-from mimoc.reporting.infant import who
+from mimoc.studies.reporting.infant import who
 from mimoc.training.run_folder import read_training_run
 
 SETTINGS = {"envs": 2, "checkpoint_every": 64, "hyper": policies.TINY}

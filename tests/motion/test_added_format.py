@@ -7,8 +7,8 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import KindError, RecordingError
-from mimoc.motion import FORMATS
 from mimoc.plugin import MotionFormat, PointRecording, UnusableFileError
+from mimoc.schema.components.motion import FORMATS
 
 
 def recognise(path):

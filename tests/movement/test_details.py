@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from support.moving import moving, wave
 
+from mimoc.base.quantities.movement_details import DETAILS, JOINTS
 from mimoc.movement import measure_movement
 from mimoc.movement.details import path_dimension
-from mimoc.quantities.movement_details import DETAILS, JOINTS
 
 LIMBS = "left_hand", "right_hand", "left_foot", "right_foot"
 

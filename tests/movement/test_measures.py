@@ -6,11 +6,11 @@ from hypothesis import given, settings, strategies as st
 from support.moving import moving, placed, restless, wave
 
 from mimoc.base.errors import MovementError
+from mimoc.base.quantities import QUANTITIES
+from mimoc.base.quantities.movement import CORE
 from mimoc.motion.point_recording import PointRecording
 from mimoc.movement import core_measures, measure_movement
 from mimoc.movement.measures import sample_entropy
-from mimoc.quantities import QUANTITIES
-from mimoc.quantities.movement import CORE
 
 SEEDS = st.integers(0, 5)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from mimoc.quantities import QUANTITIES
+from mimoc.base.quantities import QUANTITIES
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "movement_measures.md"
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from mimoc.base.quantities import QUANTITIES
+from mimoc.base.quantities.movement import CORE
+from mimoc.base.quantities.movement_details import DETAILS
 from mimoc.movement.classifier import told_apart
 from mimoc.movement.real_infants import FILES, draw_windows, real_infants, real_windows, told_from_real
 from mimoc.movement.sample import Sample, distance, standard_scores
-from mimoc.quantities import QUANTITIES
-from mimoc.quantities.movement import CORE
-from mimoc.quantities.movement_details import DETAILS
 
 PUBLISHED = {
     "hand_speed_median_trunk_s": (0.300, 0.133),

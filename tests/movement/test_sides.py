@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from support.moving import placed, restless
 
+from mimoc.base.quantities.movement import CORE
 from mimoc.cli.movement_table import print_movement
 from mimoc.movement import measure_movement
 from mimoc.movement.filming import Filmed
 from mimoc.movement.report import measure_all
 from mimoc.movement.sides import OF_NO_SIDE, measure_sides
-from mimoc.quantities.movement import CORE
 
 RECORDING = restless(0, 12.0)
 SWAP = {"left": "right", "right": "left"}

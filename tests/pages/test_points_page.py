@@ -5,7 +5,7 @@ import pytest
 from support.motions import moved, retargeted
 
 import mimoc
-from mimoc.retargeting.folder import write_retargeted
+from mimoc.movement.retargeting.folder import write_retargeted
 from mimoc.viewer.episode_page import page_of_recording
 
 

@@ -11,13 +11,13 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import PolicyError, UnknownNameError
-from mimoc.control.holding.driven import DrivenInfant
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.targets import find_target
+from mimoc.policies.control.holding.driven import DrivenInfant
 from mimoc.policies.named import policies_of, policy_of
 from mimoc.policies.spec import parse_policies
+from mimoc.policies.world_rollout import WorldRun
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
 
 NAMES = "anna", "ben", "lean"
 

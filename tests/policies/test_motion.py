@@ -8,8 +8,8 @@ from support.store import built
 import mimoc
 from mimoc.base.errors import ControlError, MimocError, UnknownNameError
 from mimoc.policies.motion import MotionPolicy, bind
+from mimoc.policies.rollout import Run
 from mimoc.recording.recorder import Recording
-from mimoc.runtime.rollout import Run
 
 SPEC = {"mimoc": 1, "name": "kim", "age_months": 3, "scene": {"kind": "flat", "pose": "supine"}}
 

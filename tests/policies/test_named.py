@@ -5,11 +5,11 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import PolicyError, UnknownNameError
-from mimoc.base.kinds import PolicyKind
-from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
+from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policy, trained_policies, usage
-from mimoc.runtime.rollout import Run
+from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import PolicyKind
 
 BIAS = PolicyKind("bias", "commands the same always", lambda env, text: Bias(float(text), env), argument="COMMAND")
 

@@ -13,12 +13,12 @@ import pyarrow.parquet as pq
 import pytest
 
 import mimoc
-from mimoc import plugins
 from mimoc.base.errors import KindError, MissingExtraError, OutputError, RecordingError, UnknownNameError
-from mimoc.base.kinds import ExporterKind
-from mimoc.exporters import EXPORTERS
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.replaying import replay
+from mimoc.schema import plugins
+from mimoc.schema.components.exporters import EXPORTERS
+from mimoc.schema.kinds import ExporterKind
 
 SENSES = {"proprioception": {}, "touch": {"density": 0.3}, "vision": {"width_px": 16, "height_px": 12}}
 STEPS = 6

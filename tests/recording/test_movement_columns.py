@@ -12,7 +12,7 @@ from mimoc.base.kinds import function_of
 from mimoc.motion.body_points import film
 from mimoc.movement import measure_movement
 from mimoc.movement.sides import measure_sides
-from mimoc.quantities.run_movement_units import movement_units
+from mimoc.runtime.quantities.movement_units import movement_units
 
 STEPS = 40
 
@@ -76,7 +76,7 @@ def swinging(rate_hz: float, swings_hz: float, sway: float) -> dict[str, np.ndar
 @pytest.mark.parametrize("rate_hz", [40.0, 100.0, 200.0])
 def test_movement_units_depend_neither_on_the_rate_nor_on_travel_and_tremor(rate_hz):
     """Each swing there and back has two maxima of the speed."""
-    from mimoc.quantities import QUANTITIES
+    from mimoc.base.quantities import QUANTITIES
 
     units = {}
     for side in ("left", "right"):

@@ -5,7 +5,7 @@ import pytest
 import mimoc
 from mimoc.base.errors import OutputError, UnknownNameError
 from mimoc.policies import random
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 
 SIZE = {"height_px": 64}
 

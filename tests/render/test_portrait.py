@@ -9,13 +9,13 @@ from scipy import ndimage
 import mimoc
 from mimoc.base.errors import RenderingError, UnknownNameError
 from mimoc.bundle.model import load_model, load_posed
+from mimoc.components.senses.touch import run
+from mimoc.components.senses.touch.run import skin_markers
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, Planes, Spheres, fit_shot, view_of_body
 from mimoc.render.markers import MOST, UNLOADED
 from mimoc.render.opengl import open_context
 from mimoc.render.portrait import ROW_FOVY_DEG, Framing, lineup, portrait
-from mimoc.senses.touch import run
-from mimoc.senses.touch.run import skin_markers
 
 
 def share_of(picture, colour):

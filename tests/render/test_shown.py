@@ -8,8 +8,8 @@ import pytest
 
 import mimoc
 from mimoc.bundle.model import load_posed
+from mimoc.components.senses.vision.eyes import Eyes
 from mimoc.render.portrait import lineup, portrait
-from mimoc.senses.vision.eyes import Eyes
 
 SIZE = {"width": 96, "height": 72}
 OWN = ("head", "left_eye", "right_eye")

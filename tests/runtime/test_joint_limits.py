@@ -19,7 +19,7 @@ import pytest
 from support.full import full_but
 
 import mimoc
-from mimoc.compiler.validation.measuring import ROOT, compile_infant
+from mimoc.compiler.measuring import ROOT, compile_infant
 from mimoc.runtime.check import MAX_ENERGY_J_PER_KG, flail
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))

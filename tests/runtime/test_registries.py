@@ -2,14 +2,14 @@ from typing import get_args
 
 import pytest
 
-from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.binding import bind_actuation
-from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.model import load_model
-from mimoc.policies import POLICIES
 from mimoc.policies.named import policy_of
 from mimoc.policies.spec import needs_argument
+from mimoc.runtime.actuation import bind_actuation
 from mimoc.runtime.check import check_stability
+from mimoc.schema.actuation import ActuationEntry
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.policies import POLICIES
 
 
 def test_every_actuation_of_the_manifest_is_in_the_table():

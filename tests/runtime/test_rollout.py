@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.policies import POLICIES
+from mimoc.policies.rollout import Run
 from mimoc.policies.spec import needs_argument
-from mimoc.runtime.rollout import Run
+from mimoc.schema.components.policies import POLICIES
 
 
 def summary(env, policy="random", seed=0, steps=50):

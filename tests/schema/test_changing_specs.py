@@ -10,11 +10,11 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.compiler.validation.who import grow_against_who
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
 from mimoc.schema.base import plain
 from mimoc.schema.source import parse
 from mimoc.schema.yaml_document import dump
+from mimoc.studies.growth.who import grow_against_who
 
 TEXT = """\
 # An infant of ours.

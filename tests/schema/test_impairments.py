@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 import mimoc
+from mimoc.anatomy.anatomy import assemble
+from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.base.errors import SpecError
-from mimoc.body.anatomy import assemble
-from mimoc.body.parts import kinds_of_hands
 from mimoc.schema.impairments import PRESETS, ImpairmentsSpec
 from mimoc.schema.infant import healthy
 from mimoc.schema.regions import BODY, RANGED, REGIONS, contradiction, of_place, place_of

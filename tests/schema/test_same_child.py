@@ -9,14 +9,14 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.body.measurements import targets
 from mimoc.bundle.model import load_model
-from mimoc.compiler.validation.anthrokids import compare_with_anthrokids
-from mimoc.compiler.validation.who import grow_against_who
 from mimoc.compiler.variants import SpecVariants
 from mimoc.fits import load_tables, measure
 from mimoc.fits.who import percentile
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.body import INDICATORS
 from mimoc.schema.source import parse
+from mimoc.studies.growth.anthrokids import compare_with_anthrokids
+from mimoc.studies.growth.who import grow_against_who
 from mimoc.studies.milestones import validate_milestones
 
 BY_CM = {"sex": "male", "length_cm": 66.0, "weight_kg": 7.2, "head_circumference_cm": 43.1}

@@ -9,13 +9,13 @@ import pytest
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.notes import notes
-from mimoc.compiler.validation.who import grow_against_who
+from mimoc.compiler.toys.choosing import Toybox
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
 from mimoc.schema.yaml_document import dump
-from mimoc.toys.choosing import Toybox
+from mimoc.studies.growth.who import grow_against_who
 
 BODY = language_of(InfantSpec)
 HEAD = {"mimoc": 1, "name": "x", "age_months": 9}

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from mimoc import schema
+from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.base.errors import SpecError
-from mimoc.body.parts import kinds_of_hands
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.base import KeyPath
+from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
-from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]

@@ -7,7 +7,7 @@ import pytest
 from toys.shaping import ball, board, box, egg, frustum, lathe, plate, ring, rod, tube
 from toys.transforms import flatten_below, mirror, move, stretch, turn
 
-from mimoc.toys.shape import join
+from mimoc.compiler.toys.shape import join
 
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
 

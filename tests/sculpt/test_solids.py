@@ -8,7 +8,7 @@ import pytest
 from toys.shaping import ball
 from toys.solids import block, capsule, cylinder, ellipsoid, hoop, sphere, turned, wall
 
-from mimoc.toys.shape import Mesh, Solid, bounds, solid_volume
+from mimoc.compiler.toys.shape import Mesh, Solid, bounds, solid_volume
 
 SOLIDS = [
     sphere(0.3, (1, 2, 3)),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mimoc.bundle.arrays import pack_arrays
-from mimoc.toys.builtin import FIGURES, MESHES, NAMES
+from mimoc.components.toys.builtin import FIGURES, MESHES, NAMES
 
 MADE = {toy.name: toy for toy in make_toys.make_toys()}
 

@@ -4,7 +4,7 @@ from typing import get_args
 
 from hypothesis import strategies as st
 
-from mimoc.body.parts import kinds_of_hands
+from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.schema import InfantSpec, PartSpec
 from mimoc.schema.looks import Clothes, EyeColour, HairColour, SkinTone
 from mimoc.schema.names import (

@@ -9,7 +9,7 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import spec_of
 from mimoc.motion.body_points import film
 from mimoc.motion.joint_motion import JointMotion, motion_of
-from mimoc.retargeting.result import Account, Interval, Retargeted
+from mimoc.movement.retargeting.result import Account, Interval, Retargeted
 
 
 def moved(

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import cast
 
-from mimoc.body.anatomy import Anatomy
-from mimoc.body.part import Region
+from mimoc.anatomy.anatomy import Anatomy
+from mimoc.anatomy.part import Region
 from mimoc.body.reference import reference_body
 from mimoc.body.shapes import shape_parts
 from mimoc.fits import Measurements

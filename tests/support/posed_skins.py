@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from mimoc.body.kinematics import frames
 from mimoc.body.tree import BodyTree
-from mimoc.mjcf.skin import SkinLayer
+from mimoc.compiler.mjcf.skin import SkinLayer
 
 NEAR_M = 0.02
 """Middles of an edge and of a face that cross are nearer than this."""

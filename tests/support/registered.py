@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from mimoc import plugins
+from mimoc.schema import plugins
 from mimoc.schema.composition import recompose
 
 

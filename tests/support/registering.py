@@ -6,8 +6,8 @@ from contextlib import AbstractContextManager, contextmanager
 import pytest
 
 import mimoc
-from mimoc.plugins import KINDS, Record
 from mimoc.schema.composition import recompose
+from mimoc.schema.plugins import KINDS, Record
 
 
 @contextmanager

@@ -10,10 +10,10 @@ import numpy as np
 from mimoc.motion.body_points import film, locate
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, PointRecording
 from mimoc.motion.points import POINTS
-from mimoc.retargeting.fitting import Problem, State
-from mimoc.retargeting.observations import camera_from_world
-from mimoc.retargeting.setting import Noise, Setting, first_state, problem_of, setting_of
-from mimoc.retargeting.sizes import Child, compile_child, starting_spec
+from mimoc.movement.retargeting.fitting import Problem, State
+from mimoc.movement.retargeting.observations import camera_from_world
+from mimoc.movement.retargeting.setting import Noise, Setting, first_state, problem_of, setting_of
+from mimoc.movement.retargeting.sizes import Child, compile_child, starting_spec
 from mimoc.schema.infant import InfantSpec
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))

@@ -8,7 +8,7 @@ import pytest
 from support import store
 
 import mimoc
-from mimoc.tasks import SKILLS
+from mimoc.schema.components.tasks import SKILLS
 
 CONFIGS = sorted(
     path

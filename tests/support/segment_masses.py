@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.units import m_to_cm
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measurements, measure

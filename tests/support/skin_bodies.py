@@ -7,14 +7,14 @@ from hypothesis import assume, strategies as st
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import GeometryError
-from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_body, grow_tree
 from mimoc.body.tree import Body, BodyTree, Geom
+from mimoc.components.senses.touch.build_skin_points import SkinPoints
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, trunk_bodies
-from mimoc.senses.touch.build_skin_points import SkinPoints
 
 HANDS = ("mitten", "five_finger")
 SIDES = ("left", "right")

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from mimoc.actuation.binding import Actuation
+from mimoc.runtime.actuation import Actuation
 from mimoc.runtime.term import Field
 
 MODEL = mujoco.MjModel.from_xml_string("""

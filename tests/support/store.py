@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import mujoco
 
 import mimoc
-from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.measuring import compile_infant
 
 VARIABLE = "MIMOC_TEST_STORE"
 """Environment variable with the folder, which the workers of xdist inherit."""

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.kinds import function_of
-from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
-from mimoc.noise.spec import NoiseEntry, noise_keys
-from mimoc.quantities import QUANTITIES
+from mimoc.base.quantities import QUANTITIES
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
 from mimoc.runtime.term import Term
 from mimoc.runtime.term_contract import INFANTS, check_term
+from mimoc.schema.noise import NoiseEntry, noise_keys
 
 
 def terms_of(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]]:

@@ -1,4 +1,4 @@
-"""Touch the plain way, contact by contact over all points of the skin: what `mimoc.senses.touch.run` must equal."""
+"""Touch the plain way, contact by contact over all points of the skin: what `senses.touch.run` must equal."""
 
 from dataclasses import dataclass
 

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box
 
 import mimoc
 from mimoc.base.errors import TrainingError
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 from mimoc.training.settings import STEPS_PER_EPISODE, TrainingSettings
 
 FREE = {"kind": "free"}

@@ -10,7 +10,7 @@ import mimoc.training
 from mimoc.base.errors import PolicyError
 from mimoc.policies import policy_file
 from mimoc.policies.named import policy_of
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 
 
 @pytest.fixture

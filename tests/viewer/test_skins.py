@@ -8,9 +8,9 @@ import pytest
 from support.pages import places_of
 
 import mimoc
+from mimoc.base.geometry.face_steps import STEP_M
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
-from mimoc.geometry.face_steps import STEP_M
 from mimoc.viewer.appearance import describe_face, describe_skins
 from mimoc.viewer.encoding import FINE_M, EncodedArrays, steps_of
 from mimoc.viewer.growth import own_parts

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
 from mimoc.runtime.term import Term
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimoc.base.kinds import PolicyKind
+from mimoc.schema.kinds import PolicyKind
 
 if TYPE_CHECKING:
     from mimoc.policies.policy import Policy

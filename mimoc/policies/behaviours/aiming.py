@@ -14,9 +14,9 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.controller import FREQUENCY_RAD_S
-from mimoc.control.holding.driven import DrivenInfant
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.policies.control.holding.controller import FREQUENCY_RAD_S
+from mimoc.policies.control.holding.driven import DrivenInfant
+from mimoc.runtime.sense import FloatArray, IntArray
 
 LEAD_S = 2.0 / FREQUENCY_RAD_S
 RESTING_PER_S = 1.0

@@ -10,9 +10,9 @@ from mimoc.base.errors import PolicyError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.control.holding.driven import DrivenInfant
+from mimoc.policies.control.holding.driven import DrivenInfant
 from mimoc.policies.reaction import Chance
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.control.holding.controller import Servo, servo
-from mimoc.control.holding.rehearsal import Rehearsal
-from mimoc.delays.timing import timing_of
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.policies.control.holding.controller import Servo, servo
+from mimoc.policies.control.holding.rehearsal import Rehearsal
+from mimoc.runtime.delays.timing import timing_of
+from mimoc.runtime.sense import FloatArray, IntArray
 
 NOBODY = -1
 

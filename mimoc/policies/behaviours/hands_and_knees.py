@@ -1,9 +1,9 @@
 """Keeping on hands and knees."""
 
-from mimoc.control.holding.postures import SUPPORTS, kneel
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.posture import Posture
+from mimoc.policies.control.holding.postures import SUPPORTS, kneel
 
 OPTIONS = {"elbows_deg": Option(-30.0, -90.0, 0.0), "thighs_deg": Option(20.0, -20.0, 40.0)}
 """Angle of the elbows and forward slant of the thighs."""

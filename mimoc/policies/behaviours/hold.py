@@ -3,10 +3,10 @@
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.postures import MOST_TILT_DEG
 from mimoc.policies.behaviours.arguments import read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.senses.sense import FloatArray
+from mimoc.policies.control.holding.postures import MOST_TILT_DEG
+from mimoc.runtime.sense import FloatArray
 
 
 class Hold(Behaviour):

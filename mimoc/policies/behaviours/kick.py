@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import check_name
-from mimoc.control.holding.driven import SIDES, elevation_deg
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.senses.sense import FloatArray
+from mimoc.policies.control.holding.driven import SIDES, elevation_deg
+from mimoc.runtime.sense import FloatArray
 
 PITCH_DEG = -90.0
 RESTING_DEG = {

@@ -6,15 +6,15 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.control.frames import VIEW
-from mimoc.control.objectives import turn_towards
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.policies.behaviours.noticing import NoticedTarget
 from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.control.frames import VIEW
+from mimoc.policies.control.objectives import turn_towards
 from mimoc.policies.reaction import reaction_of
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 MOVING = ("neck", "eyes")
 """Groups of muscles that turn the gaze."""

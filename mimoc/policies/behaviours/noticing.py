@@ -5,7 +5,7 @@ import numpy as np
 
 from mimoc.policies.behaviours.targets import Target
 from mimoc.policies.reaction import Chance, Reaction
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 JUMP_M = 0.05
 """Displacement from one control step to the next from which on a target counts as new there; less is followed."""

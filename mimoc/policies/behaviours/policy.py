@@ -7,14 +7,14 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.control.holding.driven import DrivenInfant
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.policies.behaviours.ensemble import Ensemble
+from mimoc.policies.control.holding.driven import DrivenInfant
 from mimoc.policies.policy import merged_metrics, numbered
 from mimoc.policies.reaction import Chance
 from mimoc.policies.starting import begin_here
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import Observation
+from mimoc.runtime.sense import Observation
 
 ACTUATIONS = ("torque", "muscle", "position")
 """Actuation models of whose commands the torques are known."""

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 Lost = Callable[[mujoco.MjData, frozenset[int]], str]
 """Returns why a posture is lost in a state, with the bodies that others may bring to the floor; nothing if it is not.

@@ -7,15 +7,15 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError, check_name
-from mimoc.control.frames import joints_between
-from mimoc.control.holding.driven import SIDES
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
 from mimoc.policies.behaviours.noticing import NoticedTarget
 from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.control.frames import joints_between
+from mimoc.policies.control.holding.driven import SIDES
 from mimoc.policies.reaction import reaction_of
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 PER_S, DAMPING_M = 5.0, 0.03
 """Speed of the hand by its distance, and the damping of its inverse kinematics (a choice)."""

@@ -1,9 +1,9 @@
 """Sitting without support."""
 
-from mimoc.control.holding.postures import FEET, SEAT, seat, slumped
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.posture import Posture
+from mimoc.policies.control.holding.postures import FEET, SEAT, seat, slumped
 
 OPTIONS = {"knees_deg": Option(-60.0, -90.0, 0.0), "lean": Option(0.3, 0.1, 0.6)}
 """Angle of the knees, and where the centre of mass stands: 0 over the seat, 1 over the heels. The defaults are the

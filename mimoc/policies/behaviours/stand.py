@@ -1,9 +1,9 @@
 """Standing alone."""
 
-from mimoc.control.holding.postures import FEET, fallen, stance
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.posture import Posture
+from mimoc.policies.control.holding.postures import FEET, fallen, stance
 
 OPTIONS = {"knees_deg": Option(0.0, -90.0, 0.0), "lean": Option(0.3, 0.0, 1.0)}
 """Angle of the knees, and where the centre of mass stands: 0 over the ankles, 1 over the toes."""

@@ -8,7 +8,7 @@ import numpy as np
 from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.policies.behaviours.arguments import place_of
 from mimoc.policies.behaviours.behaviour import Subject
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 TOY, HEAD = "toy", "_head"
 """The nearest toy, whichever it is; and how the head of another infant is named behind the infant's name."""

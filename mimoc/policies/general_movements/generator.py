@@ -17,8 +17,8 @@ from mimoc.policies.general_movements.joints import ARMS, IS_LEFT, LEGS, LIMBS, 
 from mimoc.policies.general_movements.law import Law
 from mimoc.policies.general_movements.styles import STYLES, TRAITS, Styles
 from mimoc.runtime.array_library import NUMPY
+from mimoc.runtime.sense import FloatArray
 from mimoc.runtime.term import Put
-from mimoc.senses.sense import FloatArray
 
 SMOOTHING_S = 0.25
 """Time constant in which slow drives and movements towards goals set in."""

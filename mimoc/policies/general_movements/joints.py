@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.actuation.binding import Actuation, commanded
-from mimoc.actuation.spec import ActuationEntry
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.actuation import Actuation, commanded
+from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.schema.actuation import ActuationEntry
 
 LIMBS = ("right_arm", "left_arm", "right_leg", "left_leg", "trunk", "head")
 """What moves by itself: bursts begin in each of them, or in several at once."""

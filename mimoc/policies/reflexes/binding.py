@@ -12,7 +12,7 @@ from mimoc.policies.reflexes.reflex import Reflex
 from mimoc.policies.reflexes.sensing import BALANCE, Senses
 from mimoc.policies.reflexes.table import REFLEXES
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
 
 NOTICED = 0.05
 """Drive from which on a reflex counts as acting."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from mimoc.policies.batch import Batch
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 SIDES = ("right", "left")
 FINGERS = "(ff|mf|rf|lf)_(knuckle|middle|distal)|thumb_(middle|distal)"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.policies.batch import Batch
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)

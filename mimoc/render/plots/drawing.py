@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mimoc.quantities.quantity import Quantity
+from mimoc.base.quantities.quantity import Quantity
 from mimoc.render.plots.plot import Numbers, Plot, Range, Ticks
 
 DECIMALS = 1

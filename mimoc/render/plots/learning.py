@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimoc.quantities.outcome import LEARNING, SO_FAR, TRAINED
+from mimoc.base.quantities.outcome import LEARNING, SO_FAR, TRAINED
 from mimoc.render.plots.plot import Band, Line, Plot, Sheet
 
 Columns = Mapping[str, Sequence[float] | np.ndarray]

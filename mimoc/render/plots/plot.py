@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.quantities.quantity import Quantity
+from mimoc.base.quantities.quantity import Quantity
 
 Ticks = Sequence[tuple[float, str]]
 """Values, and what is written beside them."""

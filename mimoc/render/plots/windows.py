@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.render.plots.plot import Band, Dots, Plot, Sheet
 
 PANEL_PX, COLUMNS = (380, 290), 5

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.delays.merging import MergedSegment
-from mimoc.delays.schedule import Segment, arrived
-from mimoc.delays.timing import Samples
 from mimoc.runtime.batch.physics import ThreadedPhysics
 from mimoc.runtime.batch.senses import BatchSense, Read
 from mimoc.runtime.control_step import ControlStep
+from mimoc.runtime.delays.merging import MergedSegment
+from mimoc.runtime.delays.schedule import Segment, arrived
+from mimoc.runtime.delays.timing import Samples
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.simulation import Simulation
 from mimoc.runtime.worlds import worlds_of_many
-from mimoc.senses.sense import FloatArray, Observation
 
 LEAST = 16
 """Number of worlds from which on they are cut into two groups: one is sampled while the other makes physics steps."""

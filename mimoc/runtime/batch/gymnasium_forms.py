@@ -12,10 +12,10 @@ from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_differing_spaces, batch_space
 
-from mimoc.actuation.arousal import checked_arousal
-from mimoc.actuation.binding import numbers_of
 from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
+from mimoc.runtime.actuation import numbers_of
+from mimoc.runtime.arousal import checked_arousal
 from mimoc.runtime.growing import options_given
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.spaces import with_limit

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import BREAKDOWNS
-from mimoc.senses.sense import FloatArray, Sample
+from mimoc.runtime.sense import FloatArray, Sample
 
 
 class ThreadedPhysics:

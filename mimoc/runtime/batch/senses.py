@@ -10,11 +10,11 @@ import numpy as np
 from mimoc.base.classes import class_name
 from mimoc.base.kinds import function_of
 from mimoc.runtime.batch.physics import ThreadedPhysics
+from mimoc.runtime.sense import Observation, Sample, Sense, Vector
+from mimoc.runtime.sense_contract import check_rows
 from mimoc.runtime.term import differing_field, stack_terms, take_rows
 from mimoc.runtime.worlds import Worlds
-from mimoc.senses import SENSES
-from mimoc.senses.contract import check_rows
-from mimoc.senses.sense import Observation, Sample, Sense, Vector
+from mimoc.schema.components.senses import SENSES
 
 Read = Callable[[Worlds], Sequence[Sample]]
 """Returns the samples of the k infants that it is for, from their worlds: new arrays, or rows of one."""

@@ -25,9 +25,9 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.simulation import AgeSchedule, Simulation
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.senses.sense import FloatArray, Observation
 
 Opened = InfantEnv | WorldEnv
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 import warp as wp
 
-from mimoc.actuation.arousal import FIELDS, MOST, OF_BIAS, Arousal, more_bias, more_spring
+from mimoc.runtime.arousal import FIELDS, MOST, OF_BIAS, Arousal, more_bias, more_spring
 from mimoc.runtime.device.arrays import put
 
 

@@ -11,7 +11,7 @@ import warp as wp
 
 from mimoc.base.errors import MimocError
 from mimoc.runtime.batch.gymnasium_forms import first_of
-from mimoc.senses.sense import IntArray
+from mimoc.runtime.sense import IntArray
 
 TOLERANCE = 1e-8
 """Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad

@@ -6,12 +6,12 @@ from typing import Any
 import torch
 
 from mimoc.base.units import to_steps
-from mimoc.delays.spec import MOTOR
 from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.episode_ends import DeviceTask
 from mimoc.runtime.device.noise import CounterRandom, DeviceNoise, noise_of
 from mimoc.runtime.device.signals import DeviceSense, DeviceSetup, line_of, space_of
 from mimoc.runtime.device.states import HISTORY, Path, Slot, attribute, in_place, nested
+from mimoc.schema.delays import MOTOR
 
 
 class Bound:

@@ -17,8 +17,8 @@ import numpy as np
 import torch
 
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import IntArray
 from mimoc.runtime.worlds import Worlds
-from mimoc.senses.sense import IntArray
 
 FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
 """The bit of each flag."""

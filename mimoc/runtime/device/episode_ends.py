@@ -10,17 +10,17 @@ import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
-from mimoc.base.model_fields import rows_by_name
 from mimoc.runtime.device.arrays import put, where_worlds
 from mimoc.runtime.device.bodies import BATCHED
 from mimoc.runtime.device.capacity import is_losing, report
 from mimoc.runtime.device.initial_states import InitialStates
 from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.judgement import FORCES, NO_REWARD, Change, Judgement, check_term_judgement
+from mimoc.runtime.model_fields import rows_by_name
+from mimoc.runtime.task import CustomTask, Task
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
-from mimoc.tasks.judgement import FORCES, NO_REWARD, Change, Judgement, check_term_judgement
-from mimoc.tasks.task import CustomTask, Task
 
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""

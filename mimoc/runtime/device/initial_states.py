@@ -11,16 +11,16 @@ import torch
 import warp as wp
 from gymnasium.utils import seeding
 
-from mimoc.actuation.arousal import Arousal
-from mimoc.base.model_fields import rows_by_name
+from mimoc.components.senses.vision.device.reader import VISION
+from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.device.arrays import put, where_worlds
 from mimoc.runtime.device.bodies import BATCHED
-from mimoc.runtime.device.vision.reader import VISION
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.judgement import FORCES, NOTHING
+from mimoc.runtime.model_fields import rows_by_name
 from mimoc.runtime.objects import Objects
-from mimoc.senses.sense import IntArray
-from mimoc.tasks.judgement import FORCES, NOTHING
+from mimoc.runtime.sense import IntArray
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""

@@ -21,10 +21,10 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from mimoc.delays.signals import Mask
+from mimoc.runtime.delays.signals import Mask
 from mimoc.runtime.device.arrays import put, where_worlds
 from mimoc.runtime.device.states import Slot
-from mimoc.senses.sense import IntArray
+from mimoc.runtime.sense import IntArray
 
 Rows = torch.Tensor | slice
 Uniforms = Callable[[Sequence[int]], torch.Tensor]
@@ -114,7 +114,7 @@ class Line:
     def restore(self, clock: torch.Tensor, history: torch.Tensor) -> None:
         """Put a history on the way, shape (worlds, ages, n): the newest, and where some are missing, the oldest again.
 
-        So signals keep their order where delays have become others, as in `mimoc.delays.schedule`.
+        So signals keep their order where delays have become others, as in `mimoc.runtime.delays.schedule`.
         """
         for part in self._parts:
             slots = torch.arange(len(part.ring), device=clock.device)[:, None]

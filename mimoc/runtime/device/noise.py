@@ -1,4 +1,4 @@
-"""Noise on a device: the terms of the CPU (`mimoc.noise.noise`), with other random numbers.
+"""Noise on a device: the terms of the CPU (`mimoc.runtime.noise.noise`), with other random numbers.
 
 Each random number is a function of the seed of its world, of how often that has gone on to other numbers since, and of
 a place. So they depend neither on the other worlds nor on the order in which kernels run.
@@ -11,13 +11,13 @@ import array_api_compat.torch as array_library
 import torch
 import warp as wp
 
-from mimoc.delays.spec import MOTOR
-from mimoc.noise.noise import Draw, Noise, bind_motor_noise, is_disturbed, processing_of
-from mimoc.noise.spec import noise_keys
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import term_of_worlds, where_worlds
 from mimoc.runtime.device.lines import Uniforms
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.noise.noise import Draw, Noise, bind_motor_noise, is_disturbed, processing_of
+from mimoc.schema.delays import MOTOR
+from mimoc.schema.noise import noise_keys
 
 PLACES = 1 << 23
 """How many random numbers a channel has at a time."""

@@ -12,16 +12,16 @@ from mimoc.base.errors import MimocError
 from mimoc.base.state_form import demand
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant
-from mimoc.objects.spec_base import names_of
-from mimoc.objects.spec_move import checked_moves
+from mimoc.components.senses.vision.device.reader import VISION, NoVision
 from mimoc.runtime import growing
 from mimoc.runtime.device.initial_states import changed_rows
 from mimoc.runtime.device.states import PHYSICS
-from mimoc.runtime.device.vision.reader import VISION, NoVision
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.objects import Objects
+from mimoc.runtime.sense import IntArray, Sense
 from mimoc.runtime.spaces import check_same_space
-from mimoc.senses.sense import IntArray, Sense
+from mimoc.schema.object_base import names_of
+from mimoc.schema.object_moves import checked_moves
 
 Find = Callable[[InfantEnv, Any], Variant | None]
 """Returns the infant with the age and the scene of options or of a state, or None if it has these already."""

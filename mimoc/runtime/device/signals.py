@@ -14,16 +14,16 @@ from gymnasium.spaces import Box, Dict
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import Code, function_of
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.delays.spec import MOTOR
-from mimoc.delays.timing import timing_of, within
+from mimoc.runtime.custom_sense import CustomSense
+from mimoc.runtime.delays.timing import timing_of, within
 from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.lines import Delays, JitteredLine, Line
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import IntArray, Sense
 from mimoc.runtime.worlds import Worlds
-from mimoc.senses import SENSES
-from mimoc.senses.custom import CustomSense
-from mimoc.senses.sense import IntArray, Sense
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.delays import MOTOR
 
 
 @dataclass(frozen=True)

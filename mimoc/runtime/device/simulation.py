@@ -10,8 +10,8 @@ import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
-from mimoc.actuation.arousal import Arousal
 from mimoc.base.units import ms_to_s, to_steps
+from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.device.arousal import DeviceArousal
 from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
 from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
@@ -30,7 +30,7 @@ from mimoc.runtime.device.noise import CounterRandom
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.runtime.device.states import PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import IntArray
+from mimoc.runtime.sense import IntArray
 
 NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""

@@ -9,8 +9,8 @@ import torch
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from mimoc.actuation.arousal import checked_arousal
 from mimoc.base.errors import UnknownNameError
+from mimoc.runtime.arousal import checked_arousal
 from mimoc.runtime.batch.gymnasium_forms import (
     RESET_MASK,
     InfantVectorEnv,

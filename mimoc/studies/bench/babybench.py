@@ -17,9 +17,9 @@ from mimoc.compiler import pipeline
 from mimoc.policies.policy import Policy, start_again
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.bench.entrant import bound_policy, digests_of
 from mimoc.studies.bench.running import LIBRARIES, Progress, checked_file
 from mimoc.studies.bench.table import babybench_spec, bench_table

@@ -20,9 +20,9 @@ from mimoc.movement.real_infants import real_infants
 from mimoc.movement.sample import distance
 from mimoc.policies.policy import Policy, start_again
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.bench.entrant import bound_policy
 from mimoc.studies.bench.table import Cell, bench_table
 from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement

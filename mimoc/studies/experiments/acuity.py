@@ -7,21 +7,21 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
-from mimoc.looks.pictures import encode_palette_png
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
+from mimoc.compiler.looks.pictures import encode_palette_png
+from mimoc.components.senses.vision import VisionEntry, VisionSpec
+from mimoc.components.senses.vision.build_acuity import PROFILES, acuity_at
+from mimoc.components.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.components.senses.vision.foveation import pixels_per_degree
+from mimoc.components.senses.vision.preview import preview
+from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.senses.vision import VisionEntry, VisionSpec
-from mimoc.senses.vision.build_acuity import PROFILES, acuity_at
-from mimoc.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
-from mimoc.senses.vision.foveation import pixels_per_degree
-from mimoc.senses.vision.preview import preview
-from mimoc.senses.vision.run import filters, perceive
 from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.compiler import pipeline
-from mimoc.control import GAIN_SETS
-from mimoc.quantities import Quantity
+from mimoc.policies.control import GAIN_SETS
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
-from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner

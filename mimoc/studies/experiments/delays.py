@@ -9,10 +9,11 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
-from mimoc.quantities import Quantity
+from mimoc.components.tasks.reach import ReachEntry
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
@@ -45,7 +46,6 @@ from mimoc.studies.experiments.learner import (
     trained,
 )
 from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
-from mimoc.tasks.reach import ReachEntry
 from mimoc.training import Episode, evaluate, load_policy
 
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}

@@ -6,18 +6,18 @@ from dataclasses import astuple, replace
 from pathlib import Path
 from typing import Any
 
-from mimoc.looks.pictures import encode_palette_png
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
+from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.file import encode
-from mimoc.render.plots.growth import AgeRow, rows_sheet
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
 from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, rest, try_to_sit
+from mimoc.studies.growth.plot import AgeRow, rows_sheet
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
 

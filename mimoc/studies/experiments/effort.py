@@ -13,11 +13,11 @@ from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.body.poses import Pose, resting_state
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
-from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.measuring import compile_infant
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.senses.sense import FloatArray
 
 Model = Literal["torque", "muscle"]
 

@@ -14,10 +14,10 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed, mjcf_of, prepare
 from mimoc.bundle.variants import Variant
 from mimoc.compiler import building
+from mimoc.components.senses.vision.colours import BLUE, GREEN, RED
+from mimoc.components.senses.vision.run import Vision
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.vision.colours import BLUE, GREEN, RED
-from mimoc.senses.vision.run import Vision
 
 FloatArray = npt.NDArray[np.float64]
 

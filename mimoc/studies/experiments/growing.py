@@ -8,10 +8,10 @@ from statistics import fmean
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule

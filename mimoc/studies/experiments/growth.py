@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from mimoc.compiler.validation.who import GrowthReport, Row, grow_against_who
 from mimoc.fits.who import Reference
 from mimoc.render.plots.file import encode
-from mimoc.render.plots.growth import growth_sheet
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.growth.plot import growth_sheet
+from mimoc.studies.growth.who import GrowthReport, Row, grow_against_who
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 1, 2, 4, 6, 9, 12, 18, 24)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.compiler import pipeline
-from mimoc.control import GAIN_SETS
-from mimoc.noise.build_presets import motor_share
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
+from mimoc.compiler.noise_presets import motor_share
+from mimoc.policies.control import GAIN_SETS
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
-from mimoc.control import GAIN_SETS
+from mimoc.policies.control import GAIN_SETS
 from mimoc.policies.reach import ReachErrors, reach_errors
-from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
 

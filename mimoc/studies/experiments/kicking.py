@@ -5,6 +5,8 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mimoc.base.quantities import QUANTITIES, Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.movement.filming import RATE_HZ, Filmed
 from mimoc.movement.joints import joint_angles
@@ -13,8 +15,6 @@ from mimoc.movement.measures import leg_lengths
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
 from mimoc.movement.trunk_frame import trunk_paths
-from mimoc.quantities import QUANTITIES, Quantity
-from mimoc.quantities.child import AGE
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover

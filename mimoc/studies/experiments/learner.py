@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.outcome import TRAINED
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
-from mimoc.quantities import Quantity
-from mimoc.quantities.outcome import TRAINED
 from mimoc.render.plots.plot import Band, Line, Plot
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.notebook import Cell, Notebook, Progress
 from mimoc.studies.experiments.sensed_reaching import Movement
 from mimoc.training import Curve, Episode, Training, train

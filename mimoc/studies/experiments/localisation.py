@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.geometry.spherical_head import interaural_time_s
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.base.random_streams import stream
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import build
-from mimoc.geometry.spherical_head import interaural_time_s
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.sense import FloatArray
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)

@@ -9,11 +9,11 @@ from statistics import NormalDist
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
-from mimoc.quantities import Quantity
+from mimoc.components.senses.vision.build_acuity import acuity_at
+from mimoc.components.senses.vision.thresholds import sensitivity_at
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.senses.vision.build_acuity import acuity_at
-from mimoc.senses.vision.thresholds import sensitivity_at
 from mimoc.studies.experiments.grating_card import CardTrial, Eyes, looking_infant
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
@@ -15,9 +16,8 @@ from mimoc.movement.joints import joint_angles
 from mimoc.movement.kicks import kicks_of
 from mimoc.movement.measures import correlation, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
-from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import (
     Setup,

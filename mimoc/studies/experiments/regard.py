@@ -11,22 +11,22 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.compiler.pipeline import build
-from mimoc.looks.pictures import encode_palette_png
+from mimoc.components.senses.vision import VisionEntry
+from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
+from mimoc.components.senses.vision.run import bind
 from mimoc.motion.points import SIDES
 from mimoc.policies.named import policy_of
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.sense import FloatArray
-from mimoc.senses.vision import VisionEntry
-from mimoc.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.senses.vision.run import bind
 from mimoc.studies.experiments.grating_card import WEIGHTS
 from mimoc.studies.experiments.legs.intervals import interval
 from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.compiler.validation.measuring import ROOT
-from mimoc.control.holding.postures import seat
+from mimoc.compiler.measuring import ROOT
+from mimoc.policies.control.holding.postures import seat
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.soft_light import STILL

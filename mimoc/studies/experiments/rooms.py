@@ -10,24 +10,24 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
-from mimoc.looks.pictures import encode_palette_png
-from mimoc.mjcf.scene import Keyframe
-from mimoc.mjcf.world import FreeObject
-from mimoc.quantities import Quantity
+from mimoc.compiler.looks.pictures import encode_palette_png
+from mimoc.compiler.mjcf.scene import Keyframe
+from mimoc.compiler.mjcf.world import FreeObject
+from mimoc.compiler.scenes.footprint import reachable_floor
+from mimoc.compiler.toys.placing import ReachableFloor
+from mimoc.components.scenes.room.build import CLEARANCE_M
+from mimoc.components.toys.builtin import BUILTIN_TOYS
 from mimoc.render.picture_files import Picture, captioned_grid
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.render.portrait import overview
-from mimoc.scenes.footprint import reachable_floor
-from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook
-from mimoc.toys.builtin import BUILTIN_TOYS
-from mimoc.toys.placing import ReachableFloor
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 

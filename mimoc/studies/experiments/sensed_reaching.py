@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import TIME_CONSTANT
 from mimoc.base.units import ms_to_s
-from mimoc.control import GAIN_SETS
-from mimoc.control.reaching import ReachController
+from mimoc.policies.control import GAIN_SETS
+from mimoc.policies.control.reaching import ReachController
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
 
 MIN_STEPS = 8
 """Minimum number of positions for a measure of smoothness; jerk is not meaningful for fewer."""

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.model import in_subtrees
+from mimoc.components.senses.vision import VisionEntry
+from mimoc.components.senses.vision.run import lens_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.senses.vision import VisionEntry
-from mimoc.senses.vision.run import lens_of
+from mimoc.runtime.sense import FloatArray, IntArray
 
 BoolArray = npt.NDArray[np.bool_]
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, relative_changes
 from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg

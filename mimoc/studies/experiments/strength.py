@@ -8,10 +8,10 @@ from typing import get_args
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import grow_body
 from mimoc.bundle.io import Bundle
-from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development

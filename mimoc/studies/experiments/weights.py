@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ
@@ -14,7 +15,6 @@ from mimoc.movement.joints import joint_angles
 from mimoc.movement.kicks import kicks_of
 from mimoc.movement.measures import leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
-from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover

@@ -9,14 +9,14 @@ import mujoco
 import numpy as np
 
 from mimoc.compiler.child import child_of
-from mimoc.compiler.validation.measuring import compile_infant
+from mimoc.compiler.delays.presets import delays
+from mimoc.compiler.measuring import compile_infant
 from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.control.holding.driven import DrivenInfant
-from mimoc.delays.build_presets import delays
-from mimoc.delays.timing import Timing, delays_by_signal, within
+from mimoc.policies.control.holding.driven import DrivenInfant
+from mimoc.runtime.delays.timing import Timing, delays_by_signal, within
+from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-from mimoc.senses.sense import FloatArray, IntArray
 
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""

@@ -11,12 +11,12 @@ from mimoc.base.classes import takes
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.render.plots.growth import AgeRow
 from mimoc.schema.base import Model
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, Certainty
+from mimoc.studies.growth.plot import AgeRow
 from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import Progress, SearchResult, ages_of, search
 from mimoc.studies.milestones.trial import Trial

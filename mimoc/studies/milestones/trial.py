@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.controller import Controller, Servo, servo
-from mimoc.control.holding.rehearsal import Rehearsal
-from mimoc.delays.timing import within
-from mimoc.noise.noise import NoiseStreams
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.policies.control.holding.controller import Controller, Servo, servo
+from mimoc.policies.control.holding.rehearsal import Rehearsal
+from mimoc.runtime.delays.timing import within
+from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.certainty import Basis
 from mimoc.studies.milestones.infant import Conditions, TrialInfant
 

@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.control.holding.controller import DelayedMotors
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.policies.control.holding.controller import DelayedMotors
+from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant
 
 SUPINE_DEG = -90.0

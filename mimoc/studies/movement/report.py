@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 from mimoc.base.classes import takes
 from mimoc.base.errors import UnknownNameError
+from mimoc.base.quantities import Quantity
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.quantities import Quantity
 from mimoc.render.plots.windows import Panel
 from mimoc.schema.base import Model
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides

@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation.measuring import infant_files
+from mimoc.compiler.measuring import infant_files
+from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant, in_trial
 from mimoc.studies.movement.drive import has_joint
 

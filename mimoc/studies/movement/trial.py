@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at, slackened
 from mimoc.studies.movement.drive import slack

@@ -9,7 +9,7 @@ from typing import Any
 
 from mimoc.base.errors import SpecError
 from mimoc.bundle.files import make_folder
-from mimoc.environments import open_infant
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.processes import process_pool

@@ -126,7 +126,7 @@ def learn_skill(
     """Search for a skill at some ages, or train a policy for it on a device, and keep the best of each in a folder.
 
     Args:
-        skill: One of `mimoc.tasks.SKILLS`.
+        skill: One of `mimoc.schema.components.tasks.SKILLS`.
         ages: In [months], in any order.
         out: The folder of the results; what is in it already from the same software is not searched again.
         spec: The child; None means the average one.

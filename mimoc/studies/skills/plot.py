@@ -1,7 +1,7 @@
 """The plot of a skill by age, beside the ages of real infants."""
 
-from mimoc.quantities import Quantity
-from mimoc.quantities.child import AGE
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.skills.learning import LEARNT, SkillReport
 

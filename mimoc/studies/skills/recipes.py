@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.policies.postures import Postures, mirrored
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 
 TRUNK = ("hip_bend1", "hip_lean1", "hip_rot1")
 LIMBS = ("shoulder_horizontal", "shoulder_ad_ab", "elbow", "hip1", "hip2", "knee")

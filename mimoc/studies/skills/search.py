@@ -19,7 +19,7 @@ import numpy as np
 
 from mimoc.policies.postures import PosturePolicy, Postures
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.skills.recipes import RECIPES, Form
 
 DRAWS, KEPT = 40, 8

@@ -7,9 +7,9 @@ from typing import Any
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.regular_files import read_json_file
-from mimoc.render.plots.growth import AgeRow
+from mimoc.schema.components.tasks import SKILLS
+from mimoc.studies.growth.plot import AgeRow
 from mimoc.studies.skills.learning import SkillReport
-from mimoc.tasks import SKILLS
 
 RESULTS = Path(__file__).with_name("results")
 """What is known of each skill that was searched for or trained; `make skills` renews what was searched for."""

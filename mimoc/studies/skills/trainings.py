@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.base.errors import SpecError
 from mimoc.compiler import pipeline
-from mimoc.environments import open_infant
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.processes import process_pool
 from mimoc.studies.skills.attempt import Attempt, problem_of

@@ -8,8 +8,8 @@ import pytest
 from lxml import etree
 from support import store
 
-from mimoc.actuation import ACTUATIONS
 from mimoc.compiler.explain import entries_of
+from mimoc.schema.components.actuation import ACTUATIONS
 
 STRENGTH = {"strength": {"arms": 2, "left_arm": 3}, "strength_age_months": 18}
 PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")

@@ -4,7 +4,7 @@ import pytest
 
 import mimoc
 from mimoc.compiler.explain import entries_of, explain
-from mimoc.tasks import TASKS
+from mimoc.schema.components.tasks import TASKS
 
 KINDS = [kind for kind in TASKS if kind != "free"]
 

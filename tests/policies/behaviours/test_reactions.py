@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import mimoc
+from mimoc.compiler.delays.processing import LEAST_MS, SACCADE_MS
 from mimoc.compiler.explain import entries_of
-from mimoc.delays.build_processing import LEAST_MS, SACCADE_MS
 from mimoc.policies.reaction import Reaction, reaction_of
-from mimoc.runtime.rollout import Run
+from mimoc.policies.rollout import Run
 
 
 def spec(age_months, processing: Any = "age", preset="physiological", **keys) -> mimoc.InfantSpec:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.store import built
 
-from mimoc.environments import open_infant
+from mimoc.base.quantities.movement import CORE
 from mimoc.movement.filming import Filmed
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
@@ -15,7 +15,7 @@ from mimoc.movement.sample import distance, standard_scores
 from mimoc.movement.simulated import film_policy
 from mimoc.policies.batch import Batch
 from mimoc.policies.general_movements.binding import bind, bind_many
-from mimoc.quantities.movement import CORE
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 
 POLICY = "general_movements"

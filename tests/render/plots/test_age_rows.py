@@ -1,5 +1,5 @@
 from mimoc.render.plots.file import draw
-from mimoc.render.plots.growth import AgeRow, rows_sheet
+from mimoc.studies.growth.plot import AgeRow, rows_sheet
 
 ROWS = [AgeRow("sit", {"one": 6.0, "other": None}, (3.8, 5.9, 9.2)), AgeRow("rock", {"one": 5.5, "other": 7.0})]
 

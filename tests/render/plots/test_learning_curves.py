@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mimoc.base.errors import MissingExtraError
-from mimoc.quantities.outcome import LEARNING
+from mimoc.base.quantities.outcome import LEARNING
 from mimoc.render.plots.file import draw, encode
 from mimoc.render.plots.learning import learning_sheet
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
 from mimoc.render.plots.file import draw, encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 

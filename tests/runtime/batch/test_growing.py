@@ -9,8 +9,8 @@ from support import store
 from support.same import assert_same
 
 import mimoc
-from mimoc.environments import open_infant
 from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.opening.environments import open_infant
 
 NOISE = {"motor": 0.1, "delay_jitter_ms": 10}
 

@@ -1,4 +1,4 @@
-"""Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of `tests/noise`."""
+"""Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of `tests/runtime/noise`."""
 
 import math
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ import torch
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.base.kinds import NoiseOption, SenseKind
-from mimoc.mjcf.scene import Placed
-from mimoc.noise.noise import LowPass, Noise
+from mimoc.compiler.mjcf.scene import Placed
+from mimoc.runtime.custom_sense import TermSense
 from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.noise import CounterRandom
+from mimoc.runtime.noise.noise import LowPass, Noise
 from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
-from mimoc.senses.custom import TermSense
+from mimoc.schema.kinds import NoiseOption, SenseKind
 
 NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "vestibular_thresholds": 1.0, "touch_n": 0.5}
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from support.devices import DEVICE
 
-from mimoc.actuation import ACTUATIONS
+from mimoc.schema.components.actuation import ACTUATIONS
 from mimoc.schema.composition import recompose
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "own_actuation.md"

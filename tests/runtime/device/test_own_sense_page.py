@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.schema.components.senses import SENSES
 from mimoc.schema.composition import recompose
-from mimoc.senses import SENSES
 
 CHECKOUT = Path(__file__).resolve().parents[3]
 PAGE = "docs/own_sense.md"

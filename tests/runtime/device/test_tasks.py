@@ -10,15 +10,15 @@ import pytest
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.actuation.binding import command_range
 from mimoc.base.errors import KindError
-from mimoc.base.kinds import TaskKind
-from mimoc.base.model_fields import ModelField
+from mimoc.compiler.task_setup import TaskSetup
+from mimoc.runtime.actuation import command_range
 from mimoc.runtime.device.signals import DeviceError
+from mimoc.runtime.model_fields import ModelField
+from mimoc.runtime.task import Change, Judgement, SquaredCommands, Task
 from mimoc.runtime.term import Term
-from mimoc.tasks.build_setup import TaskSetup
-from mimoc.tasks.spec_base import TaskEntry, TaskSpec
-from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task
+from mimoc.schema.kinds import TaskKind
+from mimoc.schema.task_base import TaskEntry, TaskSpec
 
 STEPS = 6
 SENSES: dict[str, Any] = {

@@ -6,15 +6,15 @@ import warp as wp
 from support.devices import DEVICE
 
 import mimoc
+from mimoc.components.senses.vision import VisionEntry
+from mimoc.components.senses.vision.device.eyes import flat_picture
+from mimoc.components.senses.vision.device.reader import Filters, NoVision
+from mimoc.components.senses.vision.flicker import Persistence
+from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.signals import DeviceError
-from mimoc.runtime.device.vision.eyes import flat_picture
-from mimoc.runtime.device.vision.reader import Filters, NoVision
 from mimoc.runtime.term import stack_terms
-from mimoc.senses.vision import VisionEntry
-from mimoc.senses.vision.flicker import Persistence
-from mimoc.senses.vision.run import filters, perceive
 
 EYES = ("eye_left", "eye_right")
 WIDTH, HEIGHT = 40, 32

@@ -14,15 +14,15 @@ from gymnasium.error import ClosedEnvironmentError
 from support.devices import CLOSE, DEVICE, WARP_DEVICE, assert_close
 
 import mimoc
-from mimoc.actuation.torque.run import bind
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.base.kinds import ActuationKind
+from mimoc.components.actuation.torque.run import bind
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.bodies import WorldsError
 from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term
+from mimoc.schema.kinds import ActuationKind
 
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 ALL = {"include": ["velocity", "torque", "limits", "actuation"]}
@@ -265,7 +265,9 @@ def bind_halved(entry, model):
     return replace(bind(entry, model), command=Half())
 
 
-HALVED = ActuationKind("halved", "Half of what is commanded.", build="mimoc.actuation.torque.build", run=bind_halved)
+HALVED = ActuationKind(
+    "halved", "Half of what is commanded.", build="mimoc.components.actuation.torque.build", run=bind_halved
+)
 
 
 def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):

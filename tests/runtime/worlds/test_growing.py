@@ -9,7 +9,7 @@ from support.worlds import ANNA, BEN, world
 
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.parallel import shared_world
+from mimoc.runtime.opening.parallel import shared_world
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 

@@ -9,7 +9,7 @@ import pytest
 from support.worlds import placed
 
 import mimoc
-from mimoc.geometry.spherical_head import SOUND_M_S, interaural_time_s
+from mimoc.base.geometry.spherical_head import SOUND_M_S, interaural_time_s
 from mimoc.runtime.world_env import WorldEnv
 
 RATE_HZ = 24_000

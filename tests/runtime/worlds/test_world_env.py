@@ -14,7 +14,7 @@ from support.worlds import ANNA, BEN, placed, world
 import mimoc
 from mimoc.base.errors import KindError, MimocError, UnknownNameError
 from mimoc.bundle.world import WorldBundle
-from mimoc.environments import open_infant
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.world_env import WorldEnv
 
 FAR = 1e-9

@@ -6,11 +6,11 @@ from support.store import built
 from support.worlds import ANNA, BEN, placed, world
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
+from mimoc.policies.world_rollout import WorldRun
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])

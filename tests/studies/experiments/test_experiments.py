@@ -46,7 +46,7 @@ SMALL = {
         "QUICK_MONTHS": (0, 18),
         "QUICK_SITTING_MONTHS": (0,),
         "VARIED_NAMES": ("no_head_lag",),
-        "mimoc.control.holding.driven.BISECTIONS": 6,
+        "mimoc.policies.control.holding.driven.BISECTIONS": 6,
     },
     "growing": {
         TRAIN: partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),

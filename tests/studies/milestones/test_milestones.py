@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.control.holding.controller import Controller, servo
-from mimoc.control.holding.postures import seat
-from mimoc.delays.timing import within
+from mimoc.policies.control.holding.controller import Controller, servo
+from mimoc.policies.control.holding.postures import seat
+from mimoc.runtime.delays.timing import within
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions, compile_at, try_out
 from mimoc.studies.milestones.trial import Estimator

@@ -4,9 +4,9 @@ import pytest
 
 import mimoc
 from mimoc.cli.tables import print_milestones
-from mimoc.cohorts.milestones import WHO
 from mimoc.render.plots.file import draw
-from mimoc.render.plots.growth import rows_sheet
+from mimoc.studies.cohorts.milestones import WHO
+from mimoc.studies.growth.plot import rows_sheet
 from mimoc.studies.milestones import (
     TRIALS,
     WINDOWS,

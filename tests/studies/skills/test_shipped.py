@@ -8,10 +8,10 @@ import mimoc
 from mimoc.base.errors import PolicyError
 from mimoc.policies import skill
 from mimoc.policies.postures import read_postures
+from mimoc.schema.components.tasks import SKILLS
 from mimoc.studies.skills.attempt import Attempt
 from mimoc.studies.skills.learning import AgeResult, SkillReport
 from mimoc.studies.skills.shipped import RESULTS, shipped_skills
-from mimoc.tasks import SKILLS
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.schema.components.tasks import SKILLS
 from mimoc.studies.skills.attempt import Attempt
 from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport, learn_skill
 from mimoc.studies.skills.recipes import RECIPES, Form
 from mimoc.studies.skills.search import DRAWS, search
-from mimoc.tasks import SKILLS
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
 

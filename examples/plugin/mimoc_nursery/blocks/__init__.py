@@ -1,6 +1,6 @@
 """Wooden blocks."""
 
-from mimoc.base.kinds import ToySource
+from mimoc.schema.kinds import ToySource
 from mimoc_nursery.blocks.spec import BlocksSpec
 
 KIND = ToySource(

@@ -1,6 +1,6 @@
 """Kicking: move a mobile that is tied to a foot (Rovee & Rovee 1969; Rovee-Collier)."""
 
-from mimoc.base.kinds import TaskKind
+from mimoc.schema.kinds import TaskKind
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 
 KIND = TaskKind(

@@ -3,9 +3,9 @@
 import math
 
 from mimoc.body.tree import BodyTree
-from mimoc.mjcf.furniture import WorldMaterial
-from mimoc.mjcf.world import FreeObject, ObjectGeom
-from mimoc.tasks.build_setup import TaskSetup, require
+from mimoc.compiler.mjcf.furniture import WorldMaterial
+from mimoc.compiler.mjcf.world import FreeObject, ObjectGeom
+from mimoc.compiler.task_setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 
 STEPS = 3000

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.tasks.task import Task, Verdict
+from mimoc.runtime.task import Task, Verdict
 from mimoc_nursery.kick.spec import KickEntry
 
 

@@ -1,6 +1,6 @@
 """Sound: how loud the toys are at both ears, and where they are."""
 
-from mimoc.base.kinds import AgeTable, SenseKind
+from mimoc.schema.kinds import AgeTable, SenseKind
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
 
 KIND = SenseKind(

@@ -1,8 +1,8 @@
 """Two ears on the sides of the head."""
 
 from mimoc.body.tree import BodyTree
-from mimoc.mjcf.elements import Site
-from mimoc.mjcf.scene import Placed
+from mimoc.compiler.mjcf.elements import Site
+from mimoc.compiler.mjcf.scene import Placed
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
 
 LEFT, RIGHT = "sound_left_ear", "sound_right_ear"

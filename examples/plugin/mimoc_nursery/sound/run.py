@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
-from mimoc.senses.sense import FloatArray, Vector
+from mimoc.runtime.sense import FloatArray, Vector
 from mimoc_nursery.sound.spec import SoundEntry
 
 MAX_LEVEL_DB = 194.0

@@ -11,7 +11,7 @@ from mimoc.policies.general_movements.binding import Moving
 from mimoc.policies.general_movements.joints import LIMBS as POLICY_LIMBS
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
 
 LIMBS = ("left_arm", "right_arm", "left_hip", "right_hip", "left_knee", "right_knee")
 """Parts whose drive has a gain of its own; feet and toes are driven with the knee."""

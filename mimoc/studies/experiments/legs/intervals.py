@@ -7,7 +7,7 @@ from statistics import fmean, stdev
 
 from scipy.stats import t
 
-from mimoc.geometry.rotations import FloatArray
+from mimoc.base.geometry.rotations import FloatArray
 from mimoc.render.plots.plot import Band
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS
 
 WINDOW_S = 2.0

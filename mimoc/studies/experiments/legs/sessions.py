@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 from mimoc.studies.experiments.legs.trials import Result
 

@@ -12,7 +12,7 @@ from scipy.signal import find_peaks
 from mimoc.motion.body_points import locate
 from mimoc.policies.named import policy_of
 from mimoc.runtime.infant import Infant
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import SIDES, Setup, open_infant
 from mimoc.studies.experiments.legs.trials import Result

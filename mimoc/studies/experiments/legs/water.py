@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.infants import legs_of
 
 WATER_KG_M3 = 1000.0

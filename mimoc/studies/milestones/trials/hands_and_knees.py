@@ -6,9 +6,9 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.driven import SIDES, rise_deg
-from mimoc.control.holding.postures import SUPPORTS, kneel
-from mimoc.senses.sense import FloatArray
+from mimoc.policies.control.holding.driven import SIDES, rise_deg
+from mimoc.policies.control.holding.postures import SUPPORTS, kneel
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import Attempt, Trial
 

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from mimoc.base.units import deg_to_rad
-from mimoc.control.holding.driven import SIDES, elevation_deg
-from mimoc.control.holding.postures import drooped, on_forearms
+from mimoc.policies.control.holding.driven import SIDES, elevation_deg
+from mimoc.policies.control.holding.postures import drooped, on_forearms
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import Attempt, Trial
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.control.holding.postures import SEAT, seat, slumped
+from mimoc.policies.control.holding.postures import SEAT, seat, slumped
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.postures import FEET, fallen, stance
+from mimoc.policies.control.holding.postures import FEET, fallen, stance
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 

@@ -6,11 +6,11 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.compiler.validation.measuring import ROOT
-from mimoc.control.holding.controller import Controller, servo
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.compiler.measuring import ROOT
+from mimoc.policies.control.holding.controller import Controller, servo
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

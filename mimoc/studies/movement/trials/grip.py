@@ -6,8 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.base.quantities import Quantity
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive
 from mimoc.studies.movement.rod import HAND, ROD, Hand, gripping, hand_of, with_rod

@@ -6,10 +6,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
-from mimoc.compiler.validation.measuring import ROOT
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.compiler.measuring import ROOT
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, all_but, angle_deg, has_joint, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

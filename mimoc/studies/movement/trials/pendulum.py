@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

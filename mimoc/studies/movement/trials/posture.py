@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.base.quantities import Quantity
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.controller import Controller, servo
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
+from mimoc.policies.control.holding.controller import Controller, servo
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 

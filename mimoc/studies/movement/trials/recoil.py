@@ -2,7 +2,7 @@
 
 import mujoco
 
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
 from mimoc.studies.movement.drive import QUIET, again, angle_deg, run, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.control.holding.driven import elevation_deg
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.base.quantities import Quantity
+from mimoc.policies.control.holding.driven import elevation_deg
+from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

@@ -6,7 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.quantities import Quantity
+from mimoc.base.quantities import Quantity
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 
-from mimoc.quantities import Quantity
-from mimoc.senses.sense import FloatArray
+from mimoc.base.quantities import Quantity
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 from mimoc.studies.movement.trials.posture import SIDES, awake
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.quantities import Quantity
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, has_joint
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values

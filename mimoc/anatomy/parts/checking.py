@@ -1,0 +1,80 @@
+"""Checks of parts that are not MIMo's, when their kind is registered and when a body is shaped."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from mimoc.anatomy.dimensions import BodyGeometry
+from mimoc.anatomy.part import MATURING_GROUPS, ReferencePart
+from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
+from mimoc.base.errors import KindError, suggestion
+
+
+def check_parts(kind: PartKind) -> None:
+    """Check that the parts of a kind fit together, and onto MIMo's body.
+
+    Raises:
+        KindError: If they do not; the message names the first thing that is wrong.
+    """
+    if problem := next(_problems(kind), None):
+        raise KindError(f"the body part '{kind.name}' does not fit: {problem}")
+
+
+def check_dimensions(kind: PartKind, dimensions: BodyGeometry) -> None:
+    """Check that the shape of a kind gives a place for each of its parts, and a shape for each of their geoms.
+
+    Raises:
+        KindError: If one is missing.
+    """
+    for part in kind.parts:
+        missing = [geom.name for geom in part.geoms if geom.name not in dimensions.shapes]
+        if part.name not in dimensions.origins or missing:
+            what = f"size and place of the geom '{missing[0]}'" if missing else f"the place of '{part.name}'"
+            raise KindError(f"the shape of the body part '{kind.name}' does not say {what}")
+
+
+def _problems(kind: PartKind) -> Iterator[str]:
+    if not kind.parts:
+        yield "it has no parts"
+    hands = [] if kind.replaces else [other for other in PARTS.values() if other.replaces == "hands"]
+    usual = (TRUNK, ARM, HEAD, EYES, LEG, *feet_of(kind.name)[:1], *hands)
+    parents = {part.name for other in usual for part in other.parts}
+    for part in kind.parts:
+        if part.parent not in parents:
+            yield f"'{part.name}' is on '{part.parent}'; {suggestion(str(part.parent), sorted(parents))}"
+        if "{side}" in str(part.parent) and "{side}" not in part.name:
+            yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
+        parents.add(part.name)
+        yield from _problems_of_part(part)
+    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != ("{side}_hand", "{side}_lower_arm"):
+        yield "hands begin with '{side}_hand', which is on '{side}_lower_arm'"
+    others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
+    taken = {name for other in (*usual, *others) for part in other.parts for name in _names(part)}
+    for name, count in Counter(name for part in kind.parts for name in _names(part)).items():
+        if name in taken or count > 1:
+            yield f"the name '{name[1]}' is taken; choose another one"
+
+
+def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
+    """Yield the names of a part and of all that it has, with what they are of."""
+    for item in (part, *part.geoms, *part.joints, *part.motors):
+        yield type(item), item.name
+
+
+def _problems_of_part(part: ReferencePart) -> Iterator[str]:
+    geoms, joints = [geom.name for geom in part.geoms], [joint.name for joint in part.joints]
+    if part.region != "limb":
+        yield f"'{part.name}' is of the {part.region}; only limbs can be added"
+    if not geoms:
+        yield f"'{part.name}' has no geom"
+    for item in (*part.geoms, *part.joints, *part.motors):
+        if ("{side}" in item.name) != ("{side}" in part.name):
+            yield f"'{part.name}' and '{item.name}' are on other sides; write '{{side}}' into both names, or neither"
+    for motor in part.motors:
+        if motor.joint not in joints:
+            yield f"the motor '{motor.name}' moves '{motor.joint}'; {suggestion(motor.joint, joints)}"
+        if motor.driven_geom not in geoms:
+            yield f"the motor '{motor.name}' follows '{motor.driven_geom}'; {suggestion(motor.driven_geom, geoms)}"
+    group = part.matures_with or part.group.removeprefix("{side}_")
+    if group and group not in MATURING_GROUPS:
+        yield f"the strength of '{part.name}' matures with '{group}'; {suggestion(group, MATURING_GROUPS)}"

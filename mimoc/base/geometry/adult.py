@@ -1,0 +1,100 @@
+"""An adult's lengths, and where its parts are when its head, trunk and palms are somewhere."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mimoc.base.geometry.arms import Links, reach
+from mimoc.base.geometry.leaning import UP, Figure, Frame, Leaning
+from mimoc.base.geometry.rotations import FloatArray
+
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+SIGNS: Mapping[Side, float] = {"left": 1.0, "right": -1.0}
+"""Along y of the trunk."""
+
+STATURE_M = 1.63
+"""Stature of the adult that these lengths are of: about the mean of women (ANSUR, Gordon et al. 1989; from memory)."""
+HEAD_M = (0.094, 0.073, 0.112)
+"""Half of the length, breadth and height of the head: 18.7, 14.6 and 22.4 cm (likewise)."""
+NECK_M = (0.03, 0.148)
+"""From the centre of the head to the base of the neck: backwards, and down; an assumption."""
+TRUNK_M, HIP_M = 0.50, 0.11
+"""From the base of the neck to the hips, and half of the trunk's depth; an assumption."""
+SHOULDER_M = (0.0, 0.165, -0.035)
+"""The left shoulder from the base of the neck: forwards, to the left and up; a breadth of 36 cm over both upper arms
+(likewise)."""
+UPPER_ARM_M, FOREARM_M = 0.31, 0.243
+"""From shoulder to elbow, and from elbow to wrist (likewise)."""
+PALM_M = 0.075
+"""From the wrist to the middle of the palm; an assumption."""
+MOUTH_M = (0.095, 0.0, -0.055)
+"""The mouth from the centre of the head; an assumption."""
+REST_M = (0.24, 0.13, 0.06)
+"""Where palms rest: forwards and outwards from the shoulder, and the least height above the floor; an assumption."""
+HANGING_M = 0.40
+"""How far below the shoulder palms rest at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Palm:
+    """Where the middle of a palm is, and where it looks."""
+
+    place_m: FloatArray
+    """Shape (3,)."""
+    normal: FloatArray
+    """Unit vector, shape (3,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Adult:
+    """An adult of some size."""
+
+    scale: float
+    """Its stature, by that of these lengths."""
+
+    @property
+    def figure(self) -> Figure:
+        """The lengths by which it leans."""
+        back_m, down_m = NECK_M
+        scale = self.scale
+        return Figure(scale * HEAD_M[0], scale * HEAD_M[2], (scale * back_m, scale * down_m), scale * TRUNK_M, HIP_M)
+
+    @property
+    def links(self) -> Links:
+        """The lengths of its arms."""
+        return Links(self.scale * UPPER_ARM_M, self.scale * FOREARM_M, self.scale * PALM_M)
+
+    def shoulder_m(self, trunk: Frame, side: Side) -> FloatArray:
+        """Return where a shoulder is, shape (3,)."""
+        x, y, z = SHOULDER_M
+        return trunk[0] + trunk[1] @ (self.scale * np.array([x, SIGNS[side] * y, z]))
+
+    def resting(self, trunk: Frame, side: Side, wider_m: float = 0.0) -> Palm:
+        """Return where a palm rests: on the floor in front of it or over it, perhaps farther out; it looks down."""
+        forward_m, outward_m, least_m = REST_M
+        shoulder_m = self.shoulder_m(trunk, side)
+        forward = np.array([trunk[1][0, 0], trunk[1][1, 0], 0.0])
+        if np.linalg.norm(forward) < 0.2:  # The trunk is level: where the spine points to.
+            forward = np.array([trunk[1][0, 2], trunk[1][1, 2], 0.0])
+        forward /= np.linalg.norm(forward)
+        outward = SIGNS[side] * trunk[1][:, 1]
+        place_m = shoulder_m + self.scale * forward_m * forward + (self.scale * outward_m + wider_m) * outward
+        place_m[2] = max(shoulder_m[2] - self.scale * HANGING_M, least_m)
+        return Palm(place_m, -UP)
+
+    def arm(self, trunk: Frame, side: Side, palm: Palm) -> tuple[Frame, Frame, Frame]:
+        """Return upper arm, forearm and hand of an arm; see `reach`."""
+        outward = SIGNS[side] * trunk[1][:, 1]
+        return reach(self.links, self.shoulder_m(trunk, side), palm.place_m, palm.normal, outward)
+
+
+def neck(leaning: Leaning) -> Frame:
+    """Return the neck, along z from its base to the centre of the head."""
+    base_m, trunk = leaning.trunk
+    along = (leaning.head[0] - base_m) / np.linalg.norm(leaning.head[0] - base_m)
+    side = trunk[:, 1] - (trunk[:, 1] @ along) * along
+    side /= np.linalg.norm(side)
+    return base_m, np.column_stack([np.cross(side, along), side, along])

@@ -1,0 +1,54 @@
+"""Roots and minima of functions of one number."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from mimoc.base.geometry.rotations import FloatArray
+
+SHARES = np.linspace(0.0, 1.0, 41)
+"""Places between the ends of a bracket that are tried at once for a minimum."""
+
+
+def root(
+    function: Callable[[float], float],
+    low: float,
+    high: float,
+    precision: float,
+    method: Literal["brentq", "bisect"] = "brentq",
+) -> float:
+    """Return where *function*, which has another sign at *low* than at *high*, is zero.
+
+    Args:
+        function: Continuous for `brentq`; `bisect` also finds where it jumps.
+        low: One end of the bracket.
+        high: The other end.
+        precision: Largest error of the result.
+        method: As for `scipy.optimize.root_scalar`.
+    """
+    from scipy.optimize import root_scalar  # It takes longer to import than most infants take to build.
+
+    return float(root_scalar(function, bracket=(low, high), xtol=precision, method=method).root)
+
+
+def narrowed(
+    function: Callable[[FloatArray], FloatArray], lows: FloatArray, highs: FloatArray, width: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return narrower brackets of where each of n functions is least, each with one minimum within its bracket.
+
+    Every infant is built with it, and SciPy's solvers take longer to import than that.
+
+    Args:
+        function: From m numbers for each function, shape (n, m), to their values.
+        lows: The lower ends of the brackets, shape (n,).
+        highs: The upper ends.
+        width: How wide a bracket may be in the end.
+    """
+    rows, last = np.arange(len(lows)), len(SHARES) - 1
+    while (wide := highs - lows > width).any():
+        tried = lows[:, None] + (highs - lows)[:, None] * SHARES
+        least = function(tried).argmin(axis=1)
+        lows = np.where(wide, tried[rows, np.maximum(least - 1, 0)], lows)
+        highs = np.where(wide, tried[rows, np.minimum(least + 1, last)], highs)
+    return lows, highs

@@ -1,1 +1,0 @@
-"""Other systems' environments, by their names and keywords, on mimoc's runtime."""

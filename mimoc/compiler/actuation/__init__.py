@@ -1,0 +1,1 @@
+"""What all actuation models share when an infant is built."""

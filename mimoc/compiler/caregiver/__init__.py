@@ -1,0 +1,1 @@
+"""The body of a caregiver, built from its section of the spec."""

@@ -1,0 +1,1 @@
+"""Delays of an infant's signals, from their presets."""

@@ -1,0 +1,132 @@
+"""The colours that an infant is painted with, by the names that a spec gives to its skin, hair, eyes and clothes.
+
+All figures are chosen by eye on rendered pictures (D), in sRGB, 0 to 255.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from mimoc.schema.looks import Clothes, LooksSpec
+
+Colour = tuple[float, float, float]
+"""Red, green and blue, 0 to 255."""
+
+
+class SkinColours(NamedTuple):
+    """The colours of skin of one tone."""
+
+    skin: Colour
+    blush: Colour
+    """Cheeks, knees, fingertips and the rims of ears, at their reddest."""
+    lip: Colour
+    shade: Colour
+    """Creases, into which little light falls."""
+    white: Colour
+    """White of the eyes."""
+    inside: Colour
+    """The open mouth."""
+
+
+class ClothColours(NamedTuple):
+    """The colours of one set of clothes."""
+
+    shirt: Colour
+    stripe: Colour
+    """Stripes of the shirt."""
+    band: Colour
+    """Knitted bands along the hems of the shirt."""
+    trousers: Colour
+    trousers_band: Colour
+
+
+SKINS: Mapping[str, SkinColours] = {
+    tone: SkinColours(*colours)
+    for tone, colours in {
+        "light": ((250, 218, 198), (243, 166, 152), (228, 142, 138), (208, 144, 126), (250, 249, 247), (140, 57, 60)),
+        "fair": ((244, 205, 178), (240, 150, 130), (224, 130, 120), (196, 122, 100), (250, 248, 244), (138, 56, 58)),
+        "medium": ((229, 182, 147), (216, 130, 106), (198, 106, 96), (170, 106, 78), (248, 245, 240), (126, 48, 52)),
+        "tan": ((202, 149, 112), (188, 104, 82), (186, 92, 86), (140, 86, 60), (246, 243, 237), (110, 40, 44)),
+        "brown": ((154, 107, 79), (152, 82, 66), (168, 86, 82), (100, 62, 44), (244, 240, 233), (86, 28, 34)),
+        "dark": ((114, 79, 62), (126, 67, 56), (148, 80, 78), (68, 43, 33), (242, 238, 230), (70, 21, 28)),
+    }.items()
+}
+HAIR: Mapping[str, Colour] = {
+    "black": (33, 28, 28),
+    "dark": (64, 45, 36),
+    "brown": (112, 77, 54),
+    "light_brown": (152, 112, 76),
+    "blond": (204, 165, 108),
+    "red": (146, 82, 50),
+}
+EYES: Mapping[str, Colour] = {
+    "dark": (54, 36, 28),
+    "brown": (98, 63, 39),
+    "hazel": (130, 100, 58),
+    "green": (106, 126, 84),
+    "blue": (94, 122, 152),
+    "grey": (122, 130, 138),
+}
+MINT: Colour = (206, 227, 217)
+YELLOW: Colour = (247, 204, 112)
+ORANGE: Colour = (232, 142, 92)
+TEAL: Colour = (112, 160, 172)
+WHITE: Colour = (246, 244, 239)
+CLOTHES: Mapping[Clothes, ClothColours] = {
+    "bodysuit": ClothColours(MINT, (150, 196, 190), (104, 164, 152), MINT, (104, 164, 152)),
+    "shirt_and_trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
+    "trousers": ClothColours(YELLOW, (252, 236, 196), ORANGE, TEAL, (84, 128, 142)),
+    "nappy": ClothColours(WHITE, WHITE, WHITE, WHITE, (196, 218, 226)),
+}
+FOLDED = "_fold"
+"""How the name of the ink of a cloth's folds ends."""
+FOLD = (0.20, 0.26, 0.30)
+"""How much darker cloth is in a fold: a little redder, too."""
+DARKEST: Colour = (46, 30, 27)
+"""What lashes and the edges of irises are darkened with."""
+
+
+def inks_of(looks: LooksSpec, clothes: Clothes) -> dict[str, Colour]:
+    """Return the colours that the pictures of an infant are mixed of, by name, in whole numbers.
+
+    Args:
+        looks: Its skin, hair and eyes.
+        clothes: What it wears.
+
+    Example:
+        >>> from mimoc.compiler.looks.colours import inks_of
+        >>> from mimoc.schema.looks import LooksSpec
+        >>> inks_of(LooksSpec(hair="black"), "nappy")["hair"]
+        (33, 28, 28)
+    """
+    hair, iris, cloth = HAIR[looks.hair], EYES[looks.eyes], CLOTHES[clothes]
+    return {
+        **SKINS[looks.skin]._asdict(),
+        "hair": hair,
+        "hair_light": blended(hair, (255, 232, 196), 0.16),
+        "hair_dark": blended(hair, DARKEST, 0.4),
+        "lash": blended(hair, DARKEST, 0.65),
+        "iris": iris,
+        "iris_light": blended(iris, (255, 244, 220), 0.22),
+        "iris_rim": blended(iris, (20, 20, 24), 0.62),
+        "pupil": (22, 18, 20),
+        "glint": (255, 255, 255),
+        "tongue": (214, 122, 118),
+        **cloth._asdict(),
+        **{f"{name}{FOLDED}": folded(colour) for name, colour in cloth._asdict().items()},
+    }
+
+
+def blended(colour: Colour, other: Colour, share: float) -> Colour:
+    """Return a colour with a share of another in it, in whole numbers."""
+    red, green, blue = (round(a + share * (b - a)) for a, b in zip(colour, other, strict=True))
+    return red, green, blue
+
+
+def folded(colour: Colour) -> Colour:
+    """Return the colour of cloth in a fold."""
+    red, green, blue = (round(value * (1 - depth)) for value, depth in zip(colour, FOLD, strict=True))
+    return red, green, blue
+
+
+INKS = tuple(inks_of(LooksSpec(), "shirt_and_trousers"))
+"""The names of the colours, in the order of mixtures."""

@@ -1,0 +1,196 @@
+"""The skin of a child, carried from the sculpture by the child's solids."""
+
+import pickle
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from mimoc.base.geometry.face_steps import Steps, on_grid, steps_between
+from mimoc.base.geometry.primitives import extents
+from mimoc.base.geometry.rotations import FloatArray, matrix_from_euler
+from mimoc.base.geometry.triangles import normals_of, smoothed
+from mimoc.body.head_surface import head_radius
+from mimoc.body.kinematics import frames, pose
+from mimoc.body.tree import BodyTree
+from mimoc.compiler.looks.skin.garments import OUTFITS, Piece, dressed
+from mimoc.compiler.looks.skin.hair import hair_over
+from mimoc.compiler.looks.skin.head import deform_head
+from mimoc.compiler.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
+from mimoc.compiler.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
+from mimoc.compiler.mjcf.skin import Skin, SkinLayer
+
+ROUNDS = 2
+"""Steps of Newton's method towards the sculpted heights above the solids."""
+FARTHEST = 0.06
+"""Largest of these steps, in head radii."""
+SMOOTHINGS = 8
+"""How often these moves are smoothed over the mesh, lest the gaps between the solids of a thin child show (D)."""
+GONE = 0.98
+"""Share of missing bodies in a vertex above which it is left out."""
+
+
+def skin_of(tree: BodyTree) -> Skin:
+    """Return the skin of a body: the same vertices, in the same order, at all ages and for all children.
+
+    Only those of removed limbs are left out. That of the last few bodies is kept: many scenes have the same infant.
+    """
+    return skins(pickle.dumps(tree))
+
+
+@lru_cache(maxsize=4)
+def skins(pickled: bytes) -> Skin:
+    """Return the skin of a body, which is pickled so that it can be told from others."""
+    tree: BodyTree = pickle.loads(pickled)
+    names = (BODY, *OUTFITS[tree.clothes], HEAD, HAIR)
+    return Skin(names, lambda: layers_of(tree, template_mesh(tree.hands)), lambda: moves_of(tree))
+
+
+def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
+    """Return the layers of a body's skin, carried from a sculpture."""
+    carried = _Carrying(sculpted, tree)
+    return (*carried.dressed(), *carried.head())
+
+
+def moves_of(tree: BodyTree) -> dict[str, Steps]:
+    """Return how far each expression moves the vertices of the head's layer, shape (n, 3)."""
+    sculpted = template_mesh(tree.hands)
+    _, turn = frames(tree, sculpted.angles_rad)[HEAD]
+    neutral_m = deform_head(sculpted.head, tree) @ turn.T
+    return {
+        name: steps_between(neutral_m, deform_head(sculpted.head, tree, name) @ turn.T)
+        for name in sculpted.head.moves_m
+    }
+
+
+class _Carrying:
+    """A sculpture and the body that it is carried to, in the same pose."""
+
+    def __init__(self, sculpted: Sculpture, tree: BodyTree):
+        self.sculpted, self.tree = sculpted, tree
+        self.placed, self.posed = frames(tree, sculpted.angles_rad), pose(tree, sculpted.angles_rad)
+        self.boxes = boxes(tree)
+        self.scale = head_radius(tree.geoms["head"]) / sculpted.head_radius_m
+        self.homes = [self._home(part) for part in sculpted.parts]
+        self.is_missing = np.array([tree.home(part) not in self.placed for part in sculpted.parts])
+        stretches = [self._stretched(index, part) for index, part in enumerate(sculpted.parts)]
+        self.turns, self.shifts, self.sizes = map(np.array, zip(*stretches, strict=True))
+
+    def _home(self, part: str) -> str:
+        """Return the body that moves what a body of the sculpture does: itself, or the nearest that is not missing."""
+        home = self.tree.home(part)
+        return home if home in self.placed else self._home(self.sculpted.parents[part])
+
+    def dressed(self) -> Iterator[SkinLayer]:
+        """Yield the layers of the body in its clothes."""
+        mesh = self.sculpted.mesh
+        verts_m, sizes = self._moved(mesh)
+        lost = (mesh.weights * self.is_missing[mesh.bones]).sum(axis=1)
+        verts_m = self._on_solids(mesh, verts_m, sizes, lost)
+        sizes = sizes * (1 - lost)
+        normals = normals_of(verts_m, mesh.faces)
+        verts_m = verts_m + (self._fullness_m() * sizes)[:, None] * normals
+        normals = normals_of(verts_m, mesh.faces)
+        for piece in dressed(self.sculpted, self.tree.clothes):
+            lifts_m = piece.lifts_m * sizes[piece.sources]
+            yield self._layer(piece, verts_m[piece.sources] + lifts_m[:, None] * normals[piece.sources], lost)
+
+    def _fullness_m(self) -> FloatArray:
+        """Return how much fuller than its solids each vertex of the reference child would be at the child's age."""
+        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
+        for index, unit in enumerate(np.eye(len(ages))):
+            share[index] = np.interp(self.tree.age_months, ages, unit)
+        return share @ self.sculpted.fullness_m
+
+    def _layer(self, piece: Piece, verts_m: FloatArray, lost: FloatArray) -> SkinLayer:
+        """Return a layer whose vertices are given, without what missing limbs moved."""
+        mesh = self.sculpted.mesh
+        bones_of, weights_of = mesh.bones[piece.sources], mesh.weights[piece.sources]
+        moved_by = {self.homes[index] for index in np.unique(bones_of[weights_of > 0])}
+        bones = sorted(moved_by, key=[*self.placed].index)
+        column = np.array([bones.index(home) if home in bones else 0 for home in self.homes])
+        weights = np.zeros((len(verts_m), len(bones)))
+        np.add.at(weights, (np.arange(len(verts_m))[:, None], column[bones_of]), weights_of)
+        kept = piece.faces[~(lost[piece.sources][piece.faces] > GONE).all(axis=1)]
+        used = np.unique(kept)
+        number = np.zeros(len(verts_m), np.intp)
+        number[used] = np.arange(len(used))
+        moving = np.flatnonzero(weights[used].sum(axis=0))
+        names = tuple(bones[index] for index in moving)
+        return SkinLayer(
+            piece.name,
+            verts_m[used],
+            number[kept],
+            piece.texcoords[used],
+            names,
+            np.array([self.placed[bone][0] for bone in names]).reshape(-1, 3),
+            np.array([self.placed[bone][1] for bone in names]).reshape(-1, 3, 3),
+            weights[used][:, moving],
+        )
+
+    def head(self) -> tuple[SkinLayer, SkinLayer]:
+        """Return the head and its hair."""
+        sculpted = self.sculpted.head
+        verts_m = deform_head(sculpted, self.tree)
+        hair_m, places = hair_over(sculpted.hair, verts_m, self.tree.age_months, self.scale)
+        return (
+            self._on_head(HEAD, verts_m, sculpted.faces, sculpted.texcoords),
+            self._on_head(HAIR, hair_m, sculpted.hair.faces, places),
+        )
+
+    def _on_head(self, name: str, verts_m: FloatArray, faces: IntArray, places: FloatArray) -> SkinLayer:
+        """Return a layer that the head moves, of vertices in its frame."""
+        origin, turn = self.placed[HEAD]
+        bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
+        return SkinLayer(name, on_grid(origin + verts_m @ turn.T), faces, places, *bind)
+
+    def _moved(self, mesh: SculptedMesh) -> tuple[FloatArray, FloatArray]:
+        """Return each vertex where its bodies take it as they are stretched, and how large these are."""
+        turn = np.einsum("nk,nkij->nij", mesh.weights, self.turns[mesh.bones])
+        shift = np.einsum("nk,nki->ni", mesh.weights, self.shifts[mesh.bones])
+        sizes = (mesh.weights * self.sizes[mesh.bones]).sum(axis=1)
+        return np.einsum("nij,nj->ni", turn, mesh.verts_m) + shift, sizes
+
+    def _stretched(self, index: int, part: str) -> tuple[FloatArray, FloatArray, float]:
+        """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size.
+
+        A place x goes to matrix @ x + shift.
+        """
+        sculpted, home = self.sculpted, self.tree.home(part)
+        if home not in self.placed:  # All of it goes to the joint above.
+            parent = sculpted.parents[part]
+            matrix, shift, size = self._stretched(sculpted.parts.index(parent), parent)
+            return np.zeros((3, 3)), matrix @ sculpted.origins_m[index] + shift, size
+        low, high = self.boxes[home]
+        stretch = (high - low) / (sculpted.high_m[index] - sculpted.low_m[index])
+        if home != part:
+            stretch = np.full(3, self.scale)
+            low = sculpted.low_m[index] * self.scale
+        origin, turn = self.placed[home]
+        matrix = turn * stretch @ sculpted.turns[index].T
+        shift = origin + turn @ (low - stretch * sculpted.low_m[index]) - matrix @ sculpted.origins_m[index]
+        return matrix, shift, float(np.cbrt(stretch.prod()))
+
+    def _on_solids(self, mesh: SculptedMesh, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
+        """Return vertices at their sculpted heights above the child's solids."""
+        wanted, most = mesh.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
+        solids, blend_m = self.sculpted.solids, mesh.blend_m * sizes
+        moved_m = verts_m
+        for _ in range(ROUNDS):
+            height, slope = surface_distance(self.posed, solids, mesh.near, blend_m, moved_m)
+            steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
+            move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
+            moved_m = moved_m + move[:, None] * slope
+        return verts_m + smoothed(moved_m - verts_m, mesh.faces, SMOOTHINGS)
+
+
+def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the opposite corners of the box around each body's solids, in the frame of the body, shape (3,)."""
+    corners = {}
+    for body in tree.bodies:
+        turns = np.array([matrix_from_euler(geom.euler_deg) for geom in body.geoms])
+        solids = extents((geom.type, geom.size_m) for geom in body.geoms)
+        along = solids.along(turns.transpose(1, 0, 2))  # Of each axis of the body, in the frames of its solids.
+        centres = np.array([geom.pos_m for geom in body.geoms])
+        corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
+    return corners

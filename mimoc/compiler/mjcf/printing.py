@@ -1,0 +1,150 @@
+"""From a scene to MJCF text, by templates."""
+
+import pickle
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import platformdirs
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined
+from jinja2.bccache import Bucket
+from lxml import etree
+
+from mimoc.base.rounding import num
+from mimoc.compiler.mjcf.prefixing import with_pictures_apart
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
+from mimoc.compiler.mjcf.world import World
+
+TEMPLATES = Path(__file__).parents[2] / "templates"
+INFANT = "infant.xml"
+
+
+def render_scene(scene: SceneTree) -> dict[str, bytes]:
+    """Return the MJCF and assets of a scene, by path in the bundle."""
+    files = render_infant(scene)
+    return {**files, **render_world(scene, render_inhabitant(scene) if scene.skin else files[INFANT])}
+
+
+def render_infant(scene: SceneTree) -> dict[str, bytes]:
+    """Return the MJCF of the infant alone, with its solids shown instead of its skin, and its assets.
+
+    MuJoCo attaches skins to other models from 3.17 on, and dm_control includes and copies none.
+    """
+    skin = scene.skin.files if scene.skin else {}
+    return {INFANT: render_inhabitant(scene.without_skin), **scene.appearance.assets, **skin}
+
+
+def render_inhabitant(scene: SceneTree) -> bytes:
+    """Return the MJCF of the infant as it is in its world: with its skin."""
+    return _indented(_parsed(render_text("infant.xml.j2", scene=scene)))
+
+
+def render_world(scene: SceneTree, inhabitant: bytes) -> dict[str, bytes]:
+    """Return the MJCF of an infant in its world, and the assets of the world.
+
+    It includes the file of the infant alone, unless the infant has a skin; then it is complete by itself, from what
+    `render_inhabitant` returned.
+    """
+    whole = _parsed(render_text("scene.xml.j2", scene=scene))
+    if scene.skin:
+        whole = _with_included(whole, _parsed(inhabitant))
+    return {"scene.xml": _indented(whole), **scene.world.assets}
+
+
+def _with_included(including: etree._Element, included: etree._Element) -> etree._Element:
+    """Return MJCF in which the one `<include>`, which comes first, is replaced by the elements of its file."""
+    included.attrib.update(including.attrib)
+    for section in including[1:]:
+        same = included.find(section.tag)
+        if same is None:
+            included.append(section)
+        else:
+            same.attrib.update(section.attrib)
+            same.extend(section)
+    return included
+
+
+COMMON = ("compiler", "option", "size")
+"""Sections that are the same of all infants in one world."""
+
+
+def render_infants(
+    name: str, infants: Sequence[SceneTree], world: World, keyframes: Sequence[Keyframe]
+) -> dict[str, bytes]:
+    """Return the MJCF of several infants in one world, which is complete by itself, and all assets.
+
+    Args:
+        name: Of the model.
+        infants: With names that differ (`mimoc.compiler.mjcf.prefixing`) and the same options.
+        world: What is around all of them.
+        keyframes: States of all of them.
+    """
+    infants = with_pictures_apart(infants)
+    first, *others = (_parsed(render_inhabitant(infant)) for infant in infants)
+    for other in others:
+        for section in other:
+            same = first.find(section.tag)
+            if same is not None and section.tag not in COMMON:
+                same.extend(section)
+    scene = replace(infants[0], name=name, world=world, keyframes=tuple(keyframes))
+    whole = _with_included(_parsed(render_text("scene.xml.j2", scene=scene)), first)
+    files = {"scene.xml": _indented(whole), **world.assets}
+    for infant in infants:
+        files |= {**infant.appearance.assets, **(infant.skin.files if infant.skin else {})}
+    return files
+
+
+def render_text(template: str, **values: Any) -> bytes:
+    """Return a text file of the bundle from its template."""
+    return environment().get_template(template).render(**values).encode()
+
+
+def _parsed(xml: bytes) -> etree._Element:
+    """Return the elements of XML, without the blanks between them."""
+    return etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
+
+
+def _indented(root: etree._Element) -> bytes:
+    """Return XML with each element on a line of its own, indented by its depth."""
+    etree.indent(root)
+    return etree.tostring(root, encoding="utf-8") + b"\n"
+
+
+@cache
+def environment() -> Environment:
+    """Return the environment of the templates: strict, escaped for XML, with one filter."""
+    result = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        undefined=StrictUndefined,
+        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        bytecode_cache=CompiledTemplates(str(platformdirs.user_cache_path("mimoc") / f"jinja2-{version('jinja2')}")),
+    )
+    result.filters["num"] = num
+    return result
+
+
+class CompiledTemplates(FileSystemBytecodeCache):
+    """Compiled templates in the user's own cache folder; compiling them takes longer than printing an infant.
+
+    A folder that cannot be read or written, or a damaged file, only costs that time.
+    """
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Read a compiled template, if it is there and whole."""
+        try:
+            super().load_bytecode(bucket)
+        except (OSError, EOFError, ValueError, TypeError, pickle.UnpicklingError):
+            bucket.reset()
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Write a compiled template, if the folder can be written."""
+        with suppress(OSError):
+            Path(self.directory).mkdir(mode=0o700, parents=True, exist_ok=True)
+            super().dump_bytecode(bucket)

@@ -1,0 +1,1 @@
+"""What all kinds of objects share when a world is built."""

@@ -1,0 +1,165 @@
+"""What furniture is made of: boards and bars that are fixed to the world, hard or soft."""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from mimoc.base.geometry.primitives import extents, volume
+from mimoc.base.geometry.rotations import (
+    FloatArray,
+    Quaternion,
+    Vec3,
+    matrix_from_quaternion,
+    quaternion_from_axis,
+)
+from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
+from mimoc.body.origins import Entry
+from mimoc.compiler.mjcf.furniture import (
+    BARE,
+    DOMINANT_SOLMIX,
+    RAIL_RADIUS_M,
+    UNTOUCHED,
+    Furniture,
+    WorldMaterial,
+)
+from mimoc.compiler.mjcf.world import ObjectBody, ObjectGeom
+from mimoc.compiler.objects.built_object import BuiltObject
+from mimoc.schema.object_base import Material
+
+AHEAD: Vec3 = (1.0, 0.0, 0.0)
+ACROSS: Vec3 = (0.0, 1.0, 0.0)
+UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
+LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)
+"""Of a bar along y."""
+DENSITIES_KG_M3: Mapping[str, float] = {"wood": 600.0, "cloth": 50.0}
+"""Of beech and pine, and of foam; assumptions, which move nothing: furniture is fixed."""
+LEAST_DISC_M = 0.1
+"""Side of the squares into which long, thin furniture is divided to cover the floor below it with discs."""
+SOFT_IMPEDANCE = (0.7, 0.95)
+"""Impedance of a soft contact without depth, and at full width: those of the crib's mattress."""
+SOFT_WIDTH = 4.0
+"""Width of the rise of a soft contact's impedance, for one depth to which a body at rest sinks in."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A level surface about the origin, on which things can lie."""
+
+    half_m: tuple[float, float]
+    """Half lengths along x and y."""
+    height_m: float
+
+
+def soft_contact(sink_m: float) -> tuple[tuple[float, float], tuple[float, float, float, float, float]]:
+    """Return `solref` and `solimp` of foam into which whatever rests on one point of it sinks by a depth r.
+
+    With time constant T, critical damping and impedance d at that depth, D at full width, MuJoCo's contact pushes with
+    the acceleration d r / (D T)^2, and at rest it bears (1 - d) / d of gravity g with it. So r = (1 - d) g (D T / d)^2,
+    whatever the mass, and T = d sqrt(r / ((1 - d) g)) / D. On n points, a body sinks in by about r / n.
+
+    Args:
+        sink_m: The depth r.
+    """
+    least, most = SOFT_IMPEDANCE
+    impedance = least + (most - least) * 2 / SOFT_WIDTH**2  # MuJoCo's sigmoid with power 2 and midpoint 0.5.
+    time_s = impedance * math.sqrt(sink_m / ((1 - impedance) * GRAVITY_M_S2)) / most
+    return (time_s, 1.0), (least, most, SOFT_WIDTH * sink_m, 0.5, 2.0)
+
+
+def board(
+    name: str, half_m: Vec3, middle_m: Vec3 | FloatArray, finish: WorldMaterial, tilt_deg: float = 0.0
+) -> ObjectGeom:
+    """Return a box, whose front, along x, is lifted by an angle."""
+    return piece(name, "box", half_m, middle_m, quaternion_from_axis(ACROSS, -deg_to_rad(tilt_deg)), finish)
+
+
+def bar(name: str, half_m: float, middle_m: Vec3, finish: WorldMaterial, radius_m: float = RAIL_RADIUS_M) -> ObjectGeom:
+    """Return a bar along y with round ends."""
+    return piece(name, "capsule", (radius_m, half_m), middle_m, LYING, finish)
+
+
+def post(
+    name: str, radius_m: float, height_m: float, middle_m: tuple[float, float], finish: WorldMaterial
+) -> ObjectGeom:
+    """Return an upright cylinder that stands on the floor."""
+    return piece(name, "cylinder", (radius_m, height_m / 2), (*middle_m, height_m / 2), UNTURNED, finish)
+
+
+def piece(
+    name: str, type: str, size_m: Sequence[float], middle_m: Vec3 | FloatArray, quat: Quaternion, finish: WorldMaterial
+) -> ObjectGeom:
+    """Return a solid that is as hard as a floor."""
+    x, y, z = (float(number) for number in middle_m)
+    sizes = (("size", tuple(size_m)),)
+    return ObjectGeom(name, type, finish.name, sizes, (), (x, y, z), quat, friction=(1.0, 0.005, 0.0002))
+
+
+def softened(geom: ObjectGeom, sink_m: float) -> ObjectGeom:
+    """Return a piece as foam, into which whatever rests on one point of it sinks by a depth."""
+    solref, solimp = soft_contact(sink_m)
+    return replace(geom, solref=solref, solimp=solimp, solmix=DOMINANT_SOLMIX)
+
+
+def seen(geom: ObjectGeom) -> ObjectGeom:
+    """Return a piece that is only seen."""
+    return replace(geom, contype=UNTOUCHED, conaffinity=UNTOUCHED)
+
+
+def finish(name: str, colour: tuple[float, float, float], **looks: Any) -> WorldMaterial:
+    """Return what a piece of furniture looks like."""
+    return WorldMaterial(name, (*colour, 1.0), **looks)
+
+
+def fixed_object(
+    name: str,
+    pieces: Sequence[ObjectGeom],
+    finishes: Sequence[WorldMaterial],
+    material: Material,
+    surface: Surface | None = None,
+    pictures: Furniture = BARE,
+    origins: Mapping[str, Entry] | None = None,
+) -> BuiltObject:
+    """Return furniture that does not move, from its pieces in a frame on the floor, x ahead of an infant at it."""
+    corners_m = np.concatenate([_corners(piece) for piece in pieces])
+    volumes_m3 = [volume(*_shape(piece)) for piece in pieces if piece.contype]
+    return BuiltObject(
+        root=ObjectBody(name, geoms=tuple(pieces)),
+        materials=tuple(finishes),
+        motion="fixed",
+        material=material,
+        radius_m=float(np.hypot(*corners_m[:, :2].T).max()),
+        height_m=surface.height_m if surface else float(corners_m[:, 2].max()),
+        size_m=float(np.ptp(corners_m, axis=0).max()),
+        mass_kg=DENSITIES_KG_M3[material] * math.fsum(volumes_m3),
+        surface_m=surface.half_m if surface else None,
+        discs=_discs(corners_m[:, :2]),
+        pictures=pictures,
+        origins=origins or {},
+    )
+
+
+def _discs(corners_m: FloatArray) -> tuple[Vec3, ...]:
+    """Return discs that cover the rectangle around some places, shape (n, 2): x, y and radius, in [m]."""
+    low, high = corners_m.min(axis=0), corners_m.max(axis=0)
+    sides = high - low
+    counts = np.ceil(sides / max(float(sides.min()), LEAST_DISC_M)).astype(int)
+    steps = sides / counts
+    places = itertools.product(*(low[axis] + steps[axis] * (np.arange(counts[axis]) + 0.5) for axis in range(2)))
+    return tuple((float(x), float(y), float(np.hypot(*steps)) / 2) for x, y in places)
+
+
+def _shape(piece: ObjectGeom) -> tuple[Any, tuple[float, ...]]:
+    """Return kind and size of a piece; a plane that is seen is a box of no thickness."""
+    size_m = piece.sizes[0][1]
+    return ("box", (*size_m[:2], 0.0)) if piece.type == "plane" else (piece.type, size_m)
+
+
+def _corners(piece: ObjectGeom) -> FloatArray:
+    """Return the corners of the box around a piece, turned with it, shape (8, 3), [m]."""
+    reach = extents([_shape(piece)])
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    return signs * (reach.half_edges + reach.half_axes) @ matrix_from_quaternion(piece.quat).T + piece.pos_m

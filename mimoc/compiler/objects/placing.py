@@ -1,0 +1,94 @@
+"""Placement of objects in the world, one after another, each among those before it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from mimoc.base.errors import ObjectError
+from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis, quaternion_product
+from mimoc.base.kinds import function_of
+from mimoc.body.origins import Entry
+from mimoc.compiler.mjcf.world import ObjectBody, PlacedObject
+from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings
+from mimoc.compiler.objects.places import WHOLE, Spot, find_place
+from mimoc.compiler.objects.ribbon import tie_ribbon
+from mimoc.schema.components.objects import OBJECTS
+from mimoc.schema.object_base import ObjectEntry, ObjectSpec
+
+UP = (0.0, 0.0, 1.0)
+
+
+def place_objects(objects: Sequence[ObjectSpec], infants: Mapping[str, Surroundings]) -> tuple[PlacedThing, ...]:
+    """Return the objects of a scene at their places.
+
+    Args:
+        objects: The objects; each may name the infant that its place is about, otherwise it is the first.
+        infants: By name, the surroundings of each infant.
+
+    Raises:
+        ObjectError: If one cannot be built or placed.
+    """
+    first, things = next(iter(infants)), tuple[PlacedThing, ...]()
+    taken = {*(body.name for around in infants.values() for body in around.tree.bodies), WHOLE}
+    for number, spec in enumerate(objects):
+        if spec.name in taken:
+            raise ObjectError("name", f"'{spec.name}' is a part of the infant; give the object another name", number)
+        surroundings = replace(infants[spec.infant or first], things=things)
+        try:
+            built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
+            place = find_place(spec, built, surroundings)
+            thing = _placed(spec, built, place, surroundings)
+        except ObjectError as error:
+            raise ObjectError(error.key, str(error), number) from None
+        things = (*things, thing)
+    return things
+
+
+def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
+    pos_m, yaw_rad = spot.pos_m, math.radians(spec.yaw_deg) + spot.yaw_rad
+    root = _moved(built.root, pos_m, yaw_rad)
+    ribbons = (tie_ribbon(built.tie, root, around),) if built.tie else ()
+    bodies = tuple(root.subtree())
+    entry = ObjectEntry(
+        name=spec.name,
+        kind=spec.kind,
+        body=root.name,
+        joint=next(iter((*root.free_joints, *(joint.name for joint in root.joints))), None),
+        motion=built.motion,
+        geoms=tuple(geom.name for body in bodies for geom in body.geoms if geom.contype or geom.conaffinity),
+        material=built.material,
+        size_m=built.size_m,
+        mass_kg=built.mass_kg,
+        height_m=built.height_m,
+        origin_m=built.root.pos_m[2],
+        surface_m=built.surface_m,
+        where=spot.where,
+        bells=built.bells,
+        ribbon=ribbons[0].name if ribbons else None,
+        tied_to=around.prefix + built.tie.limb if built.tie else None,
+        slack_m=built.tie.slack_m if built.tie else 0.0,
+        water=built.water,
+    )
+    elements = PlacedObject(root, built.materials, built.meshes, ribbons)
+    return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
+
+
+def _moved(root: ObjectBody, pos_m: Vec3, yaw_rad: float) -> ObjectBody:
+    """Return the outermost body of an object in the world, from its place in the object's own frame."""
+    x, y, z = (matrix_from_axis(UP, yaw_rad) @ root.pos_m + pos_m).tolist()
+    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), root.quat)
+    return replace(root, pos_m=(x, y, z), quat=turn)
+
+
+def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
+    """Return an entry for each number of each object, by key in `provenance.json`."""
+    return {key: entry for number, thing in enumerate(things) for key, entry in _trace(number, thing)}
+
+
+def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
+    key, at = f"object.{thing.name}", f"scene.xml: body[@name='{thing.entry.body}']"
+    source = ["spec.scene.objects"]
+    rule = f"its body's, {thing.entry.origin_m:.4g} m above its lowest point, which is {thing.entry.where}"
+    place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}
+    entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
+    return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]

@@ -1,0 +1,1 @@
+"""What all kinds of scenes share when a world is built."""

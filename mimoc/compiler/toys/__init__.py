@@ -1,0 +1,1 @@
+"""Choice, shapes, mass and placement of toys."""

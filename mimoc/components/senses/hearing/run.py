@@ -1,0 +1,154 @@
+"""Hearing: what reaches the ears, as an infant of its age hears it."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from gymnasium.spaces import Box
+
+from mimoc.base.units import ms_to_s
+from mimoc.bundle.io import Bundle
+from mimoc.components.senses.hearing import HearingEntry
+from mimoc.components.senses.hearing.cochlea import REFERENCE_PA, Bands, band_centres_hz, thresholds_at
+from mimoc.components.senses.hearing.listener import Listener
+from mimoc.components.senses.hearing.playback import checked_playback
+from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
+from mimoc.runtime.sound import SoundSources
+from mimoc.runtime.voice import Voice
+
+WINDOW_S = 0.025
+"""Time over which levels of bands are means, weighted by a Hann window, as is usual for speech."""
+LOUDEST_PA, LOUDEST_DB = 20.0, 140.0
+"""Bounds of the observation: 120 dB, and what is above a threshold of adults then."""
+EARS = "left", "right"
+
+
+class Output(ABC):
+    """What is observed of the sound pressure at two ears."""
+
+    low: float
+    high: float
+
+    def __init__(self, bands: Bands, thresholds_db: FloatArray, has_thresholds: bool):
+        """Hear in some bands, with the threshold of each, or with none of all."""
+        self.bands, self.thresholds_db, self.has_thresholds = bands, thresholds_db, has_thresholds
+        self._least_pa = REFERENCE_PA * 10 ** (float(thresholds_db.min()) / 20)
+
+    @property
+    @abstractmethod
+    def names(self) -> list[str]:
+        """What each number of an ear is, with its unit."""
+
+    @abstractmethod
+    def __call__(self, pressure_pa: FloatArray) -> FloatArray:
+        """Return the numbers of each ear, shape (2, n), from the sound pressure of the window, (2, samples)."""
+
+    def is_silent(self, pressure_pa: FloatArray) -> bool:
+        """Return whether no sample is as large as the root mean square of what is just heard in any band."""
+        return bool(max(pressure_pa.max(), -pressure_pa.min()) < self._least_pa)
+
+    def above_threshold_db(self, pressure_pa: FloatArray) -> FloatArray:
+        """Return how far the level of each band is above its threshold, shape (2, channels)."""
+        return self.bands.levels_db(pressure_pa) - self.thresholds_db
+
+
+class Cochleagram(Output):
+    """How far the level of each band is above its threshold in [dB], or 0 below it."""
+
+    low, high = 0.0, LOUDEST_DB
+
+    @property
+    def names(self) -> list[str]:
+        """The centre of each band."""
+        return [f"{centre_hz:.0f} Hz [dB]" for centre_hz in self.bands.centres_hz]
+
+    def __call__(self, pressure_pa: FloatArray) -> FloatArray:
+        """Return the levels of all bands."""
+        if self.is_silent(pressure_pa):
+            return np.zeros((len(EARS), len(self.thresholds_db)))
+        return np.maximum(self.above_threshold_db(pressure_pa), 0.0)
+
+
+class Levels(Cochleagram):
+    """How far the level of the loudest band is above its threshold."""
+
+    @property
+    def names(self) -> list[str]:
+        """One number."""
+        return ["loudest band [dB]"]
+
+    def __call__(self, pressure_pa: FloatArray) -> FloatArray:
+        """Return the largest level of each ear."""
+        return super().__call__(pressure_pa).max(axis=1, keepdims=True)
+
+
+class Waveform(Output):
+    """The sound pressure of each sample in [Pa]; 0 of an ear at which no band is above its threshold."""
+
+    low, high = -LOUDEST_PA, LOUDEST_PA
+
+    @property
+    def names(self) -> list[str]:
+        """The number of each sample."""
+        return [f"{index} [Pa]" for index in range(len(self.bands.window))]
+
+    def __call__(self, pressure_pa: FloatArray) -> FloatArray:
+        """Return the samples of the window, which is as long as a control step."""
+        if not self.has_thresholds:
+            return pressure_pa.copy()
+        if self.is_silent(pressure_pa):
+            return np.zeros_like(pressure_pa)
+        return pressure_pa * (self.above_threshold_db(pressure_pa).max(axis=1, keepdims=True) > 0)
+
+
+OUTPUTS: dict[str, type[Output]] = {"cochleagram": Cochleagram, "levels": Levels, "waveform": Waveform}
+
+
+class Hearing(Sense):
+    """What both ears hear, the left one first, shape (2, n)."""
+
+    def __init__(self, output: Output, listener: Listener, head: int):
+        """Observe what a listener hears with ears on a body as an output."""
+        self.bodies = np.full(len(EARS), head, np.intp)
+        self.output, self.listener = output, listener
+        self.companion = listener
+        self.names = output.names
+        low, high = output.low, output.high
+        self.spaces = {"hearing": Box(low, high, (len(EARS), len(self.names)), np.float32)}
+
+    @property
+    def layout(self) -> tuple[str, ...]:
+        """What each number is."""
+        return tuple(f"{ear} {name}" for ear in EARS for name in self.names)
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return what is heard now, or since the last sample."""
+        return self.output(self.listener.heard(data)[:, -len(self.output.bands.window) :])
+
+    def observe(self, sample: Sample) -> Observation:
+        """Return the sample within its bounds."""
+        return {"hearing": sample.clip(self.output.low, self.output.high).astype(np.float32)}
+
+    def play(self, pressure_pa: Any, rate_hz: float, point_m: Sequence[float], body: int, data: mujoco.MjData) -> None:
+        """Let a recorded sound begin now; see `mimoc.InfantEnv.play`."""
+        self.listener.play(checked_playback(pressure_pa, rate_hz, point_m, body), data)
+
+    def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
+        """Hear companions, the infant's own voice, and those of others."""
+        self.listener.listen_to(sources, voice, others)
+
+
+def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
+    """Return the ears of *entry* in *model*."""
+    rate_hz = entry.sample_rate_hz
+    step = round(rate_hz * ms_to_s(bundle.manifest.step_ms))
+    window: Any = np.ones(step)
+    if entry.output != "waveform":
+        window = np.hanning(round(WINDOW_S * rate_hz) + 2)[1:-1]
+    centres_hz = band_centres_hz(entry.channels, rate_hz)
+    thresholds_db = thresholds_at(centres_hz, entry.threshold_hz, entry.threshold_db)
+    output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
+    kept = max(2 * step, len(window))  # As long as it can be between two samples of the sense.
+    return Hearing(output, Listener(entry, model, bundle, kept), model.body(entry.head).id)

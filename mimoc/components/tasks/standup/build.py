@@ -1,0 +1,237 @@
+"""The setup of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail.
+
+The rail is a bar across two posts, as high as that of a crib.
+"""
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.base.errors import UnsupportedTaskError
+from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis
+from mimoc.base.geometry.solvers import root
+from mimoc.base.units import deg_to_rad
+from mimoc.body.kinematics import FloatArray, frames, length_m, pose
+from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.body.tree import BodyTree
+from mimoc.compiler.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
+from mimoc.compiler.task_setup import Hold, Side, TaskSetup, joints_of, require
+from mimoc.components.tasks.standup import StandupEntry
+from mimoc.components.tasks.standup.build_grip import KNUCKLES, arm_to_bar, curled, grip_point
+from mimoc.schema.task_base import TaskSpec
+
+HALF_SPAN_IN_CHILDREN = 0.45
+"""From the middle of the rail to a post, for one length of the child: as far as an arm reaches to the side."""
+POST_RADIUS_M = 0.015
+WOOD = WorldMaterial("rail_wood", (0.82, 0.66, 0.46, 1.0))
+
+_ALONG_Y: Vec3 = (math.pi / 2, 0.0, 0.0)
+_UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Rail:
+    """A rail along y, on the floor at z = 0."""
+
+    x_m: float
+    height_m: float
+    """Of its middle."""
+    half_span_m: float
+    """From its middle to a post."""
+
+    @property
+    def furniture(self) -> Furniture:
+        """The bar and its posts."""
+        middle, size = (self.x_m, 0.0, self.height_m), (RAIL_RADIUS_M, self.half_span_m)
+        bar = WorldGeom("rail", "capsule", size, middle, _ALONG_Y, WOOD.name)
+        return Furniture((bar, self._post("left", 1.0), self._post("right", -1.0)), (WOOD,))
+
+    @property
+    def feet(self) -> tuple[Vec3, Vec3]:
+        """What its posts take up of the floor: discs by x, y and radius, in [m]."""
+        return (self.x_m, self.half_span_m, POST_RADIUS_M), (self.x_m, -self.half_span_m, POST_RADIUS_M)
+
+    def _post(self, name: str, side: float) -> WorldGeom:
+        middle, size = (self.x_m, side * self.half_span_m, self.height_m / 2), (POST_RADIUS_M, self.height_m / 2)
+        return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
+
+
+STEPS = 500
+"""Of an episode (MIMo)."""
+BASE_IN_CHILDREN = 0.2 / 0.82
+"""Height of the head that earns nothing, for one length of the child: at 18 months, 0.82 m long, 0.2 m (MIMo)."""
+STANDING = 0.85
+"""Share of the height of its head, when all joints are straight, from which on an infant stands."""
+
+SIDES: tuple[Side, Side] = ("right", "left")
+LEANING_BACK_DEG = 48.0
+"""Of the pelvis."""
+TURN = matrix_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
+"""World from hip of a seated infant, shape (3, 3)."""
+CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
+"""The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
+HIPS_DEG = range(-88, -101, -1)
+"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down.
+Further than the last, the legs of the youngest would touch the trunk."""
+STRETCHED = 0.96
+"""How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
+COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
+LOCKED = ("neck", "eyes", "left_hand", "right_hand")
+"""What neither stands up nor holds on, and would loll, and hands but for their wrists, which stay closed."""
+WRIST = ("hand1", "hand2", "hand3")
+_PRECISION_DEG = 1e-9
+
+
+@dataclass(frozen=True)
+class Seat:
+    """How an infant sits: upright is along z, as in the world, with the hip at x = y = 0."""
+
+    angles_rad: Mapping[str, float]
+    height_m: float
+    """Of the hip above the floor."""
+
+    def in_world(self, place_m: FloatArray) -> FloatArray:
+        """Return a place in the frame of the hip, shape (3,), as one in the world."""
+        return TURN @ place_m + (0.0, 0.0, self.height_m)
+
+    def in_hip(self, place_m: FloatArray) -> FloatArray:
+        """Return a place in the world, shape (3,), as one in the frame of the hip."""
+        return TURN.T @ (place_m - (0.0, 0.0, self.height_m))
+
+
+def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
+    """Return the setup of `standup`, or of a task that begins in the same way, which errors name.
+
+    Raises:
+        UnsupportedTaskError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its
+            hands at the rail.
+    """
+    require(
+        tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES.get(tree.hands, "fingers"), "foot"))
+    )
+    seat = _sit(tree, task.kind)
+    grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
+    child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
+    rail = Rail(_rail_x(tree, seat, grips, task.kind), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
+    wrists = {f"robot:{side}_{name}" for side in SIDES for name in WRIST}
+    return TaskSetup(
+        entry=StandupEntry(
+            steps=task.steps or STEPS,
+            head="head",
+            base_m=BASE_IN_CHILDREN * child_m,
+            success_m=STANDING * standing_m,
+        ),
+        start=_start(tree, seat, rail, grips),
+        commanded=joints_of(tree, *COMMANDED),
+        locked={*joints_of(tree, *LOCKED)} - wrists,
+        holds=tuple(Hold(f"{side}_hand", grips[side], turns=True) for side in SIDES),
+        furniture=rail.furniture,
+        taken=rail.feet,
+    )
+
+
+def _sit(tree: BodyTree, task: str) -> Seat:
+    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor.
+
+    Raises:
+        UnsupportedTaskError: If its feet cannot be flat on the floor.
+    """
+    for hip_deg in HIPS_DEG[:-1]:
+        with suppress(UnsupportedTaskError):
+            return _seat(tree, hip_deg, task)
+    return _seat(tree, HIPS_DEG[-1], task)
+
+
+def _seat(tree: BodyTree, hip_deg: float, task: str) -> Seat:
+    """Return how an infant sits with its hips at an angle.
+
+    Raises:
+        UnsupportedTaskError: If its feet cannot be flat on the floor then.
+    """
+    angles = {f"robot:{name}": deg_to_rad(angle) for name, angle in CURVED_DEG.items()}
+    angles |= {f"robot:{side}_hip1": deg_to_rad(hip_deg) for side in SIDES}
+    for side in SIDES:
+        angles |= curled(tree, side)
+    height_m = _depth(tree, angles, ("hip", "left_upper_leg", "right_upper_leg"))
+    for side in SIDES:
+        angles |= _flat_foot(tree, angles, side, LEANING_BACK_DEG - hip_deg, height_m, task)
+    return Seat(angles, height_m - CONTACT_DEPTH_M)
+
+
+def _depth(tree: BodyTree, angles_rad: Mapping[str, float], parts: tuple[str, ...]) -> float:
+    """Return how far below the hip some parts reach, in [m]."""
+    extents_m = pose(tree, angles_rad).reaches(TURN.T @ (0.0, 0.0, -1.0))
+    owners = [body.name for body in tree.bodies for _ in body.geoms]
+    return max(extent for extent, owner in zip(extents_m.tolist(), owners, strict=True) if owner in parts)
+
+
+def _flat_foot(
+    tree: BodyTree, angles_rad: Mapping[str, float], side: Side, thigh_deg: float, height_m: float, task: str
+) -> dict[str, float]:
+    """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
+
+    The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the
+    farther the knee is bent, the steeper is the shank and the deeper the foot.
+
+    Raises:
+        UnsupportedTaskError: If there is no such knee, or if the ankle does not bend down as far.
+    """
+    least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
+    ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
+    low, high = max(least_deg, thigh_deg + ankle_low_deg), min(most_deg, thigh_deg)
+
+    def leg(knee_deg: float) -> dict[str, float]:
+        knee, ankle = deg_to_rad(-knee_deg), deg_to_rad(knee_deg - thigh_deg)
+        return {f"robot:{side}_knee": knee, f"robot:{side}_foot1": ankle}
+
+    def too_deep_m(knee_deg: float) -> float:
+        return _depth(tree, {**angles_rad, **leg(knee_deg)}, (f"{side}_foot",)) - height_m
+
+    if too_deep_m(low) >= 0 and low > least_deg:
+        raise UnsupportedTaskError(
+            f"task '{task}' starts with flat feet; this infant's {side} ankle bends down by {-ankle_low_deg:.0f} deg, "
+            "which is not enough (infants whose development is 'maturing' stand up from 3 months on)"
+        )
+    if not too_deep_m(low) < 0 < too_deep_m(high):
+        raise UnsupportedTaskError(
+            f"task '{task}' starts with flat feet; this infant's {side} leg has the wrong length"
+        )
+    knee_deg = root(too_deep_m, low, high, _PRECISION_DEG)
+    return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
+
+
+def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3], task: str) -> float:
+    """Return how far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
+
+    Raises:
+        UnsupportedTaskError: If it is too high up for the arms.
+    """
+    seated, straight = frames(tree, seat.angles_rad), frames(tree, {})
+    distances_m = []
+    for side in SIDES:
+        origin, turn = straight[f"{side}_hand"]
+        arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
+        x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
+        above_m = rail_height(tree) - z_m
+        if STRETCHED * arm_m <= above_m:
+            raise UnsupportedTaskError(
+                f"task '{task}' starts with the hands at a rail; this infant's arms are too short"
+            )
+        distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
+    return min(distances_m)
+
+
+def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -> tuple[float, ...]:
+    """Return the infant on its seat, its hands at the rail, as qpos."""
+    angles = dict(seat.angles_rad)
+    seated = frames(tree, angles)
+    for side in SIDES:
+        along = (0.0, 1.0 if side == "right" else -1.0, 0.0)  # The thumbs are on the inside.
+        shoulder_y_m = float(seated[f"{side}_upper_arm"][0][1])
+        place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
+        angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
+    hinges = (angles.get(joint, 0.0) for joint in tree.joints)
+    return (0.0, 0.0, seat.height_m, *quaternion_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG)), *hinges)

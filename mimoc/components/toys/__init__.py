@@ -1,0 +1,1 @@
+"""Sources of toys, each in its own module or folder."""

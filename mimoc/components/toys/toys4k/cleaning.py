@@ -1,0 +1,200 @@
+"""Cleaning of a triangle mesh: finite coordinates, unit size, no duplicate or degenerate triangles.
+
+Faces are wound so that they face outwards, and decimation reduces their number.
+"""
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.errors import ToyError
+from mimoc.compiler.toys.shape import FloatArray, IntArray, Mesh, join
+
+GRID = 2**20 - 1
+"""Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""
+LEAST_SIZE = 1e-9
+"""Smallest ratio of the longest side to the distance from the origin: below it, only rounding errors are left."""
+LEAST_AREA = 1e-13
+"""Smallest area of a triangle, relative to the square of the longest side."""
+
+
+def clean(vertices: FloatArray, faces: IntArray) -> Mesh:
+    """Return a cleaned mesh with its lower corner at the origin, whose longest side is 1.
+
+    Args:
+        vertices: Shape (n, 3), of any scale; may contain values that are not finite.
+        faces: Shape (m, 3), valid indices of vertices.
+
+    Raises:
+        ToyError: If no triangle is left.
+    """
+    finite = np.logical_and.reduce(np.isfinite(vertices), axis=1)
+    mesh = only_used(vertices, faces[finite[faces].all(axis=1)])
+    if not len(mesh.faces):
+        raise ToyError("has no triangle whose vertices are all finite numbers")
+    mesh = tidy(merge(Mesh(_unit(mesh.vertices), mesh.faces)))
+    if not len(mesh.faces):
+        raise ToyError("has no surface: each of its triangles is a line or a point")
+    return Mesh(_unit(mesh.vertices), mesh.faces)
+
+
+def merge(mesh: Mesh) -> Mesh:
+    """Return a mesh of unit size with coincident vertices merged."""
+    x, y, z = np.round(mesh.vertices * GRID).astype(np.int64).T
+    _, first, place = np.unique((x << 40) | (y << 20) | z, return_index=True, return_inverse=True)
+    return Mesh(mesh.vertices[first], place[mesh.faces])
+
+
+def tidy(mesh: Mesh) -> Mesh:
+    """Return a mesh without degenerate or duplicate triangles, and without unused vertices."""
+    from trimesh.grouping import unique_rows
+
+    faces = mesh.faces[_areas(mesh) > LEAST_AREA]
+    first, _ = unique_rows(np.sort(faces, axis=1))
+    return only_used(mesh.vertices, faces[np.sort(first)])
+
+
+def only_used(vertices: FloatArray, faces: IntArray) -> Mesh:
+    """Return a mesh without unused vertices."""
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    return Mesh(vertices[used], (np.cumsum(used) - 1)[faces])
+
+
+def _areas(mesh: Mesh) -> npt.NDArray[np.float64]:
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+def _unit(vertices: FloatArray) -> FloatArray:
+    """Return vertices scaled to a longest side of 1, with the lower corner at the origin, without overflow."""
+    reach = np.abs(vertices).max()
+    shrunk = vertices / reach if reach else vertices
+    low = shrunk.min(axis=0)
+    size = (shrunk.max(axis=0) - low).max()
+    if size < LEAST_SIZE:
+        raise ToyError("has all its vertices at the same point")
+    return (shrunk - low) / size
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """A mesh and its shells, which are connected at edges of two triangles."""
+
+    mesh: Mesh
+    shells: IntArray
+    """Index of the shell of each face."""
+    closed: npt.NDArray[np.bool_]
+    """Whether the shell of each face is closed: all of its edges have two faces."""
+
+
+def face_outwards(mesh: Mesh) -> Surface:
+    """Return a mesh in which the faces of each shell are wound consistently, so that its volume is positive."""
+    from trimesh.graph import connected_component_labels
+    from trimesh.grouping import group_rows
+
+    count, starts, ends = len(mesh.faces), mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    keys = np.minimum(starts, ends) * len(mesh.vertices) + np.maximum(starts, ends)
+    edges = np.unique(keys, return_inverse=True)[1]
+    pairs = np.asarray(group_rows(edges, require_count=2))
+    a, b = pairs.T // 3
+    same = np.equal(*(starts < ends)[pairs].T).astype(np.intp)
+    links = np.concatenate([np.stack([a, b + count * same], 1), np.stack([a + count, b + count * (1 - same)], 1)])
+    labels = np.asarray(connected_component_labels(links, node_count=2 * count)).reshape(2, count)
+    _, shells = np.unique(labels.min(axis=0), return_inverse=True)
+    faces = _flipped(mesh.faces, labels[0] > labels[1])
+    faces = _flipped(faces, (_volumes(mesh.vertices, faces, shells) < 0)[shells])
+    shell_of_edge = np.repeat(shells, 3)
+    is_border = np.ones(3 * count, bool)
+    is_border[group_rows(shell_of_edge * len(edges) + edges, require_count=2)] = False
+    open_shells = np.union1d(shells[labels[0] == labels[1]], shell_of_edge[is_border])
+    return Surface(Mesh(mesh.vertices, faces), shells, ~np.isin(shells, open_shells))
+
+
+def from_both_sides(mesh: Mesh) -> Mesh:
+    """Return a mesh joined with a copy wound the other way, since MuJoCo renders triangles from the front only."""
+    return join([mesh, Mesh(mesh.vertices, mesh.faces[:, ::-1])])
+
+
+def _flipped(faces: IntArray, wrong: npt.NDArray[np.bool_]) -> IntArray:
+    return np.where(wrong[:, None], faces[:, ::-1], faces)
+
+
+def _volumes(vertices: FloatArray, faces: IntArray, shells: IntArray) -> FloatArray:
+    """Return the volume of each shell; an open shell is closed by joining its border to its middle."""
+    corners = vertices[faces]
+    sizes = np.bincount(shells)
+    middles = np.stack([np.bincount(shells, corners[..., axis].mean(axis=1)) / sizes for axis in range(3)], axis=1)
+    a, b, c = np.moveaxis(corners - middles[shells][:, None], 1, 0)
+    return np.bincount(shells, np.einsum("ij,ij->i", np.cross(a, b), c) / 6).astype(float)
+
+
+LARGE = 100_000
+"""Number of faces above which close vertices are merged before edges are collapsed."""
+FINE = (256, 128, 96, 64)
+"""Grid cells along the longest side; vertices in the same cell are merged."""
+COARSENESS = (0.75, 12)
+"""Factor on the number of cells from one attempt at clustering to the next, and number of attempts."""
+
+
+def has_simplifier() -> bool:
+    """Return whether fast_simplification (quadric decimation) is installed; without it, close vertices are merged."""
+    return find_spec("fast_simplification") is not None
+
+
+def decimate(mesh: Mesh, most_faces: int) -> Mesh:
+    """Return a mesh, whose longest side is at most 1, with at least one and at most the given number of faces."""
+    if len(mesh.faces) <= most_faces:
+        return mesh
+    simple = _collapsed(mesh, most_faces) if has_simplifier() else _clustered(mesh, most_faces)
+    good = 0 < len(simple.faces) <= most_faces and np.isfinite(simple.vertices).all()
+    return simple if good else _clustered(mesh, most_faces)
+
+
+def _collapsed(mesh: Mesh, most_faces: int) -> Mesh:
+    """Collapse the edges that change the shape least; if that gets stuck, merge close vertices first."""
+    from fast_simplification import simplify
+
+    simple = mesh if len(mesh.faces) <= LARGE else _joined(mesh, FINE[0])
+    for cells in FINE[1:]:
+        if len(simple.faces) > most_faces:
+            arrays = np.array(simple.vertices, order="C"), np.array(simple.faces, np.int32, order="C")
+            vertices, faces = simplify(*arrays, target_count=most_faces)[:2]
+            simple = tidy(Mesh(np.asarray(vertices, float), np.asarray(faces, np.intp)))
+        if len(simple.faces) <= most_faces:
+            break
+        simple = _joined(mesh, cells)
+    return simple
+
+
+def _clustered(mesh: Mesh, most_faces: int) -> Mesh:
+    """Merge all vertices in each cell of a grid, with larger and larger cells until there are few enough faces.
+
+    A surface crosses about 6 n² of n³ cells, with two faces each. If no surface is left before that (as with many
+    small, unconnected faces), the largest faces are kept.
+    """
+    factor, tries = COARSENESS
+    cells = (most_faces / 2) ** 0.5
+    for _ in range(tries):
+        simple = _joined(mesh, cells)
+        if 0 < len(simple.faces) <= most_faces:
+            return simple
+        cells *= factor
+    return _largest(mesh, most_faces)
+
+
+def _joined(mesh: Mesh, cells: float) -> Mesh:
+    """Return a mesh in which the vertices in each cell of a grid are replaced by their mean."""
+    x, y, z = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) * cells).astype(np.int64).T
+    _, place, counts = np.unique((x << 40) | (y << 20) | z, return_inverse=True, return_counts=True)
+    sums = [np.bincount(place, mesh.vertices[:, axis]) for axis in range(3)]
+    faces = place[mesh.faces]
+    a, b, c = faces.T
+    return tidy(Mesh(np.stack(sums, axis=1) / counts[:, None], faces[(a != b) & (b != c) & (c != a)]))
+
+
+def _largest(mesh: Mesh, most_faces: int) -> Mesh:
+    kept = np.sort(np.argsort(-_areas(mesh), kind="stable")[:most_faces])
+    return only_used(mesh.vertices, mesh.faces[kept])

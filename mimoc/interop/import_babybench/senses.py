@@ -1,0 +1,102 @@
+"""BabyBench's senses."""
+
+from typing import Any
+
+from mimoc.interop.import_babybench.regions import SINGLE_GROUPS, named, read_groups
+from mimoc.interop.settings import Settings, plain
+
+PROPRIOCEPTION = ("velocity", "torque", "limits", "actuation")
+QUANTITIES = {
+    "force_vector": "force_vector",
+    "force": "force_vector",
+    "force_vector_global": "force_vector_global",
+    "normal": "normal",
+    "normal_force": "normal",
+}
+RESPONSES = {"linear": "linear", "nearest": "nearest", "spread_linear": "linear", "spread_exponential": "linear"}
+"""MIMo's response functions."""
+NO_RESPONSE = {"spread_exponential": "no counterpart; converted to spread_linear"}
+DENSITIES = (0.1, 10.0)
+"""Range of the density of skin points in mimoc."""
+MAX_PX = 2048
+FOVY_DEG = (1.0, 170.0)
+
+
+def read_senses(settings: Settings) -> dict[str, Any]:
+    """Return the section `senses` of a spec."""
+    vestibular = {} if _switch(settings, "vestibular") else None
+    senses = {"proprioception": _proprioception(settings), "vestibular": vestibular}
+    senses |= {"touch": _touch(settings), "vision": _vision(settings)}
+    return {name: sense for name, sense in senses.items() if sense is not None}
+
+
+def _switch(settings: Settings, *names: str) -> bool | None:
+    """Return whether a sense is on, by any of the keys for it."""
+    forms = [form for name in names for form in (name, f"{name}_active", f"{name}_on", f"{name}_enabled")]
+    return settings.flag(*forms, *(f"use_{name}" for name in names))
+
+
+def _proprioception(settings: Settings) -> dict[str, Any] | None:
+    if _switch(settings, "proprioception", "proprio") is False:
+        settings.ignore("proprioception_", "proprio_")
+        return None
+    felt = {name: settings.flag(f"proprio_{name}", f"proprioception_{name}") for name in PROPRIOCEPTION}
+    for name, wanted in felt.items():
+        if wanted is False and (key := settings.find(f"proprio_{name}")):
+            settings.note(key, "excluded here; BabyBench's code ignores this key and includes it")
+    include = [name for name, wanted in felt.items() if wanted is not False]
+    return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
+
+
+def _touch(settings: Settings) -> dict[str, Any] | None:
+    on = _switch(settings, "touch")
+    scale = settings.find("touch_scale")
+    if on is False or (scale and settings.value(scale) in (0, 0.0) and settings.value(scale) is not False):
+        settings.ignore("touch_")
+        return None
+    density = _density(settings)
+    quantity = settings.choice("touch_function", "touch_quantity", meanings=QUANTITIES)
+    key = settings.find("touch_response", "touch_response_function")
+    response = settings.choice(key, meanings=RESPONSES) if key else None
+    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
+        settings.note(key, NO_RESPONSE[word])
+    regions = _skin(settings)
+    said = {"density": density, "quantity": quantity, "response": response, "regions": regions}
+    given = {key: value for key, value in said.items() if value is not None}
+    return None if regions == [] or not (on or given) else given
+
+
+def _density(settings: Settings) -> float | None:
+    """Return the density of skin points that corresponds to a scale of their distances."""
+    key = settings.find("touch_scale", "touch_scales")
+    scale = settings.number(key, low=0.001, high=1000) if key else None
+    if key is None or scale is None or scale == 1:
+        return None
+    lowest, highest = DENSITIES
+    density = float(f"{min(max(scale**-2, lowest), highest):.4g}")
+    limit = "" if lowest <= scale**-2 <= highest else f", mimoc's {'minimum' if scale > 1 else 'maximum'}"
+    settings.note(key, f"interpreted as a factor of the distance between skin points: density {density:g}{limit}")
+    return density
+
+
+def _skin(settings: Settings) -> list[str] | None:
+    """Return the groups with skin, None if all have skin."""
+    beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
+    beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
+    regions, with_skin = read_groups(settings, "touch_", ("which has none", "which has skin"), beside=beside)
+    return named(with_skin) if regions and with_skin != set(SINGLE_GROUPS) else None
+
+
+def _vision(settings: Settings) -> dict[str, Any] | None:
+    on = _switch(settings, "vision")
+    if on is False:
+        settings.ignore("vision_")
+        return None
+    size_px, width_px, height_px = (
+        settings.whole(*keys, low=1, high=MAX_PX)
+        for keys in (("vision_resolution", "vision_size"), ("vision_width",), ("vision_height",))
+    )
+    fovy_deg = settings.number("vision_fovy", "vision_fov", low=FOVY_DEG[0], high=FOVY_DEG[1])
+    said = {"width_px": width_px or size_px, "height_px": height_px or size_px, "fovy_deg": fovy_deg}
+    given = {key: value for key, value in said.items() if value is not None}
+    return {**given, "acuity": "off"} if on or given else None

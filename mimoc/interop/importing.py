@@ -1,0 +1,31 @@
+"""Conversion of other systems' configurations into specs."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from mimoc.base.errors import UnknownNameError
+from mimoc.interop.import_babybench import import_babybench
+from mimoc.interop.import_mimo import import_mimo
+from mimoc.interop.settings import Imported
+
+IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType(
+    {"babybench": import_babybench, "mimo": import_mimo}
+)
+"""Function that converts the configuration of each system."""
+
+
+def import_config(system: str, path: str | Path) -> Imported:
+    """Convert another system's configuration into a spec.
+
+    Args:
+        system: A key of `IMPORTERS`.
+        path: Path of the configuration.
+
+    Raises:
+        UnknownNameError: If there is no such system.
+        SpecError: If the configuration is invalid; the error lists all problems.
+    """
+    if system not in IMPORTERS:
+        raise UnknownNameError("format to import from", system, IMPORTERS)
+    return IMPORTERS[system](path)

@@ -1,0 +1,240 @@
+"""Inverse dynamics: joint torques for several objectives at once, in order of priority."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.classes import check_class
+from mimoc.base.errors import ControlError, UnknownNameError
+from mimoc.base.units import ms_to_s
+from mimoc.bundle.manifest import Manifest
+from mimoc.policies.control.dynamics import (
+    HELD,
+    ContactConstraints,
+    Dynamics,
+    JointLimit,
+    dynamics,
+    solve_within_limits,
+)
+from mimoc.policies.control.frames import Motion, find_frame
+from mimoc.policies.control.objectives import Objective
+from mimoc.policies.control.posture import Posture
+from mimoc.policies.control.priorities import LinearDemand, joined, size_of
+from mimoc.policies.control.torque_mapping import find_mapping
+from mimoc.runtime.actuation import Actuation, bind_actuation
+from mimoc.runtime.sense import FloatArray, IntArray
+
+BRAKING_PER_S = 20.0
+"""How fast a joint may approach the end of its range, by the way that is left."""
+MARGIN_RAD = 0.02
+"""How far from the end it is to stop."""
+
+
+class Joints:
+    """The n hinges that a controller moves."""
+
+    def __init__(self, names: Sequence[str], model: mujoco.MjModel, prefix: str = ""):
+        """Find hinges by their names, which have a prefix in the model."""
+        self.names = tuple(names)
+        self.indices: IntArray = np.array([model.joint(prefix + name).id for name in names], np.intp)
+        """In the model, shape (n,)."""
+        self.angles = model.jnt_qposadr[self.indices].astype(np.intp)
+        """Where their angles stand in the state, shape (n,)."""
+        self.speeds = model.jnt_dofadr[self.indices].astype(np.intp)
+        """Where their speeds do, shape (n,)."""
+        low_rad, high_rad = model.jnt_range[self.indices].T
+        limited, margin_rad = model.jnt_limited[self.indices] != 0, np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
+        self._low_rad = np.where(limited, low_rad + margin_rad, -np.inf)
+        self._high_rad = np.where(limited, high_rad - margin_rad, np.inf)
+
+    def bounds(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the largest acceleration with which each still stops in time, shape (n,) each.
+
+        They are those of a critically damped spring, so that a joint that keeps to them never passes its end.
+        """
+        angles_rad = data.qpos[self.angles]
+        braking = -2.0 * BRAKING_PER_S * data.qvel[self.speeds]
+        least = BRAKING_PER_S**2 * (self._low_rad - angles_rad) + braking
+        return least, BRAKING_PER_S**2 * (self._high_rad - angles_rad) + braking
+
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+"""The part of a state that determines accelerations."""
+
+Objectives = Sequence[Objective | Posture | Sequence[Objective]]
+"""Objectives, the most important first; those in a nested sequence share one priority."""
+
+
+class InverseDynamics:
+    """A controller: each call returns the action that its objectives require in the infant's present state.
+
+    An objective never disturbs those before it, and the remaining degrees of freedom follow the posture. Joints stop
+    before the ends of their ranges, and torques do not exceed the infant's strength. The controller only reads the
+    model and the data: their environment can be reset and set to any state. When the environment has changed its
+    scene, it has another model, which must be passed to `bind`.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0)
+        >>> infant, reach = env.unwrapped, mimoc.PositionTask("right_hand", target=(0.2, -0.1, 0.3))
+        >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, [reach, mimoc.Posture()])
+        >>> observation, reward, *_ = env.step(control())
+        >>> len(control.errors())  # That of the hand, [m].
+        1
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        manifest: Manifest,
+        objectives: Objectives = (),
+        joints: Sequence[str] | None = None,
+        loose: Sequence[str] = (),
+    ):
+        """Bind objectives to an infant.
+
+        Args:
+            model: The infant and its world, such as `env.unwrapped.model`.
+            data: Its state, which each call reads, such as `env.unwrapped.data`.
+            manifest: Manifest of its bundle, such as `env.unwrapped.manifest`; it must have motors or muscles.
+            objectives: `Reach`, `Align`, `LookAt`, or the `Posture` of some joints, the most important first; those in
+                a list or tuple share one priority. A `Posture` of all joints must be last, and is added if missing.
+            joints: Joints that are controlled; all others stay at rest. None means all commanded joints. In a world
+                with others, they are named as those of an infant that is alone, also in a `Posture`.
+            loose: Bodies that may slide on the ground, such as the feet of a sitting infant.
+
+        Raises:
+            ControlError: If the infant has servos, or an objective comes after the posture of all joints.
+            UnknownNameError: If a site, camera, body or joint does not exist.
+            TypeError: If the model is none.
+        """
+        check_class("InverseDynamics", model, "a model, such as env.unwrapped.model", mujoco.MjModel)
+        self._manifest = manifest
+        self._levels, self._posture = _in_order(objectives)
+        self._chosen = None if joints is None else tuple(dict.fromkeys([joints] if isinstance(joints, str) else joints))
+        self._loose = tuple(loose)
+        self.bind(model, data)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the controlled joints."""
+        return self._joints.names
+
+    def __call__(self) -> npt.NDArray[np.float32]:
+        """Return the action for the present state, one command for each actuator of the action."""
+        self._look()
+        limits_nm = self._torques.rest(self._model, self._data)
+        if not np.isfinite(self._state).all():  # The simulation became unstable; the episode is over.
+            return self._torques.command(np.zeros(len(limits_nm))).astype(np.float32)
+        now = dynamics(self._model, self._data, self._joints.speeds, self._supports.jacobian(self._data))
+        torques_nm = self._torques.strength_nm * self._shares(now)
+        return self._torques.command(np.clip(torques_nm, limits_nm[:, 0], limits_nm[:, 1])).astype(np.float32)
+
+    def bind(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Look up all names in a model: at the start, and whenever the environment has changed its scene.
+
+        Raises:
+            UnknownNameError: If a site, camera, body or joint does not exist.
+        """
+        manifest, self._observed = self._manifest, data
+        self._model, self._data = model, mujoco.MjData(model)
+        self._state = np.empty(mujoco.mj_stateSize(model, STATE))
+        actuation = bind_actuation(manifest.actuation, model)
+        self._joints = _find_allowed(self._chosen, actuation, model, manifest)
+        mapping, step_s = find_mapping(manifest.actuation.model), ms_to_s(manifest.step_ms)
+        self._torques = mapping(actuation, self._joints.indices, model, step_s)
+        self._present_rad = data.qpos[self._joints.angles]
+        postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
+        objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
+        self._frames = {objective: find_frame(objective.site, model, manifest.prefix) for objective in objectives}
+        self._members = {posture: posture.members(self.joints) for posture in postures}
+        loose = [find_frame(name, model, manifest.prefix).body for name in self._loose]
+        self._supports = ContactConstraints(model, manifest, [frame.body for frame in self._frames.values()], loose)
+
+    def errors(self) -> tuple[float, ...]:
+        """Return the present error of each objective, [m] or [rad], in order, without postures."""
+        self._look()
+        return tuple(objective.error(self._motion(objective)) for objective in self._frames)
+
+    def _look(self) -> None:
+        """Update the controller's copy of the state."""
+        mujoco.mj_getState(self._model, self._observed, self._state, STATE)
+        mujoco.mj_setState(self._model, self._data, self._state, STATE)
+        mujoco.mj_forward(self._model, self._data)
+
+    def _motion(self, objective: Objective) -> Motion:
+        return self._frames[objective].motion(self._model, self._data)
+
+    def _shares(self, now: Dynamics) -> FloatArray:
+        """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
+        turning, wanted = now.joint_limit(self._torques.strength_nm), self._wanted(now)
+        linear_demands = [
+            self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
+            for level in self._levels
+        ]
+        least, largest = self._joints.bounds(self._data)
+        return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
+
+    def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
+        """Return the accelerations that a posture demands."""
+        members = self._members[posture]
+        errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]
+        wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.speeds])
+        return turning.demand(members, wanted[members])
+
+    def _wanted(self, now: Dynamics) -> dict[Objective, LinearDemand]:
+        """Return the accelerations that each objective demands, without those whose frame is held by the world."""
+        motions = {objective: self._motion(objective) for objective in self._frames}
+        demands = {objective: objective.desired_acceleration(motion) for objective, motion in motions.items()}
+        if not demands:
+            return {}
+        jacobians = [demand.directions @ motions[objective].jacobian for objective, demand in demands.items()]
+        response, unheld, drift = now.response(np.concatenate(jacobians), self._torques.strength_nm)
+        linear_demands, first = {}, 0
+        for objective, demand in demands.items():
+            rows = slice(first, first := first + len(demand.accelerations))
+            wanted = demand.accelerations - demand.directions @ motions[objective].drift - drift[rows]
+            is_held = size_of(response[rows]) <= HELD * size_of(unheld[rows])
+            linear_demands[objective] = LinearDemand(response[rows] * (not is_held), wanted)
+        return linear_demands
+
+
+def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Posture], Posture]:
+    """Return the objectives by priority, then the posture."""
+    if not isinstance(objectives, Sequence):
+        raise ControlError("objectives come as a list, the most important first; write [objective] for one")
+    levels: list[Any] = [tuple(level) if isinstance(level, list) else level for level in objectives]
+    levels = [level if isinstance(level, (tuple, Posture)) else (level,) for level in levels if level != ()]
+    posture = levels.pop() if levels and _is_whole(levels[-1]) else Posture()
+    if any(map(_is_whole, levels)):
+        raise ControlError("a Posture of all joints leaves nothing free; make it the last objective")
+    if any(isinstance(objective, Posture) for level in levels if isinstance(level, tuple) for objective in level):
+        raise ControlError("a Posture shares its priority with nothing; take it out of the list that it is in")
+    return levels, posture
+
+
+def _is_whole(level: object) -> bool:
+    """Return whether this is a posture of all joints."""
+    return isinstance(level, Posture) and level.joints is None
+
+
+def driven_joints(actuation: Actuation, model: mujoco.MjModel, manifest: Manifest) -> tuple[str, ...]:
+    """Return the joints that the commanded actuators of an infant move, each once, as if it were alone."""
+    moved = model.actuator_trnid[actuation.actuators, 0].tolist()
+    return tuple(dict.fromkeys(manifest.of_infant(model.joint(joint).name) for joint in moved))
+
+
+def _find_allowed(
+    chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel, manifest: Manifest
+) -> Joints:
+    """Return the joints that may move, of those that actuators move."""
+    moved = driven_joints(actuation, model, manifest)
+    for name in chosen or ():
+        if name not in moved:
+            raise UnknownNameError("joint with an actuator", name, moved)
+    return Joints(moved if chosen is None else chosen, model, manifest.prefix)

@@ -1,0 +1,1 @@
+"""Delays of the signals between the body and its controller."""

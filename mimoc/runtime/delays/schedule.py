@@ -1,0 +1,332 @@
+"""The control step of an infant: commands applied and senses sampled with their delays, in whole physics steps.
+
+Signals on their way keep their content and their order while the delays of a growing infant change.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, TypeVar
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.state_form import check_form, checked_list, demand
+from mimoc.base.units import ms_to_s
+from mimoc.bundle.model import out_of_memory
+from mimoc.runtime.actuation import Actuation, numbers_of
+from mimoc.runtime.companion import Companions
+from mimoc.runtime.delays.jittered import JitteredCommands, JitteredSamples
+from mimoc.runtime.delays.signals import DelayedCommands, DelayedSamples, Mask
+from mimoc.runtime.delays.timing import Commands, Samples, Timing, within
+from mimoc.runtime.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
+from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
+from mimoc.runtime.sense_contract import check_sense
+from mimoc.runtime.voice import LOW, Voice
+
+Item = TypeVar("Item")
+
+
+def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
+    """Put the samples of a sense that are on their way into those with the delays of another age.
+
+    The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
+    there is room for more, the oldest is observed for longer. The former are left as they are.
+    """
+    plain = [group for group in former if isinstance(group, DelayedSamples)]
+    history = _history(plain) if len(plain) == len(former) else []
+    for index, group in enumerate(groups):
+        before = former[min(index, len(former) - 1)]
+        if isinstance(group, DelayedSamples) and history:
+            group.state = _resized(history, group.length + 1, history[0])
+        elif isinstance(group, JitteredSamples) and isinstance(before, JitteredSamples):
+            group.state = before.state
+        else:  # One delay varies and the other does not.
+            group.reset(before.arrived)
+
+
+def transfer_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
+    """Put the commands that are on their way into those with the delays of another age; see `transfer_samples`.
+
+    Where there is room for more, actuators keep their controls for longer.
+    """
+    for index, group in enumerate(groups):
+        before = former[min(index, len(former) - 1)]
+        if isinstance(group, DelayedCommands) and isinstance(before, DelayedCommands):
+            group.state = _resized(before.state, group.length, None)
+        elif isinstance(group, JitteredCommands) and isinstance(before, JitteredCommands):
+            group.state = before.state
+        else:
+            group.reset()
+
+
+def _resized(items: Sequence[Item], length: int, oldest: Item) -> list[Item]:
+    """Return the newest items, which are last, preceded by *oldest* as often as some are missing."""
+    kept = items[max(len(items) - length, 0) :]
+    return [*[oldest] * (length - len(kept)), *kept]
+
+
+def _history(groups: Sequence[DelayedSamples]) -> list[Sample]:
+    """Return the samples of a sense from the oldest to the newest, each number with the delay of its own group."""
+    longest = max(group.length for group in groups) + 1
+    lines = [(group.part, _resized(group.state, longest, group.arrived)) for group in groups]
+    return [_merged([(part, line[at]) for part, line in lines]) for at in range(longest)]
+
+
+def _merged(samples: Sequence[tuple[Mask | None, Sample]]) -> Sample:
+    """Return the parts of a sample together."""
+    if len(samples) == 1:
+        return samples[0][1]
+    merged = samples[0][1].copy()
+    for part, sample in samples[1:]:
+        merged[part] = sample[part]
+    return merged
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of a control step: commands are applied, physics steps are made, senses are sampled."""
+
+    commands: tuple[Commands, ...]
+    physics_steps: int
+    samples: tuple[tuple[str, tuple[Samples, ...]], ...]
+    """The senses to be sampled at the end, each once, by name, with the delays that the sample goes into."""
+
+
+class Schedule:
+    """What happens when in a control step: it is cut into segments wherever a command arrives or a sense is sampled.
+
+    It knows neither what is sensed nor how the infant is actuated: any `Sense` and any `Actuation` will do.
+    """
+
+    def __init__(
+        self,
+        senses: Mapping[str, Sense],
+        actuation: Actuation,
+        model: mujoco.MjModel,
+        timing: Timing,
+        streams: NoiseStreams | None = None,
+        companions: Companions | None = None,
+        voice: Voice | None = None,
+    ):
+        """Plan the control step, once, for senses, an actuation and companions that are bound to the model.
+
+        Raises:
+            ValueError: If a delay, its jitter or the control step is not a whole number of physics steps.
+        """
+        streams = streams or NoiseStreams(0)
+        self._model, self._senses, self._actuation, self._period = model, senses, actuation, timing.period
+        self.companions = companions or Companions({}, streams)
+        """What else acts; with any, a control step is cut at every physics step."""
+        self._samples = {
+            name: timing.samples(name, None if sense.bodies is None else within(model, sense.bodies), streams)
+            for name, sense in senses.items()
+        }
+        moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
+        self._commands = timing.commands(within(model, moved), actuation.actuators, streams)
+        self._voice, self._width = voice, len(actuation.low)
+        self._spoken = timing.further_commands(self._width, len(LOW), streams) if voice else []
+        self._commands += self._spoken
+        self._noisy = {
+            name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
+        }
+        self._motor_noise: NoisyMotors | None = None
+        if is_disturbed(timing.noise, actuation):
+            noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
+            self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
+        self._is_checked = False
+        self._jittered = [
+            line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
+        ]
+        is_jittered = self._jittered or any(isinstance(commands, JitteredCommands) for commands in self._commands)
+        self._segments = None if is_jittered else self._cut()
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded.
+
+        Raises:
+            KindError: If the first sample of a sense is not what the sense says.
+        """
+        if self._motor_noise:
+            self._motor_noise.reset(data)
+        for noise in self._noisy.values():
+            noise.reset()
+        for name, delayed in self._samples.items():
+            sample = self.disturb(name, self._senses[name](data), data)
+            if not self._is_checked:
+                check_sense(name, self._senses[name], sample)
+            for line in delayed:
+                line.reset(sample)
+        self._is_checked = True
+        for commands in self._commands:
+            commands.reset()
+        if self._voice:
+            self._voice.reset()
+
+    def controls(self, action: npt.ArrayLike, data: mujoco.MjData) -> FloatArray:
+        """Return the controls of an action, and behind them the commands of a voice, if there is one.
+
+        Raises:
+            ValueError: If the action is not one finite number for each of them.
+        """
+        if self._voice is None:
+            return self._actuation.controls(action, data)
+        numbers = numbers_of(action)
+        if numbers.shape != (self._width + len(LOW),) or not np.isfinite(numbers).all():
+            shape = (self._width + len(LOW),)
+            raise ValueError(f"expected a finite action of shape {shape}, got {numbers!r:.60} of shape {numbers.shape}")
+        return np.concatenate([self._actuation.controls(numbers[: self._width], data), numbers[self._width :]])
+
+    def step(self, action: npt.ArrayLike, data: mujoco.MjData) -> None:
+        """Go through one control step.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+            ModelError: If the physics needs more memory than the model has.
+        """
+        for segment in self.begin(self.controls(action, data)):
+            self.command(segment, data)
+            try:
+                mujoco.mj_step(self._model, data, segment.physics_steps)
+            except mujoco.FatalError as error:
+                raise out_of_memory(error) from None
+            self.sample(segment, data)
+
+    def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
+        """Take the controls of an action, and return the segments that the control step consists of."""
+        for commands in self._commands:
+            commands.begin(controls)
+        for samples in self._jittered:
+            samples.begin()
+        if self._motor_noise:
+            self._motor_noise.begin()
+        return self._segments or self._cut()
+
+    def command(self, segment: Segment, data: mujoco.MjData) -> None:
+        """Apply the commands that arrive at the start of a segment, and let companions act, before physics steps."""
+        noise = self._motor_noise
+        for commands in segment.commands:
+            if self._voice and commands in self._spoken:
+                commands.apply(self._voice.commanded)
+            else:
+                commands.apply(noise.commanded if noise else data.ctrl)
+        if noise:
+            noise(data, bool(segment.commands))
+        if self.companions:
+            self.companions.before_step(data)
+
+    def sample(self, segment: Segment, data: mujoco.MjData) -> None:
+        """Let companions see the state after a segment's physics steps, and sample the senses that are due then."""
+        if self.companions:
+            self.companions.after_step(data)
+        for name, delayed in segment.samples:
+            sample = self.disturb(name, self._senses[name](data), data)
+            for line in delayed:
+                line.send(sample)
+
+    @property
+    def samples(self) -> Mapping[str, Sequence[Samples]]:
+        """The samples of each sense on their way, by their delays."""
+        return self._samples
+
+    def is_noisy(self, name: str) -> bool:
+        """Return whether the samples of a sense have noise."""
+        return name in self._noisy
+
+    def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
+        """Return a sample that was read without noise, with noise."""
+        return self._noisy[name].at(data.time, sample) if name in self._noisy else sample
+
+    def observe(self) -> Observation:
+        """Return the samples that have arrived as an observation of new arrays."""
+        observation: Observation = {}
+        for name, sense in self._senses.items():
+            observation.update(sense.observe(arrived(self._samples[name])))
+        return observation
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The samples that have arrived, all signals on their way, and the noise."""
+        return {
+            "senses": {name: [line.state for line in delayed] for name, delayed in self._samples.items()},
+            "commands": [commands.state for commands in self._commands],
+            "noise": {name: noise.state for name, noise in self._noisy.items()},
+            "motor_noise": self._motor_noise and self._motor_noise.state,
+            **({"voice": self._voice.commanded} if self._voice else {}),
+        }
+
+    @state.setter
+    def state(self, state: Mapping[str, Any]) -> None:
+        for name, delayed in self._samples.items():
+            for line, kept in zip(delayed, state["senses"][name], strict=True):
+                line.state = kept
+        for commands, kept in zip(self._commands, state["commands"], strict=True):
+            commands.state = kept
+        for name, noise in self._noisy.items():
+            noise.state = state["noise"][name]
+        if self._motor_noise:
+            self._motor_noise.state = state["motor_noise"]
+        if self._voice:
+            self._voice.commanded = state["voice"]
+
+    def check(self, state: Mapping[str, Any], time_s: float) -> None:
+        """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s].
+
+        Raises:
+            ValueError: If they cannot be restored, or a KeyError if a sense is missing.
+        """
+        for name, delayed in self._samples.items():
+            where = f"signals.senses.{name}"
+            for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
+                line.check(kept, where)
+        if self._voice:
+            check_form(state["voice"], self._voice.commanded, "signals.voice")
+        where = "signals.commands"
+        on_their_way = checked_list(state["commands"], where, len(self._commands))
+        for commands, kept in zip(self._commands, on_their_way, strict=True):
+            commands.check(kept, where)
+        for name in self._noisy:
+            drawn_s = state["noise"][name][0]
+            demand(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
+
+    def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
+        """Go on with the signals on their way in the same infant at another age, whose schedule is left as it is."""
+        for name, delayed in self._samples.items():
+            transfer_samples(delayed, former._samples[name])
+        transfer_commands(self._commands, former._commands)
+        if self._voice and former._voice:
+            self._voice.commanded = former._voice.commanded.copy()
+        for name, noise in self._noisy.items():
+            if name in former._noisy:
+                noise.state = former._noisy[name].state
+        if self._motor_noise and former._motor_noise:
+            self._motor_noise.state = former._motor_noise.state
+        elif self._motor_noise:
+            self._motor_noise.reset(data)
+
+    def _cut(self) -> tuple[Segment, ...]:
+        """Return the segments of a control step; noise of commands and companions need each physics step."""
+        sampled = {after for delayed in self._samples.values() for line in delayed for after in line.sampled_after}
+        applied = {after for commands in self._commands for after in commands.applied_after}
+        single = range(self._period) if self._motor_noise or self.companions else ()
+        cuts = sorted({0, self._period, *sampled, *applied, *single})
+        return tuple(
+            Segment(
+                commands=tuple(commands for commands in self._commands if start in commands.applied_after),
+                physics_steps=end - start,
+                samples=tuple(
+                    (name, due)
+                    for name, delayed in self._samples.items()
+                    if (due := tuple(line for line in delayed if end in line.sampled_after))
+                ),
+            )
+            for start, end in pairwise(cuts)
+        )
+
+
+def arrived(delayed: Sequence[Samples]) -> Sample:
+    """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
+    if len(delayed) == 1:
+        return delayed[0].arrived
+    return _merged([(line.part, line.arrived) for line in delayed])

@@ -1,0 +1,1 @@
+"""Environments, opened from specs and bundles."""

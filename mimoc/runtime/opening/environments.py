@@ -1,0 +1,267 @@
+"""The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
+
+import os
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from mimoc.base.classes import PATH, check_class
+from mimoc.base.errors import BundleError, MimocError, check_name
+from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.manifest import MANIFEST
+from mimoc.bundle.variants import Variant, Variants
+from mimoc.render.environment import check_rendering
+from mimoc.runtime.env import InfantEnv
+from mimoc.schema import source
+from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.plugins import load_plugins
+from mimoc.schema.yaml_document import dump
+
+OPTIONS = ("render_mode", "width", "height", "task", "senses", "companions")
+"""What can be said of an environment, besides which infant it is of."""
+NO_INFANT = "mimoc/Infant-v0 needs an infant: give it as bundle=, a bundle or a spec, or the path of one"
+
+
+def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
+    """Return the environment of an infant, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does.
+
+    The infant can have another age whenever wanted: `env.unwrapped.grow(to=9.5)`, `reset(options={"age_months": 9.5})`.
+    Made from a spec, it can be given another scene whenever it is reset: `reset(options={"scene_seed": 7})`.
+
+    Args:
+        source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec. The folder
+            of a recording, such as `mimoc retarget` writes, stands for the infant that was recorded.
+        options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
+            the infant's task (see `mimoc.runtime.task`); `senses`, a dictionary of objects to sense with besides the
+            infant's senses (see `mimoc.runtime.custom_sense`); `companions`, a dictionary of objects that act in its
+            world besides the infant (see `mimoc.runtime.companion`); and `max_episode_steps` for Gymnasium.
+
+    Raises:
+        SpecError: If a spec cannot be built.
+        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
+        ModelError: If MuJoCo rejects the model.
+        RenderingError: If the infant has vision, and there is no OpenGL here.
+        UnknownNameError: If there is no such render mode or option.
+        KindError: If `task` or `senses` are not objects of the kind described there.
+        TypeError: If it is made from anything else.
+        ValueError: If pictures cannot have this size.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> observation, info = env.reset(seed=0)
+        >>> {name: array.shape for name, array in observation.items()}
+        {'proprioception': (295,), 'vestibular': (6,)}
+        >>> observation, info = env.reset(options={"age_months": 10})
+        >>> info["age_months"]
+        10.0
+    """
+    check_source("make", source)
+    check_rendering(options.get("render_mode"), options.get("width", 1), options.get("height", 1))
+    return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
+
+
+def check_source(function: str, source: object) -> None:
+    """Raise a TypeError unless something is what `make` takes, or some other function."""
+    check_class(function, source, "a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
+
+
+def open_infant(
+    bundle: Bundle | InfantSpec | Mapping[str, Any] | str | Path | None = None, **options: Any
+) -> InfantEnv:
+    """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
+
+    Here the keys of a spec are enough, so that a data set can say in JSON what it was recorded of.
+
+    Raises:
+        MimocError: If no infant is given, or an option is unknown; and as `make` does.
+    """
+    if bundle is None:
+        raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")
+    check_options(options)
+    if isinstance(bundle, Mapping):
+        bundle = InfantSpec.model_validate(dict(bundle))
+    return InfantEnv(**prepared(bundle), **options)
+
+
+open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
+
+
+def check_options(options: Iterable[str]) -> None:
+    """Check the names of an environment's options.
+
+    Raises:
+        UnknownNameError: If one is unknown, such as a key of the infant, which only its spec can say.
+    """
+    for name in options:
+        check_name("keyword of an environment (what the infant is like is said in its spec)", name, OPTIONS)
+
+
+def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> InfantEnv:
+    """Return the environment of a bundle, on request with scenes of other seeds, which are built from its spec.
+
+    Raises:
+        MimocError: If the bundle has no spec that can be built.
+    """
+    parts = _opened(bundle)
+    if other_scenes:
+        from mimoc.compiler.variants import SpecVariants, spec_of
+
+        parts["variants"] = SpecVariants(spec_of(bundle))
+    return InfantEnv(**parts, **options)
+
+
+def prepared(
+    source: Bundle | InfantSpec | str | Path, like: Variants | None = None, skin: bool | None = True
+) -> dict[str, Any]:
+    """Return what the environments of an infant are made of; see `make`.
+
+    Args:
+        source: The infant.
+        like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
+        skin: Whether it has a skin, if its spec does not say; None: if its eyes see it, as one of many.
+    """
+    check_source("an environment", source)
+    if isinstance(source, InfantSpec):
+        return _compiled(source, like, skin)
+    if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):
+        from mimoc.compiler import loading
+
+        return _compiled(loading.load_spec(source), like, skin)
+    return _opened(source if isinstance(source, Bundle) else _read(source))
+
+
+def make_task(
+    kind: str,
+    bundle: Bundle | str | Path | None = None,
+    age_months: float | None = None,
+    hands: str | None = None,
+    actuation: str | None = None,
+    **options: Any,
+) -> InfantEnv:
+    """Return the environment of a task, as `gymnasium.make("mimoc/Reach-v0", ...)` does.
+
+    Args:
+        kind: Name of the task.
+        bundle: The infant, as a bundle or the folder of one; if it was built for another task or none, it is compiled
+            again for this one. Left out, an average child with proprioception and the vestibular sense.
+        age_months: Age of that child; 18 if left out.
+        hands: Hands of that child: `mitten`, if left out, or `five_finger`.
+        actuation: Actuation model of that child; `torque` if left out.
+        options: For the environment; and keys of the task, such as `steps` and `hand`.
+
+    Raises:
+        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
+        SpecError: If there is no such child, or it cannot do this task.
+        MimocError: If a bundle is given, and an age, hands or an actuation model as well.
+    """
+    parts, rest = prepared_task(kind, bundle, age_months=age_months, hands=hands, actuation=actuation, **options)
+    check_options(rest)
+    return InfantEnv(**parts, **rest)
+
+
+def prepared_task(
+    kind: str, bundle: Bundle | str | Path | None = None, skin: bool | None = True, **options: Any
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
+    load_plugins()
+    keys = [key for key in TASKS.find(kind).spec.model_fields if key in options]
+    task_options = _given({key: options.pop(key) for key in keys})
+    child = _given({key: options.pop(key, None) for key in ("age_months", "hands", "actuation")})
+    task = {"kind": kind, **task_options}
+    if bundle is None:
+        return _compiled(_child(task, **child), skin=skin), options
+    if child:
+        raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
+    opened = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    if opened.manifest.task.kind == kind and not task_options:
+        return _opened(opened), options
+    from mimoc.compiler.variants import spec_of
+
+    return _compiled(spec_of(opened).with_(task=None).with_(task=task), skin=skin), options
+
+
+def _given(choices: dict[str, Any]) -> dict[str, Any]:
+    """Return what was chosen, numbers of NumPy's as Python's."""
+    chosen = {name: value for name, value in choices.items() if value is not None}
+    return {name: value.item() if hasattr(value, "item") else value for name, value in chosen.items()}
+
+
+def _opened(bundle: Bundle) -> dict[str, Any]:
+    """Return what an environment is made of: a bundle, and its variants of other ages."""
+    return {"bundle": bundle, "variants": BundleVariants(bundle)}
+
+
+def _compiled(spec: InfantSpec, like: Variants | None = None, skin: bool | None = True) -> dict[str, Any]:
+    """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
+    from mimoc.compiler.building import sees_skin
+    from mimoc.compiler.variants import SpecVariants
+
+    variants = SpecVariants(spec, skin=sees_skin(spec) if skin is None else skin)
+    variant = variants.own_like(like) if isinstance(like, SpecVariants) else variants.original
+    return {"bundle": variant, "variants": variants}
+
+
+def _read(path: str | Path) -> Bundle:
+    """Return the bundle in a folder, or that of the infant whose recording is in it."""
+    if not os.path.lexists(Path(path).expanduser() / MANIFEST):
+        from mimoc.recording.folder import read_infant
+
+        return read_infant(path)
+    return read_bundle(path)
+
+
+class BundleVariants:
+    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains.
+
+    The compiler is imported when an age is first asked for.
+    """
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: Bundle):
+        """Take a bundle."""
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the bundle."""
+        return BundleVariants, (self._bundle,)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in months as they stand in manifests.
+
+        Raises:
+            BundleError: If the bundle cannot be built at this age.
+        """
+        try:
+            return self._of_spec(age_months, scene_seed)
+        except MimocError as error:
+            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
+
+    @cached_property
+    def _of_spec(self) -> Variants:
+        from mimoc.compiler.variants import SpecVariants, spec_of
+
+        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
+
+
+def _child(
+    task: dict[str, Any], age_months: float = 18.0, hands: str = "mitten", actuation: str = "torque"
+) -> InfantSpec:
+    """Return the spec of an average child with a task."""
+    kind = task["kind"]
+    data = {
+        "mimoc": 1,
+        "name": kind,
+        "age_months": age_months,
+        "body": {"hands": hands},
+        "actuation": {"model": actuation},
+        "senses": {"proprioception": {}, "vestibular": {}},
+        "task": task,
+    }
+    return read_spec(source.parse(dump(data), f"<{kind}>"))

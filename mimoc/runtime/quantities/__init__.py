@@ -1,0 +1,1 @@
+"""Measuring of quantities while an infant acts."""

@@ -1,0 +1,323 @@
+"""What all tasks have in common while they run, and the task of an environment.
+
+That is the task of a bundle, or an object that a script passes instead, which needs no record.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import mujoco
+import numpy as np
+
+from mimoc.base.classes import class_name
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import check_custom_object, function_of
+from mimoc.base.state_form import check_form
+from mimoc.bundle.io import Bundle
+from mimoc.runtime.judgement import (
+    FORCES as FORCES,
+    NO_REWARD as NO_REWARD,
+    NOTHING as NOTHING,
+    Change as Change,
+    Judgement as Judgement,
+    Verdict as Verdict,
+    check_term_judgement,
+)
+from mimoc.runtime.model_fields import ModelField, rows_by_name
+from mimoc.runtime.sense import FloatArray, IntArray, Observation
+from mimoc.runtime.sense_contract import check_observation
+from mimoc.runtime.term import Term, stack_terms
+from mimoc.runtime.worlds import Worlds, worlds_of_one
+from mimoc.schema.components.tasks import TASKS
+
+
+class Task:
+    """What starts each episode and judges each control step.
+
+    A task judges by a term, which runs on one infant, on many and on a device alike. `bind` sets it:
+
+        @dataclass(frozen=True)
+        class HeadUpTerm(Term):
+            head: int               # Whole numbers say where, real ones how much; see `Term`.
+            goal_m: float
+
+            def __call__(self, worlds, action, memory):
+                height_m = worlds.xpos[:, self.head, 2]
+                return Judgement({"height": height_m}, success=height_m > self.goal_m)
+
+        class HeadUp(Task):
+            def bind(self, model, bundle):
+                self.term = HeadUpTerm(model.body(bundle.manifest.anatomy.head).id, 0.4)
+
+        env = mimoc.make("configs/nine_months.yaml", task=HeadUp(steps=500))
+
+    The term gets the worlds of k infants, their actions, shape (k, n), before these are clipped, and what the task
+    remembers of each, shape (k, ...) by name. A task that cannot be such an expression overrides `judge` instead, and
+    runs on the CPU only.
+
+    In this order, `bind` is called once for each model (at the start, and again when the scene changes); `start` at
+    each reset, when the infant is in its pose; `judge` after each control step; then `observe`. Look names up in
+    `bind` and keep indices. Draw random numbers only from the generator that `start` gets, so that a seed determines
+    an episode. An environment is saved by `get_state` and restored by `set_state`: keep in `memory` what the task
+    remembers within an episode, and declare in `model_fields` what it changes in the model.
+
+    Example:
+        >>> import mimoc
+        >>> class Still(mimoc.Task):
+        ...     def judge(self, data, action, effort):
+        ...         return mimoc.Judgement({"speed": -float(abs(data.qvel).max())})
+        >>> env = mimoc.make("nine_months.yaml", task=Still(steps=500))
+        >>> _ = env.reset(seed=0)
+        >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        >>> reward == info["reward_terms"]["speed"] < 0
+        True
+    """
+
+    term: Term | None = None
+    """Judges: `term(worlds, action, memory) -> Judgement` of k infants; None if `judge` does otherwise."""
+    _rows: Mapping[str, np.ndarray] = NOTHING
+    """What is remembered, with a leading axis of one infant."""
+    forced: IntArray = np.array([], np.intp)
+    """The bodies on which `judge` sets forces and torques, by a change of `FORCES`, shape (n,)."""
+    _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
+    _is_observed = False
+    """Whether what it observes was as its spaces say."""
+    _checked_term: Any = None
+    """The bound term whose first judgement was as it must be."""
+
+    def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
+        """Make a task.
+
+        Args:
+            steps: Control steps after which an episode is truncated. None is never; or, for a task that is passed as
+                an object, after those that the spec's task has, if any.
+            term: See `term`.
+            memory: What is remembered before the first episode.
+        """
+        self.steps, self.term = steps, term
+        self.remember(**memory)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Support copying and pickling: leave out what is bound to the data of an environment."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_checked_term")}
+
+    def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
+        """Look up names in a model; tasks that a bundle names are bound when they are made instead.
+
+        Args:
+            model: The infant and its world.
+            bundle: The `mimoc.Bundle` it comes from; `bundle.manifest` names the parts of the infant.
+        """
+
+    @property
+    def class_name(self) -> str:
+        """Module and class of the task, or of the object that it stands for, joined by a colon."""
+        return class_name(self)
+
+    @property
+    def memory(self) -> dict[str, np.ndarray]:
+        """What the task remembers of an infant within an episode, by name: arrays whose shapes and types never change.
+
+        What has the name of one of its `spaces` is observed.
+        """
+        return {name: values[0, ...] for name, values in self._rows.items()}  # Arrays, also of a single number.
+
+    @property
+    def spaces(self) -> Mapping[str, gymnasium.Space]:
+        """Space of each array that it adds to the observation, by name."""
+        return NOTHING
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """What `start` and `judge` change in the model; all else in it must stay as it is."""
+        return ()
+
+    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
+        """Start an episode.
+
+        Args:
+            data: A state that has just been reset, with all that follows from it (`mj_forward`). Whoever changes it
+                calls `mj_forward` afterwards.
+            generator: Source of all random numbers.
+        """
+
+    def observe(self) -> Observation:
+        """Return what it adds to the observation, as fresh arrays within `spaces`."""
+        return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
+
+    def check_observation(self) -> None:
+        """Check what it observes when its first episode starts.
+
+        Raises:
+            KindError: If it is not as its `spaces` say.
+        """
+        if not self._is_observed:
+            try:
+                observed = self.observe()
+            except KeyError as error:
+                raise KindError(f"task {self.class_name}: it observes {error}, which it does not remember") from error
+            check_observation(f"task {self.class_name}", observed, self.spaces)
+            self._is_observed = True
+
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
+        """Return the reward of the control step that has just been taken, and whether it ends the episode.
+
+        Args:
+            data: The state after it.
+            action: The action, shape (n,), before it is clipped.
+            effort: Returns the cost of the actuators' work in the last physics step (`InfantEnv.effort`).
+
+        Raises:
+            KindError: If a subclass neither overrides this nor sets a term, or the term's first judgement has not the
+                shapes that are expected.
+        """
+        if self.term is None:
+            if type(self) is not Task:
+                raise no_judge(self)
+            return NO_REWARD
+        term, worlds = self.term_of_one(data)
+        judgement: Judgement = term(worlds, np.asarray(action)[None], self._rows)
+        if self._checked_term is not term:
+            check_term_judgement(judgement, term, 1, self._rows, {FORCES, *rows_by_name(self.model_fields)})
+            self._checked_term = term
+        if judgement.memory:
+            self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
+        for name, change in judgement.changes.items():
+            if change.where[0]:
+                is_force = name == FORCES
+                array = getattr(data if is_force else data.model, name)
+                rows = self.forced if is_force else rows_by_name(self.model_fields)[name]
+                array[rows if change.column is None else (rows, change.column)] = change.values()[0]
+        return judgement.of_one()
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """What it remembers within an episode; it can be set.
+
+        Raises:
+            ValueError: If what is set has another form.
+        """
+        return self.memory
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        check_form(state, self.memory, "task")
+        self.remember(**{name: state[name] for name in self._rows})
+
+    def remember(self, **values: Any) -> None:
+        """Remember other values of an infant from now on, by name; they keep their types."""
+        types = {name: rows.dtype for name, rows in self._rows.items()}
+        self._rows = {**self._rows, **{name: np.array([value], types.get(name)) for name, value in values.items()}}
+
+    def term_of_one(self, data: mujoco.MjData) -> tuple[Any, Worlds]:
+        """Return the term as it runs on one infant, with its world, for `start` to compute as `judge` does."""
+        assert self.term is not None
+        if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
+            self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
+        return self._bound[2:]
+
+
+def no_judge(task: object) -> KindError:
+    """Return the error of a task that cannot judge."""
+    return KindError(
+        f"task {class_name(task)} has neither a method 'judge' of its own nor a 'term'; override judge(data, action, "
+        "effort), or set self.term in bind"
+    )
+
+
+@dataclass(frozen=True)
+class SquaredCommands(Term):
+    """Sum of squared commands, which are clipped to their ranges first, shape (k,); those of a voice do not count."""
+
+    low: FloatArray
+    """Least command of each actuator, shape (n,)."""
+    high: FloatArray
+    """Largest command of each actuator, shape (n,)."""
+
+    def __call__(self, worlds: Worlds, action: Any) -> Any:
+        """Return the sum of each infant for actions of shape (k, n)."""
+        of_actuators = action[:, : self.low.shape[-1]]
+        commands = worlds.xp.minimum(worlds.xp.maximum(of_actuators, self.low), self.high)
+        return worlds.xp.sum(commands * commands, axis=-1)
+
+
+def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:
+    """Return the task of a bundle, or an object that replaces it, with its names looked up in *model*.
+
+    Raises:
+        KindError: If the object is a class, or has no `judge`.
+    """
+    if custom is not None:
+        return CustomTask(custom, model, bundle)
+    entry = bundle.manifest.task
+    return function_of(TASKS[entry.kind].run, "bind")(entry, model, bundle)
+
+
+class CustomTask(Task):
+    """A task defined by a user's object, which is not part of a bundle.
+
+    The object has `judge(data, action, effort)`, which returns a `Judgement` or the reward alone. It can also have
+    `bind(model, bundle)`, called whenever a model was loaded; `start(data, generator)`, called at each reset;
+    `observe()` and `spaces`, its part of the observation; `steps`, after which an episode is truncated, without which
+    those of the bundle's task hold; `state`, a dictionary that can be read and set, with everything that it stores
+    within an episode; and, if it is a `Task`, a `term` that judges.
+    """
+
+    def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
+        """Bind the object to a model.
+
+        Raises:
+            KindError: If it is a class, has no `judge`, or limits episodes to no whole number of steps.
+        """
+        check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
+        if hasattr(custom, "bind"):
+            custom.bind(model, bundle)
+        steps: Any = getattr(custom, "steps", None)
+        self._custom = custom
+        if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 1):
+            what = f"task {self.class_name}: its 'steps' are {steps!r:.60}"
+            raise KindError(f"{what}; expected a whole number from 1, or None")
+        super().__init__(int(steps) if steps else bundle.manifest.task.steps, getattr(custom, "term", None))
+
+    @property
+    def class_name(self) -> str:
+        """Module and class of the object, joined by a colon."""
+        return class_name(self._custom)
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """Fields of the model that it changes."""
+        return getattr(self._custom, "model_fields", ())
+
+    @property
+    def spaces(self) -> Mapping[str, gymnasium.Space]:
+        """Spaces of its part of the observation."""
+        return getattr(self._custom, "spaces", {})
+
+    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
+        """Start an episode."""
+        if hasattr(self._custom, "start"):
+            self._custom.start(data, generator)
+
+    def observe(self) -> Observation:
+        """Return its part of the observation."""
+        return self._custom.observe() if hasattr(self._custom, "observe") else {}
+
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
+        """Return its judgement of a control step."""
+        judgement = self._custom.judge(data, action, effort)
+        if judgement is NO_REWARD:
+            raise no_judge(self._custom)
+        return judgement if isinstance(judgement, Judgement) else Judgement({"reward": judgement})
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """Everything that it stores within an episode."""
+        return getattr(self._custom, "state", {})
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        if hasattr(self._custom, "state"):
+            self._custom.state = state

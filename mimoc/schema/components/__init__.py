@@ -1,0 +1,1 @@
+"""The components that come with mimoc, by name: a table for each kind, open to plug-ins."""

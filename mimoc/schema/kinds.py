@@ -1,0 +1,233 @@
+"""Records of the kinds of components that an infant can have: all that mimoc must know of each, in one place.
+
+A record names the code of a component by module, so that each command imports only what it needs: the spec language is
+known without the compiler, and a bundle is opened without it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from mimoc.base.kinds import Code
+
+if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
+    from mimoc.schema.base import Model
+
+
+@dataclass(frozen=True, slots=True)
+class AgeTable:
+    """Delays by age, interpolated linearly."""
+
+    ages_months: tuple[float, ...]
+    ms: tuple[float, ...]
+    """To or from all of the body but the legs."""
+    legs_ms: tuple[float, ...] | None = None
+    """To or from legs and feet, where that differs."""
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseOption:
+    """The noise that a sense can have."""
+
+    unit: str
+    """Its unit, with which its key in the spec's `noise` ends: `deg` of `proprioception_deg`."""
+    about: str
+    """What the number is, for help."""
+    most: float
+    """Largest number that makes sense."""
+    run: Code
+    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples (`mimoc/runtime/noise/noise.py`)."""
+    by_age: tuple[tuple[float, float], ...] = ()
+    """Amounts by age in months, between which it is interpolated, where a spec can say `age`, or `adult`."""
+    adult: float = 0.0
+    """Amount of adults, where it can."""
+    source: str = ""
+    """Where these come from."""
+    low_pass_ms: float | None = None
+    """Time constant of amounts by age, where it is not that of all noise."""
+    is_recent: bool = False
+    """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
+
+
+@dataclass(frozen=True, slots=True)
+class SenseKind:
+    """A sense."""
+
+    name: str
+    """Key in the spec's `senses`, and with `_ms` in its `delays`."""
+    spec: "type[Model]"
+    """What a user can ask of it; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it."""
+    build: Code
+    """`build(spec, body) -> Placed`: what it adds to the MJCF, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Sense`: what reads it; imported when an environment is opened."""
+    organs: tuple[str, ...] = ()
+    """Parts of the body of which it requires at least one."""
+    paper_delay_ms: float = 50.0
+    """Delay with `preset: paper`; 50 ms is the middle one of the delays of the paper's reaching experiment."""
+    physiological_delay: AgeTable | None = None
+    """Delay with `preset: physiological`; None is no delay."""
+    noise: NoiseOption | None = None
+    """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
+    many: Code | None = None
+    """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
+    it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
+    is_recent: bool = False
+    """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
+    device: Code | None = None
+    """`bind(setup) -> DeviceReader` (`mimoc/runtime/device/signals.py`): what reads it on a device if it is no term."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActuationKind:
+    """An actuation model."""
+
+    name: str
+    """Value of the spec's `actuation.model`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, body, timestep_s) -> ActuationSetup`: the actuators, and what they leave of springs and dampers."""
+    run: Code
+    """`bind(entry, model) -> Actuation`: from an action to controls."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `actuation` under its name."""
+    command_is_effort: bool = True
+    """Whether a command of 0 is no effort and a larger one is more, so that noise can be a share of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskKind:
+    """A task."""
+
+    name: str
+    """Value of the spec's `task.kind`."""
+    spec: "type[Model]"
+    """What a user can ask of it: a section with `kind: Literal[name]`; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it, whose `kind` is a `Literal` with its name."""
+    build: Code
+    """`build(spec, body) -> TaskSetup`: how the infant starts and what the task adds to the world, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Task`: what starts episodes and judges each control step."""
+    scenes: tuple[str, ...] | None = None
+    """Kinds of scenes it can be in; None is all."""
+    poses: tuple[str, ...] | None = ()
+    """Values of `scene.pose` it can start from: none where it has a start of its own; None is all."""
+    step_ms: float = 10.0
+    """Control step, unless the spec gives one. `steps` and `*_steps` of the entry that `build` returns are of this
+    length; in a bundle with another control step, they are as many as last as long."""
+    defaults: Mapping[tuple[str, str], Any] = field(default_factory=dict)
+    """Values of other sections by section and key, such as `("scene", "pose")`, unless the spec gives them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneKind:
+    """A kind of scene."""
+
+    name: str
+    """Value of the spec's `scene.kind`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, occupant, wallpapers) -> BuiltScene`: the world before toys are put there."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene` under its name."""
+    has_floor: bool = True
+    """Whether toys can lie there."""
+    needs_footprint: bool = True
+    """Whether building it takes the floor that the infant covers in its poses."""
+    varies: bool = True
+    """Whether the seed changes more of it than its toys."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToySource:
+    """A source of toys."""
+
+    name: str
+    """Value of the spec's `scene.toys.source`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, folder) -> Toybox`: the toys there are; paths are relative to *folder*."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene.toys` under its name."""
+    needs_root: bool = False
+    """Whether it requires `scene.toys.root`, a folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectKind:
+    """A kind of objects in the infant's scene."""
+
+    name: str
+    """Value of `kind` of an entry of the spec's `scene.objects`."""
+    about: str
+    """One sentence for help."""
+    spec: "type[Model]"
+    """What a user can ask of it: an `ObjectSpec` (`mimoc/schema/object_base.py`) with `kind: Literal[name]`."""
+    build: Code
+    """`build(spec, surroundings) -> BuiltObject`: what it is made of, in a frame of its own, before it is placed."""
+    start: Code | None = None
+    """`start(spec, body, states) -> FurnitureStart`: how an infant starts on, in or at it; None if it never does."""
+    poses: tuple[str, ...] = ()
+    """Values of `scene.pose` in which it can start there."""
+    run: Code | None = None
+    """`bind() -> Companion`: what lets all objects of this kind act in a simulation (`mimoc/runtime/companion.py`),
+    as the companion of its name; None if MuJoCo alone moves them."""
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyKind:
+    """A policy that needs no training."""
+
+    name: str
+    """Value of `mimoc run --policy`."""
+    about: str
+    """One sentence for help."""
+    run: Code
+    """`bind(env) -> Policy`: from a random number generator and an observation to an action; with an `argument`,
+    `bind(env, text) -> Policy`."""
+    argument: str = ""
+    """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing. In square
+    brackets, it may be left out: then `bind(env)` is called."""
+    many: Code | None = None
+    """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/batch.py`),
+    also on a device. None: on the CPU, one infant after another; on a device, not at all."""
+    is_behaviour: bool = False
+    """Whether it is a behaviour: `run` is `bind(subject) -> Behaviour` (`mimoc/policies/behaviours/behaviour.py`), and
+    one controller does all behaviours of a sum."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExporterKind:
+    """A format that recordings are exported to."""
+
+    name: str
+    """Value of `mimoc export --to`."""
+    about: str
+    """What it is, in a few words for help."""
+    run: Code
+    """`export(recording, folder, progress)`: writes a recording, of which all episodes have control steps, into an
+    empty folder, and returns what the format cannot hold, one line each; `progress(done, total)` shows how far it is.
+    """
+    is_uniform: bool = False
+    """Whether all episodes must have the same observations and number of actuators, at least one, and control step."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionFormat:
+    """A format in which points on filmed infants are recorded."""
+
+    name: str
+    """Value of `--format` where recordings of points are read."""
+    about: str
+    """What it is, in a few words for help."""
+    recognise: Code
+    """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
+    read: Code
+    """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
+    *options* are `mimoc.motion.options.ReadOptions`; an `UnusableFileError` says what follows the path in an error."""

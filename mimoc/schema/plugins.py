@@ -1,0 +1,185 @@
+"""Kinds that others add: by entry points of installed distributions, or by a script."""
+
+import signal
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from functools import cache
+from importlib.metadata import EntryPoint
+from importlib.util import find_spec
+from types import FrameType
+from typing import get_type_hints
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from mimoc.anatomy.part import ReferencePart
+from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.parts import PARTS
+from mimoc.anatomy.parts.checking import check_parts
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import PLUGINS_VARIABLE, Code, Kinds, installed_entry_points
+from mimoc.base.quantities import QUANTITIES, Quantity
+from mimoc.schema import kinds
+from mimoc.schema.base import Model
+from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.components.exporters import EXPORTERS
+from mimoc.schema.components.motion import FORMATS
+from mimoc.schema.components.objects import OBJECTS
+from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.components.toys import TOY_SOURCES
+from mimoc.schema.composition import recompose
+
+Record = (
+    kinds.SenseKind
+    | kinds.ActuationKind
+    | kinds.TaskKind
+    | kinds.SceneKind
+    | kinds.ToySource
+    | kinds.ObjectKind
+    | PartKind
+    | kinds.PolicyKind
+    | kinds.ExporterKind
+    | kinds.MotionFormat
+    | Quantity
+)
+
+KINDS: dict[str, tuple[type, Kinds]] = {
+    "mimoc.senses": (kinds.SenseKind, SENSES),
+    "mimoc.actuation": (kinds.ActuationKind, ACTUATIONS),
+    "mimoc.tasks": (kinds.TaskKind, TASKS),
+    "mimoc.scenes": (kinds.SceneKind, SCENES),
+    "mimoc.toys": (kinds.ToySource, TOY_SOURCES),
+    "mimoc.objects": (kinds.ObjectKind, OBJECTS),
+    "mimoc.parts": (PartKind, PARTS),
+    "mimoc.policies": (kinds.PolicyKind, POLICIES),
+    "mimoc.quantities": (Quantity, QUANTITIES),
+    "mimoc.exporters": (kinds.ExporterKind, EXPORTERS),
+    "mimoc.motion": (kinds.MotionFormat, FORMATS),
+}
+"""The class and the table of records, by group of entry points."""
+IMPORT_LIMIT_S = 60.0
+"""Wall-clock time that a plug-in's import may take: an assumption, ten times what a first import of PyTorch takes."""
+
+
+class _ImportTimeoutError(BaseException):
+    """The import of a plug-in takes too long; not an `Exception`, which the plug-in's own code might catch."""
+
+
+def register(*records: Record) -> None:
+    """Add kinds from a script: from now on specs, bundles and commands of this process know them.
+
+    Args:
+        records: A record for each kind, such as a `TaskKind`.
+
+    Raises:
+        KindError: If something is no record, a field has the wrong type or names a module that does not exist, its
+            name is taken, or its keys do not fit into the spec language.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> from mimoc.schema.kinds import PolicyKind
+        >>> def bind(env):
+        ...     return lambda generator, observation: np.zeros(env.action_space.shape, np.float32)
+        >>> mimoc.register(PolicyKind("limp", "does nothing", bind))
+        >>> len(mimoc.evaluate(mimoc.make("reach.yaml", max_episode_steps=2), "limp", episodes=1))
+        1
+    """
+    for record in records:
+        _add(record, _table_of(record))
+
+
+@cache
+def load_plugins() -> None:
+    """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
+    for group in KINDS:
+        for entry_point in sorted(installed_entry_points().select(group=group), key=lambda point: point.name):
+            _load(entry_point)
+
+
+def _add(record: Record, table: Kinds, distribution: str = "") -> None:
+    """Add a record to its table and to the sections that depend on it, or to none of them."""
+    _check_fields(record)
+    if isinstance(record, PartKind):
+        check_parts(record)
+    table.add(record, distribution)
+    try:
+        recompose()
+    except Exception as error:  # Its classes are a stranger's; pydantic raises what it finds wrong with them.
+        table.remove(record.name)
+        recompose()
+        raise KindError(f"the {table.what} '{record.name}' does not fit into the spec language: {error}") from error
+
+
+def _check_fields(record: Record) -> None:
+    """Check that each field of a record has its type, and that the modules it names exist."""
+    types = get_type_hints(type(record), localns={"Model": Model, "ReferencePart": ReferencePart})
+    for field in fields(record):
+        value, key = getattr(record, field.name), f"{type(record).__name__}.{field.name}"
+        try:
+            TypeAdapter(types[field.name], config=ConfigDict(strict=True)).validate_python(value)
+        except ValidationError as error:
+            reason = error.errors()[0]["msg"]
+            raise KindError(f"{key} is {value!r:.60}: {reason[0].lower()}{reason[1:]}") from None
+        if types[field.name] == Code and isinstance(value, str) and not _exists(value):
+            raise KindError(f"{key} names the module '{value}', which does not exist")
+
+
+def _exists(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):  # Its package does not exist; it is no name.
+        return False
+
+
+def _load(entry_point: EntryPoint) -> None:
+    """Add the record that an entry point names, or warn that this is impossible."""
+    distribution = entry_point.dist.name if entry_point.dist else ""
+    try:
+        with _time_limit():
+            record = entry_point.load()
+        table = _table_of(record)
+        if table is not KINDS[entry_point.group][1]:
+            raise KindError(f"it is a {table.what}, which does not belong to the group '{entry_point.group}'")
+        _add(record, table, distribution)
+    except _ImportTimeoutError:
+        _warn(entry_point.name, distribution, f"importing it takes more than {IMPORT_LIMIT_S:g} s")
+    except (Exception, SystemExit) as error:  # Whatever a stranger's package does, mimoc goes on without it.
+        _warn(entry_point.name, distribution, str(error) if isinstance(error, KindError) else repr(error))
+
+
+def _warn(name: str, distribution: str, reason: str) -> None:
+    message = f"the plug-in '{name}' of '{distribution}' cannot be loaded: {reason}; it is left out"
+    warnings.warn(f"{message} ({PLUGINS_VARIABLE}=none leaves out all plug-ins)", stacklevel=3)
+
+
+@contextmanager
+def _time_limit() -> Iterator[None]:
+    """Raise `_ImportTimeoutError` after the limit, in the main thread, where alone Python can interrupt an import."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    former = signal.signal(signal.SIGALRM, _time_out)
+    signal.setitimer(signal.ITIMER_REAL, IMPORT_LIMIT_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, former)
+
+
+def _time_out(_signal: int, _frame: FrameType | None) -> None:
+    raise _ImportTimeoutError
+
+
+def _table_of(record: Record) -> Kinds:
+    for kind, table in KINDS.values():
+        if isinstance(record, kind):
+            return table
+    names = ", ".join(kind.__name__ for kind, _ in KINDS.values())
+    raise KindError(f"{record!r} is no record of a kind; pass one of {names}")

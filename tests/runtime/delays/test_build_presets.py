@@ -1,0 +1,93 @@
+"""The delays of an infant are those that its spec gives, else those of the preset."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from mimoc.anatomy.anatomy import assemble
+from mimoc.body.grow import grow_tree
+from mimoc.body.tree import remove_parts
+from mimoc.compiler.delays.presets import MOTOR_DELAY, PRESETS, delays
+from mimoc.fits import measure
+from mimoc.schema import InfantSpec
+from mimoc.schema.components.senses import SENSES
+from mimoc.schema.delays import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
+
+TABLES = {name: SENSES[name].physiological_delay for name in SENSES} | {MOTOR: MOTOR_DELAY}
+TREE = grow_tree(measure(9), assemble("mitten", False))
+
+
+def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
+    control = {"timestep_ms": timestep_ms, "step_ms": 2 * timestep_ms}
+    spec = {"mimoc": 1, "name": "x", "age_months": age_months, "delays": keys, "control": control}
+    spec["senses"] = {sense: {} for sense in SENSES}
+    return delays(InfantSpec.model_validate(spec), tree)
+
+
+def test_every_preset_of_the_language_and_every_signal_is_known():
+    assert tuple(PRESETS) == DelaysSpec.model_fields["preset"].annotation.__args__
+    assert {f"{signal}_ms" for signal in signals()} == DelaysSpec.model_fields.keys() - {
+        "preset",
+        "sensory_ms",
+        "processing",
+    }
+    assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs", "processing"}
+
+
+def test_there_is_no_delay_by_default():
+    assert entry() == DelaysEntry(legs=("right_upper_leg", "left_upper_leg"))
+
+
+def test_the_more_specific_key_takes_precedence():
+    found = entry(preset="physiological", sensory_ms=50, vision_ms=100)
+    assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100, 50, 50)]
+    assert found.motor == entry(preset="physiological").motor
+
+
+def test_no_delay_can_be_given_against_a_preset():
+    assert entry(preset="paper", vision_ms=0).vision == DelayEntry(ms=0)
+
+
+def test_the_preset_of_the_paper_is_50_ms_and_one_physics_step():
+    found = entry(preset="paper")
+    assert {getattr(found, sense).ms for sense in SENSES} == {50}
+    assert found.motor.ms == 5
+    assert entry(preset="paper", timestep_ms=2).motor.ms == 2
+
+
+@pytest.mark.parametrize(
+    ("age_months", "vision_ms", "touch_ms", "touch_legs_ms", "motor_ms", "motor_legs_ms"),
+    [(0, 245, 40, None, 30, 40), (1, 205, 35, 40, 30, 40), (3, 115, 25, 35, 25, 35), (24, 105, 20, 30, 20, 30)],
+)
+def test_physiological_delays_are_those_of_the_table(
+    age_months, vision_ms, touch_ms, touch_legs_ms, motor_ms, motor_legs_ms
+):
+    found = entry(age_months, preset="physiological")
+    assert found.vision == DelayEntry(ms=vision_ms)
+    assert found.touch == found.proprioception == DelayEntry(ms=touch_ms, legs_ms=touch_legs_ms)
+    assert found.motor == DelayEntry(ms=motor_ms, legs_ms=motor_legs_ms)
+    assert found.vestibular == DelayEntry(ms=10)
+
+
+@given(st.floats(0, 24), st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]))
+def test_older_is_never_slower(one, other, timestep_ms):
+    younger, older = (entry(age, timestep_ms, preset="physiological") for age in sorted((one, other)))
+    for signal in signals():
+        young, old = getattr(younger, signal), getattr(older, signal)
+        assert old.ms <= young.ms
+        assert (old.legs_ms or old.ms) <= (young.legs_ms or young.ms)
+
+
+@given(st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]), st.sampled_from(sorted(PRESETS)))
+def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_months, timestep_ms, preset):
+    found = entry(age_months, timestep_ms, preset=preset)
+    for signal, table in TABLES.items():
+        delay = getattr(found, signal)
+        for ms, measured_ms in ((delay.ms, table.ms), (delay.legs_ms or delay.ms, table.legs_ms or table.ms)):
+            assert ms / timestep_ms == pytest.approx(round(ms / timestep_ms))
+            if preset == "physiological":
+                assert abs(ms - np.interp(age_months, table.ages_months, measured_ms)) <= timestep_ms / 2 + 1e-9
+
+
+def test_an_infant_without_a_leg_has_one_leg():
+    assert entry(tree=remove_parts(TREE, ("left_upper_leg",))).legs == ("right_upper_leg",)
