@@ -23,7 +23,7 @@ from mimoc.cli.terminal import printable
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.bundle.world import WorldManifest
-    from mimoc.cli.doctor import Finding
+    from mimoc.cli.terminal import Finding
     from mimoc.compiler.explain import Explanation
     from mimoc.policies.rollout import Summary
     from mimoc.runtime.check import PoseCheck

@@ -9,12 +9,11 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, requires, version
 from importlib.util import find_spec
-from typing import NamedTuple
 
 import typer
 
 from mimoc.base.errors import problem_of_loading_mujoco
-from mimoc.cli.terminal import FAILED_CHECK
+from mimoc.cli.terminal import FAILED_CHECK, Finding
 
 EXTRAS: Mapping[str, str] = {
     "report": "plots and pages",
@@ -33,15 +32,6 @@ ESSENTIAL = "MuJoCo"
 """What nothing works without."""
 PATIENCE_S = 10.0
 """How long to wait for a program of the system."""
-
-
-class Finding(NamedTuple):
-    """What was found out about one thing."""
-
-    what: str
-    state: str
-    """`ok`, `none` if it is not here, or `broken`."""
-    text: str
 
 
 class AbsentError(Exception):
