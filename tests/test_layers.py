@@ -7,9 +7,6 @@ import pytest
 from support.rooms import FILES, FLOOR_OF, Import, all_imports, arrows, imports, module_graph, room_of, runs_up
 
 UP = {
-    ("schema", "components"),
-    ("bundle", "components"),
-    ("compiler", "components"),
     ("runtime", "components"),
     ("runtime", "recording"),
     ("runtime", "training"),

@@ -10,7 +10,6 @@ from mimoc.base.errors import BundleError
 from mimoc.base.kinds import Kinds
 from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
-from mimoc.components.tasks.free import FreeEntry
 from mimoc.schema.actuation import ActuationEntry
 from mimoc.schema.base import Model, omitting
 from mimoc.schema.caregiver import CaregiverEntry
@@ -40,7 +39,7 @@ from mimoc.schema.noise import NoiseEntry
 from mimoc.schema.object_base import ObjectEntry
 from mimoc.schema.plugins import load_plugins
 from mimoc.schema.senses import SensesEntry
-from mimoc.schema.task import task_entry_field
+from mimoc.schema.task import no_task, task_entry_field
 from mimoc.schema.task_base import TaskEntry
 
 MANIFEST_VERSION = 2
@@ -218,7 +217,7 @@ class Manifest(Model):
     """Noise of commands, senses and delays."""
     constraints: ConstraintsEntry = ConstraintsEntry()
     """Locked joints and welded bodies."""
-    task: TaskEntry = FreeEntry()
+    task: TaskEntry = no_task()
     """The task."""
     plugins: dict[Label, Label] = Field(default_factory=dict)
     """Distribution of each kind that is not mimoc's own, by section and name, such as `senses.sound`."""

@@ -200,11 +200,10 @@ def see(
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
-    from mimoc.components.senses.vision import build_comparison as comparison
+    from mimoc.components.senses.vision import VisionSpec, build_comparison as comparison
     from mimoc.components.senses.vision.preview import is_blank, preview
     from mimoc.render import picture_files
     from mimoc.render.picture_files import tile_pictures
-    from mimoc.schema import VisionSpec
 
     picture_files.check_picture_name(file)
     bundle = load_infant(infant)

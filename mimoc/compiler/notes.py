@@ -13,8 +13,6 @@ from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN
 from mimoc.compiler.toys.choosing import Toybox
-from mimoc.components.senses.touch import TouchSpec
-from mimoc.components.senses.vision import VisionSpec
 from mimoc.schema.base import dotted, given
 from mimoc.schema.body import FAT
 from mimoc.schema.components.actuation import ACTUATIONS
@@ -49,9 +47,9 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
         for key in ("acuity", "field_deg"):
             if getattr(impairments, key):
                 yield f"impairments.{key}", "senses.vision is off"
-    if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != TouchSpec().density:
+    if (touch := spec.senses.touch) and touch.spacing_cm and touch.density != type(touch)().density:
         yield "senses.touch.density", "senses.touch.spacing_cm gives the distances"
-    if touch and touch.channels and touch.quantity != TouchSpec().quantity:
+    if touch and touch.channels and touch.quantity != type(touch)().quantity:
         yield "senses.touch.quantity", "senses.touch.channels are observed in its place"
     adult = spec.scene.caregiver
     if adult and adult.answers and adult.answers.to == "vocalisation" and not spec.actuation.voice:
@@ -69,8 +67,8 @@ def _unused(spec: InfantSpec) -> Iterator[tuple[str, str]]:
                 yield f"scene.textures.{key}", f"scene.kind '{spec.scene.kind}' has no wallpaper"
 
 
-def _unused_of_vision(vision: VisionSpec) -> Iterator[tuple[str, str]]:
-    usual, is_off = VisionSpec(), vision.acuity == "off"
+def _unused_of_vision(vision: Any) -> Iterator[tuple[str, str]]:
+    usual, is_off = type(vision)(), vision.acuity == "off"
     is_plain = vision.contrast in ("linear", "mimo3", "off")
     follows_age = isinstance(vision.acuity, float) or vision.acuity == "age" or (is_off and not is_plain)
     if vision.acuity_profile != usual.acuity_profile and not follows_age:

@@ -1,7 +1,8 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,6 @@ from mimoc.compiler.task_setup import NO_TASK, TaskSetup, build_task
 from mimoc.compiler.toys.choosing import Toybox, choose_toys
 from mimoc.compiler.toys.objects import make_object
 from mimoc.compiler.toys.placing import Floor, ReachableFloor, place_toys
-from mimoc.components.toys.builtin import BUILTIN_TOYS
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 from mimoc.schema.components.scenes import SCENES
 from mimoc.schema.components.toys import TOY_SOURCES
@@ -40,12 +40,18 @@ from mimoc.schema.source import Source
 from mimoc.schema.toys import ToysSpec
 
 
+@cache
+def _builtin_toys() -> Toybox:
+    """Return all toys that come with mimoc."""
+    return function_of(TOY_SOURCES["builtin"].build, "build")(ToysSpec(), Path())
+
+
 @dataclass(frozen=True, slots=True)
 class SceneAssets:
     """The toys and wallpapers that scenes choose from."""
 
     wallpapers: Wallpapers = OWN_WALLPAPERS
-    toybox: Toybox = BUILTIN_TOYS
+    toybox: Toybox = field(default_factory=_builtin_toys)
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
@@ -66,7 +72,7 @@ def assets_of_scene(scene: SceneSpec, written: Source) -> SceneAssets:
         ceilings=(*CEILINGS.values(), *_own("ceiling", scene, written)),
         walls=(*WALLS.values(), *_own("wall", scene, written)),
     )
-    return SceneAssets(wallpapers, BUILTIN_TOYS if scene.toys is None else _toybox(scene.toys, written))
+    return SceneAssets(wallpapers, _builtin_toys() if scene.toys is None else _toybox(scene.toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:

@@ -11,8 +11,8 @@ from mimoc.base.kinds import function_of
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.furniture import BARE, Furniture, WorldMaterial
 from mimoc.compiler.mjcf.world import FreeObject, ObjectGeom
-from mimoc.components.tasks.free import FreeEntry
 from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.task import no_task
 from mimoc.schema.task_base import BallEntry, TaskEntry, TaskSpec
 
 Side = Literal["left", "right"]
@@ -55,7 +55,7 @@ class TaskSetup:
     """How far ahead of the infant the furniture is that it starts at."""
 
 
-NO_TASK = TaskSetup(FreeEntry())
+NO_TASK = TaskSetup(no_task())
 """Setup of an infant without a task."""
 
 

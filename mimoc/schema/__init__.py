@@ -5,13 +5,6 @@ from typing import TYPE_CHECKING
 from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
-    from mimoc.components.scenes.room.spec import RoomSpec as RoomSpec
-    from mimoc.components.senses.hearing import HearingSpec as HearingSpec
-    from mimoc.components.senses.pain import PainSpec as PainSpec
-    from mimoc.components.senses.proprioception import ProprioceptionSpec as ProprioceptionSpec
-    from mimoc.components.senses.touch import TouchSpec as TouchSpec
-    from mimoc.components.senses.vestibular import VestibularSpec as VestibularSpec
-    from mimoc.components.senses.vision import AcuitySpec as AcuitySpec, VisionSpec as VisionSpec
     from mimoc.schema.actuation import ActuationSpec as ActuationSpec
     from mimoc.schema.body import BodySpec as BodySpec, IndividualSpec as IndividualSpec, PartSpec as PartSpec
     from mimoc.schema.caregiver import AnswersSpec as AnswersSpec, CaregiverSpec as CaregiverSpec

@@ -2,13 +2,13 @@
 
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
-from mimoc.components.tasks.free import FreeEntry
 from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.task_base import TaskEntry
 
 
 def task_field() -> FieldInfo:
@@ -18,7 +18,12 @@ def task_field() -> FieldInfo:
 
 def task_entry_field() -> FieldInfo:
     """Return the field `task` of a manifest."""
-    return _one_of([kind.entry for kind in TASKS.values()], FreeEntry(), "The task.")
+    return _one_of([kind.entry for kind in TASKS.values()], no_task(), "The task.")
+
+
+def no_task() -> TaskEntry:
+    """Return what a manifest says of an infant without a task."""
+    return cast(TaskEntry, TASKS["free"].entry())
 
 
 def _one_of(sections: list[Any], default: Any, description: str) -> FieldInfo:

@@ -10,7 +10,8 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
+from mimoc.components.senses.touch import TouchSpec
+from mimoc.schema import BodySpec, as_written, read_spec, to_data
 from mimoc.schema.base import plain
 from mimoc.schema.source import parse
 from mimoc.schema.yaml_document import dump

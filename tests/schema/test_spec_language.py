@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from support.any_specs import LEAST, specs
 
 from mimoc.base.errors import SpecError
-from mimoc.schema import InfantSpec, VisionSpec, read_spec, to_data
+from mimoc.components.senses.vision import VisionSpec
+from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
 from mimoc.schema.yaml_document import dump
 

@@ -79,8 +79,7 @@ def arrows(found: list[Import]) -> dict[tuple[str, str], list[Import]]:
     """Return the pairs of rooms of which the first imports from the second, with these imports."""
     result = defaultdict(list)
     for each in found:
-        ends = room_of(each.module), room_of(each.target)
-        if each.name.startswith("mimoc") and ends[0] != ends[1]:
+        if each.name.startswith("mimoc") and (ends := (room_of(each.module), room_of(each.target)))[0] != ends[1]:
             result[ends].append(each)
     return result
 
@@ -107,9 +106,8 @@ def report() -> list[str]:
     top = [path for path in ROOT.iterdir() if not path.name.startswith((".", "__pycache__"))]
     up = {arrow: where for arrow, where in pairs.items() if runs_up(arrow)}
     lines = [
-        f"{sum(path.is_dir() for path in top)} folders and {sum(path.suffix == '.py' for path in top)} files at the top,"
-        f" {len(FILES)} files in all",
-        f"{len(FLOORS)} floors; {len(pairs)} arrows between rooms, {len(up)} of which run up; {len(circles(pairs))} circles",
+        f"{sum(path.is_dir() for path in top)} folders, {sum(path.suffix == '.py' for path in top)} files at the top",
+        f"{len(FLOORS)} floors, {len(pairs)} arrows between them, {len(up)} that run up, {len(circles(pairs))} circles",
     ]
     for (room, other), where in sorted(up.items()):
         lines += [f"{room} -> {other}", *sorted({f"  {each.module}:{each.line} imports {each.name}" for each in where})]

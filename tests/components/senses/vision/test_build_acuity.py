@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.components.senses.vision import VisionSpec
 from mimoc.components.senses.vision.build_acuity import (
     MAYER_1995_CPD,
     MIMO_V2_CPD,
@@ -13,7 +14,6 @@ from mimoc.components.senses.vision.build_acuity import (
     acuity_at,
     resolve_acuity,
 )
-from mimoc.schema import VisionSpec
 
 SALOMAO_1995_CPD = {2: 2.31, 3: 3.09, 4: 4.15, 6: 7.18, 8: 8.31, 10: 10.88, 12: 9.82, 18: 9.95, 24: 12.31, 30: 14.12}
 """Monocular, Salomão & Ventura 1995."""

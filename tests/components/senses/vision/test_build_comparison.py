@@ -2,9 +2,9 @@ import pytest
 
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.compiler.mjcf.sensor_sites import UNSEEN
+from mimoc.components.senses.vision import VisionSpec
 from mimoc.components.senses.vision.build_acuity import acuity_at
 from mimoc.components.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages, read_ages
-from mimoc.schema import VisionSpec
 
 
 def test_each_age_is_shown_as_seen_and_foveated_beside_what_is_drawn():
