@@ -47,6 +47,8 @@ class Companion:
 
     model_fields: Sequence[ModelField] = ()
     """What it changes in the model, once it is bound; all else in the model must stay as it is."""
+    attends_to_all: bool = False
+    """Whether there is one for all infants of a world, bound with the first of them, which hears each of them apart."""
     orders: Sequence[Mapping[str, Any]] = ()
     """What a script has asked it to do and has not begun, as plain data: recordings keep it, and give it back."""
 
@@ -82,6 +84,10 @@ class Companion:
 
     def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
         """Hear these sources from now on, which include itself, the infant's voice, and those of others."""
+        return
+
+    def listen_to_infants(self, voices: Mapping[str, tuple[SoundSources, Voice | None]]) -> None:
+        """Hear each of several infants, by name, from now on: what lets its companions sound, and its voice."""
         return
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:

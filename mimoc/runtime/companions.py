@@ -8,11 +8,11 @@ import mujoco
 
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
-from mimoc.components.companions.caregiver.run import NAME, Caregiver
 from mimoc.runtime.companion import Companion, Companions, SoundsOf, channel_of
 from mimoc.runtime.noise.noise import NoiseStreams
 from mimoc.runtime.sense import Sense
 from mimoc.runtime.voice import Voice
+from mimoc.schema.components.companions import COMPANIONS
 from mimoc.schema.components.objects import OBJECTS
 
 
@@ -60,14 +60,14 @@ def bind_companions(
     Raises:
         KindError: If one of them is none, or is a caregiver that is not the first infant's.
     """
-    companions, whole = dict[str, Companion](), world if bundle.manifest.prefix else bundle
-    if whole and whole.manifest.caregiver:
-        companions[NAME] = Caregiver()
+    whole = world if bundle.manifest.prefix else bundle
+    present = [name for name in COMPANIONS if whole and getattr(whole.manifest, name)]
+    companions: dict[str, Companion] = {name: function_of(COMPANIONS[name], "bind")() for name in present}
     for name, companion in custom.items():
         check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
-        if not whole and isinstance(companion, Caregiver):
+        if not whole and companion.attends_to_all:
             raise KindError(f"companion '{name}': a world has one caregiver; pass it with the first infant")
     own = {name for name, companion in custom.items() if type(companion) is not type(companions.get(name))}
     companions |= custom
@@ -76,7 +76,7 @@ def bind_companions(
     acting = {name: code for name in kinds if (code := OBJECTS[name].run)}
     companions |= {name: function_of(code, "bind")() for name, code in acting.items()}  # They see what others apply.
     for name, companion in companions.items():
-        is_shared = name in acting or isinstance(companion, Caregiver)
+        is_shared = name in acting or companion.attends_to_all
         companion.bind(model, whole if is_shared else bundle, streams[channel_of(name)])
     bound = Companions(
         companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}, own
@@ -94,7 +94,7 @@ def hear_each_other(infants: Mapping[str, Infant]) -> None:
         for sense in infant.senses.values():
             sense.listen_to(everywhere, infant.voice, others)
         for companion in infant.companions.values():
-            if isinstance(companion, Caregiver):
+            if companion.attends_to_all:
                 companion.listen_to_infants({key: (one.companions, one.voice) for key, one in infants.items()})
             else:
                 companion.listen_to(everywhere, infant.voice, others)

@@ -11,7 +11,6 @@ import torch
 import warp as wp
 from gymnasium.utils import seeding
 
-from mimoc.components.senses.vision.device.reader import VISION
 from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.device.arrays import put, where_worlds
@@ -22,6 +21,7 @@ from mimoc.runtime.model_fields import rows_by_name
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.sense import IntArray
 
+VISION = "vision"
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 Start = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]

@@ -9,17 +9,18 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import MimocError
+from mimoc.base.kinds import function_of
 from mimoc.base.state_form import demand
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant
-from mimoc.components.senses.vision.device.reader import VISION, NoVision
 from mimoc.runtime import growing
-from mimoc.runtime.device.initial_states import changed_rows
+from mimoc.runtime.device.initial_states import VISION, changed_rows
 from mimoc.runtime.device.states import PHYSICS
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.sense import IntArray, Sense
 from mimoc.runtime.spaces import check_same_space
+from mimoc.schema.components.senses import SENSES
 from mimoc.schema.object_base import names_of
 from mimoc.schema.object_moves import checked_moves
 
@@ -48,7 +49,8 @@ class StartingInfant(InfantEnv):
 
     def _former_senses(self) -> Mapping[str, Sense]:
         """Return senses that are kept when it is bound: its vision, which sees nothing."""
-        return {VISION: NoVision(), **super()._former_senses()}
+        on_device: Any = SENSES[VISION].device
+        return {VISION: function_of(on_device, "NoVision")(), **super()._former_senses()}
 
     @property
     def has_other_scenes(self) -> bool:

@@ -49,6 +49,8 @@ class Caregiver(Companion):
         [(0, 'show_face', 'happy'), (0, 'speak', None)]
     """
 
+    attends_to_all = True
+
     def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
         """Look up its bodies; see `Companion.bind`.
 
@@ -348,3 +350,8 @@ def offered_objects(manifest: Manifest | WorldManifest, model: mujoco.MjModel) -
         for name in names:
             offered.setdefault(name, Offered(index, max(reaches_m)))
     return offered
+
+
+def bind() -> Caregiver:
+    """Return the adult by an infant."""
+    return Caregiver()

@@ -128,7 +128,6 @@ def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:
         return matrix.coalesce().to(device)
 
 
-VISION = "vision"
 SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
 """What must be the same of all infants' vision."""
 
