@@ -3,7 +3,8 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.base.rounding import SIGNIFICANT_DIGITS, num, readable, rounded
+from mimoc.base.rounding import SIGNIFICANT_DIGITS, readable, rounded
+from mimoc.compiler.mjcf.printing import num
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 plain_data = st.recursive(

@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from json.encoder import encode_basestring
 from typing import Any
 
@@ -22,18 +22,6 @@ TENS = np.array([float(f"1e{exponent}") for exponent in range(23)])
 """The powers of ten that a float holds without error."""
 LEAST, LARGEST = 1e-13, 1e8
 """Numbers between these need no other power of ten to become integers of all significant digits."""
-
-
-def num(value: float | bool | Iterable[float]) -> str:
-    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false.
-
-    Numbers below the smallest normal float are zero: MuJoCo reads none of them.
-    """
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return f"{0.0 if -LEAST_NORMAL < value < LEAST_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
-    return " ".join(num(item) for item in value)
 
 
 def significant(value: float, digits: int) -> float:
@@ -61,12 +49,16 @@ def readable(value: float, digits: int = 3) -> str:
 def rounded(data: Any) -> Any:
     """Return plain data with every float rounded as it is in files."""
     if isinstance(data, float):
-        return float(num(data))
+        return _rounded(data)
     if isinstance(data, (list, tuple)):
         return [rounded(item) for item in data]
     if not isinstance(data, str) and isinstance(data, Mapping):  # The latter takes longer to tell.
         return {key: rounded(value) for key, value in data.items()}
     return data
+
+
+def _rounded(number: float) -> float:
+    return 0.0 if -LEAST_NORMAL < number < LEAST_NORMAL else float(f"{number:.{SIGNIFICANT_DIGITS}g}")
 
 
 def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -116,7 +108,7 @@ def _json(data: Any, levels: int, margin: str = "\n") -> str:
     if isinstance(data, float):
         if not math.isfinite(data):
             raise ValueError(f"{data} is not JSON compliant")
-        return repr(float(num(data)))
+        return repr(_rounded(data))
     if type(data) is int:  # Most of what a build writes.
         return repr(data)
     if levels == 0:

@@ -1,7 +1,7 @@
 """From a scene to MJCF text, by templates."""
 
 import pickle
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -14,7 +14,7 @@ from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, Stric
 from jinja2.bccache import Bucket
 from lxml import etree
 
-from mimoc.base.rounding import num
+from mimoc.base.rounding import LEAST_NORMAL, SIGNIFICANT_DIGITS
 from mimoc.compiler.mjcf.prefixing import with_pictures_apart
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import World
@@ -128,6 +128,18 @@ def environment() -> Environment:
     )
     result.filters["num"] = num
     return result
+
+
+def num(value: float | bool | Iterable[float]) -> str:
+    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false.
+
+    Numbers below the smallest normal float are zero: MuJoCo reads none of them.
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return f"{0.0 if -LEAST_NORMAL < value < LEAST_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
+    return " ".join(num(item) for item in value)
 
 
 class CompiledTemplates(FileSystemBytecodeCache):

@@ -9,7 +9,7 @@ from typing import Any
 
 from mimoc.base.errors import MissingExtraError
 from mimoc.base.quantities import measures as known_measures
-from mimoc.base.rounding import num
+from mimoc.base.rounding import SIGNIFICANT_DIGITS
 from mimoc.bundle.files import write_file
 from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import Result, Store
@@ -126,7 +126,11 @@ def _cell(value: Any) -> Cell:
 def _text(cell: Cell) -> str:
     if cell is None:
         return ""
-    return num(cell) if isinstance(cell, (bool, float)) else str(cell)
+    if isinstance(cell, bool):
+        return str(cell).lower()
+    return (
+        f"{cell + 0.0:.{SIGNIFICANT_DIGITS}g}" if isinstance(cell, float) else str(cell)
+    )  # The sum turns -0.0 into 0.
 
 
 def _array(cells: Sequence[Cell], pyarrow: Any) -> Any:
