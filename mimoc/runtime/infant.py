@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,7 +17,6 @@ from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.physics_state import time_of
-from mimoc.components.companions.caregiver.run import Caregiver
 from mimoc.runtime.actuation import Actuation, bind_actuation
 from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.closing import closable
@@ -33,14 +32,11 @@ from mimoc.runtime.model_fields import ModelFields
 from mimoc.runtime.noise.noise import NoiseStreams
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.observer import NO_OBSERVER, Observer
-from mimoc.runtime.sense import Observation, Sense
+from mimoc.runtime.sense import Observation, Sense, SkinState
 from mimoc.runtime.senses import bind_senses
 from mimoc.runtime.spaces import action_space, observation_space
 from mimoc.runtime.task import Task, bind_task
 from mimoc.runtime.voice import Voice
-
-if TYPE_CHECKING:  # Touch needs SciPy, which most environments do without.
-    from mimoc.components.senses.touch.run import SkinState
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"
@@ -203,15 +199,15 @@ class Infant:
         return self._binding.schedule.companions
 
     @property
-    def caregiver(self) -> Caregiver:
-        """The adult by the infant, the same for all infants of a world.
+    def caregiver(self) -> Any:
+        """The adult by the infant, a `mimoc.Caregiver`, the same for all infants of a world.
 
         Raises:
             MimocError: If there is none.
         """
         first, *_ = self.simulation.infants.values()
         companion = first.companions.get("caregiver")
-        if not isinstance(companion, Caregiver):
+        if companion is None or not companion.attends_to_all:
             raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
         return companion
 
@@ -246,7 +242,7 @@ class Infant:
         return tuple(map(of_infant, layout)) if self.manifest.prefix else layout
 
     @property
-    def skin(self) -> "SkinState":
+    def skin(self) -> SkinState:
         """The current positions, bodies and forces of all skin points, without delay.
 
         Raises:

@@ -23,6 +23,7 @@ sample arrives.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -137,3 +138,15 @@ class Vector(Sense):
         observed = np.maximum(sample, self.low)
         np.minimum(observed, self.high, out=observed)
         return {self.name: observed.astype(np.float32)}
+
+
+@dataclass(frozen=True, slots=True)
+class SkinState:
+    """Where the n points of a skin are, and the forces on them."""
+
+    bodies: npt.NDArray[np.str_]
+    """The name of each point's body, shape (n,)."""
+    positions: FloatArray
+    """Shape (n, 3), in the world, [m]."""
+    forces: FloatArray
+    """Shape (n, 3), in the world, [N]."""

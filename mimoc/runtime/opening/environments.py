@@ -10,12 +10,14 @@ import gymnasium
 
 from mimoc.base.classes import PATH, check_class
 from mimoc.base.errors import BundleError, MimocError, check_name
+from mimoc.base.kinds import function_of
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import MANIFEST
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
+from mimoc.schema.components.folders import RECORDING
 from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.plugins import load_plugins
@@ -209,9 +211,7 @@ def _compiled(spec: InfantSpec, like: Variants | None = None, skin: bool | None 
 def _read(path: str | Path) -> Bundle:
     """Return the bundle in a folder, or that of the infant whose recording is in it."""
     if not os.path.lexists(Path(path).expanduser() / MANIFEST):
-        from mimoc.recording.folder import read_infant
-
-        return read_infant(path)
+        return function_of(RECORDING, "read_infant")(path)
     return read_bundle(path)
 
 

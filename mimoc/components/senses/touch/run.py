@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import BundleError, RenderingError
@@ -19,7 +18,7 @@ from mimoc.components.senses.touch.contacts import FIELDS, ContactForces, contac
 from mimoc.components.senses.touch.receptors import Receptors, bind_receptors
 from mimoc.components.senses.touch.strokes import Stroking
 from mimoc.render.markers import Markers, force_markers
-from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense
+from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense, SkinState
 from mimoc.runtime.worlds import Worlds
 
 MAX_FORCE_N = 1e4
@@ -29,18 +28,6 @@ COLUMNS = np.arange(3)[:, None, None]
 
 Response = Callable[[Receptors, IntArray, FloatArray, FloatArray], tuple[IntArray, FloatArray]]
 """Which receptors respond to a contact, and how much each; see `Receptors.share`."""
-
-
-@dataclass(frozen=True, slots=True)
-class SkinState:
-    """Where the n points of a skin are, and the forces on them."""
-
-    bodies: npt.NDArray[np.str_]
-    """The name of each point's body, shape (n,)."""
-    positions: FloatArray
-    """Shape (n, 3), in the world, [m]."""
-    forces: FloatArray
-    """Shape (n, 3), in the world, [N]."""
 
 
 @dataclass(frozen=True, slots=True)
