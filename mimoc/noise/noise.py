@@ -23,11 +23,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import Actuation
+from mimoc.actuation.binding import Actuation, as_slice
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.base.units import ms_to_s
-from mimoc.delays.signals import as_slice
 from mimoc.delays.spec import MOTOR
 from mimoc.noise.spec import NoiseEntry, low_pass_key, noise_keys
 from mimoc.runtime.array_library import NUMPY

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from mimoc.delays.merging import merge_segments
 from mimoc.delays.schedule import Segment
-from mimoc.delays.timing import Samples
+from mimoc.delays.signals import DelayedSamples
 from mimoc.runtime.batch.physics import ThreadedPhysics
 from mimoc.runtime.batch.senses import BatchSense, Read
 from mimoc.runtime.env import InfantEnv
@@ -30,7 +30,7 @@ class Sampling:
     name: str
     infants: tuple[int, ...]
     read: Read
-    delayed: Sequence[tuple[Samples, ...]]
+    delayed: Sequence[tuple[DelayedSamples, ...]]
     """The delays that the sample of each infant goes into."""
     is_noisy: bool
 
@@ -128,7 +128,7 @@ class ControlStep:
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
         """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""
-        parts: defaultdict[tuple[str, int], dict[int, tuple[Samples, ...]]] = defaultdict(dict)
+        parts: defaultdict[tuple[str, int], dict[int, tuple[DelayedSamples, ...]]] = defaultdict(dict)
         for infant, segment in due:
             for name, delayed in segment.samples:
                 parts[name, self._senses[name].kinds[infant]][infant] = delayed
