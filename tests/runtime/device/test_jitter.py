@@ -8,7 +8,7 @@ from support.devices import DEVICE
 import mimoc
 from mimoc.base.random_streams import stream
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.lines import Delays, JitteredLine, Line
+from mimoc.runtime.device.lines import DelayLine, Delays
 from mimoc.runtime.device.noise import CounterRandom
 
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
@@ -19,7 +19,7 @@ def jittered(age_months: float) -> mimoc.Bundle:
     return store.built({"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys})
 
 
-def drawn_as_on_the_cpu(line: JitteredLine, signal: str, streams: list) -> object:
+def drawn_as_on_the_cpu(line: DelayLine, signal: str, streams: list) -> object:
     """Return random numbers from the streams of the CPU: one when an episode begins, then one for each physics step."""
 
     def draw(shape):
@@ -58,11 +58,11 @@ def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_d
     ours.close(), theirs.close()
 
 
-def a_line(worlds: int) -> JitteredLine:
+def a_line(worlds: int) -> DelayLine:
     """Return a line of two numbers that vary by up to 3 and 1 physics steps."""
     delays = Delays(np.array([[4, 1]]), np.array([[3, 1]]), np.array([[0, 1]]))
     chance = CounterRandom(put(np.arange(worlds)))
-    line = JitteredLine(delays, 2, put(np.zeros(worlds, int)), chance.uniforms_of(0))
+    line = DelayLine(delays, 2, put(np.zeros(worlds, int)), chance.uniforms_of(0))
     line.chance = chance
     return line
 
@@ -103,8 +103,9 @@ def test_a_history_goes_into_lines_with_other_delays_in_order():
     """The newest stay on their way; where there is room for more, the oldest is there for longer."""
     body = put(np.zeros(2, int))
 
-    def line_with(delay: int) -> Line:
-        return Line(Delays(np.array([[delay]]), np.zeros((1, 1), int), np.zeros((1, 1), int)), 2, body)
+    def line_with(delay: int) -> DelayLine:
+        delays = Delays(np.array([[delay]]), np.zeros((1, 1), int), np.zeros((1, 1), int))
+        return DelayLine(delays, 2, body, CounterRandom(body).uniforms_of(0))
 
     line = line_with(6)
     for clock in range(10):
