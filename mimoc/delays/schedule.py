@@ -160,7 +160,7 @@ class Schedule:
             else:
                 commands.apply(noise.commanded if noise else data.ctrl)
         if noise:
-            noise(data, bool(segment.commands))
+            noise(data)
         if self.companions:
             self.companions.before_step(data)
 

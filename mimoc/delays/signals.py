@@ -39,7 +39,8 @@ def number_arriving(time: Any, delay: Any, every: int) -> Any:
 
 def first_deviation(most: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
     """Return a deviation from -most to most, each with the same probability; see `next_deviation`."""
-    return _within(whole(drawn * (2 * most + 1)) - most, most)
+    deviation = whole(drawn * (2 * most + 1)) - most
+    return deviation - (deviation > most) * (deviation - most)  # Numbers of 32 bits may round up to 1.
 
 
 def next_deviation(deviation: Any, most: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
@@ -51,11 +52,8 @@ def next_deviation(deviation: Any, most: Any, drawn: Any, whole: Callable[[Any],
         drawn: A random number from 0 to less than 1.
         whole: Rounds such numbers down.
     """
-    return _within(deviation + whole(3 * drawn) - 1, most)
-
-
-def _within(deviation: Any, most: Any) -> Any:
-    return deviation - (deviation - most) * (deviation > most) - (deviation + most) * (deviation < -most)
+    deviation = deviation + whole(3 * drawn) - 1
+    return deviation - (deviation > most) * (deviation - most) - (deviation < -most) * (deviation + most)
 
 
 class Delay:
@@ -185,34 +183,34 @@ class DelayedCommands:
 
     def __init__(self, delay: Delay, control_steps: int, part: IntArray, actuators: IntArray):
         """Delay the commands with some indices, shape (n,), to these actuators, shape (n,)."""
-        self.delay, self._period, rest = delay, control_steps, delay.steps % control_steps
-        self._times = range(control_steps) if delay.most else (rest,)
-        self.applied_after: tuple[int, ...] = (rest,)
+        self.delay, self._period = delay, control_steps
+        self.applied_after: tuple[int, ...] = (delay.steps % control_steps,)
         """Physics steps of this control step after which commands arrive; always the same without jitter."""
         self._part, self._columns, self._actuators = part, as_slice(part), as_slice(actuators)
-        self._forget()
+        self._room = delay.steps // control_steps
+        self.state = [[], 0]
 
     def reset(self) -> None:
         """Forget all commands; the actuators keep their controls until a new one arrives."""
         self.delay.reset()
-        self._forget()
-
-    def _forget(self) -> None:
-        self._sent: list[FloatArray] = []
-        self._arriving: deque[FloatArray] = deque()
+        self.state = [[], self.delay.deviation]
 
     def begin(self, controls: FloatArray) -> None:
         """Take the controls of all actuators for the next control step, during which earlier ones arrive."""
         self._sent.append(controls)
-        self._arriving, delays, applied = deque(), self.delay.advance(self._period), list[int]()
-        for after in self._times:
-            ago = -number_arriving(after, delays[after], self._period)
-            if ago < len(self._sent):  # Else it has been applied.
+        if not self.delay.most:
+            if len(self._sent) > self._room:
+                self._arriving.append(self._sent.popleft())
+            return
+        applied = list[int]()
+        for after, delay in enumerate(self.delay.advance(self._period)):
+            kept = -number_arriving(after, delay, self._period)
+            if kept < len(self._sent):  # Else the command that has arrived by now was applied before.
                 applied.append(after)
-                self._arriving.append(self._sent[-1 - ago])
-                del self._sent[: len(self._sent) - ago]
-        if self.delay.most:
-            self.applied_after = tuple(applied)
+                while kept < len(self._sent):
+                    arrived = self._sent.popleft()
+                self._arriving.append(arrived)
+        self.applied_after = tuple(applied)
 
     def apply(self, controls: FloatArray) -> None:
         """Write the commands that arrive into the controls of the model, shape (nu,)."""
@@ -226,6 +224,8 @@ class DelayedCommands:
         controls for longer.
         """
         self.state = former.state
+        while not self.delay.most and len(self._sent) > self._room:
+            self._sent.popleft()
 
     @property
     def state(self) -> list[Any]:
@@ -235,11 +235,13 @@ class DelayedCommands:
     @state.setter
     def state(self, state: list[Any]) -> None:
         sent, self.delay.deviation = state
-        self._sent, self._arriving = list(sent), deque()
+        self._sent: deque[FloatArray] = deque(sent)
+        self._arriving: deque[FloatArray] = deque()
 
     def check(self, state: object, where: str) -> None:
         """Check a state; see `check_form`."""
         sent, deviation = checked_list(state, where, 2)
+        demand(self.delay.most > 0 or len(checked_list(sent, where)) <= self._room, where, sent)
         for controls in checked_list(sent, where):
             check_controls(controls, self._part, where)
         check_form(deviation, 0, where)
