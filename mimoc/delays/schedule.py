@@ -18,20 +18,11 @@ from mimoc.base.state_form import check_form, checked_list, demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import out_of_memory
 from mimoc.companions.companion import Companions
-from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask, carry_on
+from mimoc.delays.signals import DelayedCommands, DelayedSamples, carry_on
 from mimoc.delays.timing import Timing, within
 from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
 from mimoc.senses.contract import check_sense
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
-
-def _merged(samples: Sequence[tuple[Mask | None, Sample]]) -> Sample:
-    """Return the parts of a sample together."""
-    if len(samples) == 1:
-        return samples[0][1]
-    merged = samples[0][1].copy()
-    for part, sample in samples[1:]:
-        merged[part] = sample[part]
-    return merged
 
 
 @dataclass(frozen=True)
@@ -275,6 +266,9 @@ class Schedule:
 
 def arrived(delayed: Sequence[DelayedSamples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
-    if len(delayed) == 1:
-        return delayed[0].arrived
-    return _merged([(line.part, line.arrived) for line in delayed])
+    sample = delayed[0].arrived
+    if len(delayed) > 1:
+        sample = sample.copy()
+        for line in delayed[1:]:
+            sample[line.part] = line.arrived[line.part]
+    return sample

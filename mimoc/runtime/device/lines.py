@@ -3,8 +3,9 @@
 A signal is sent every e physics steps, and a delay line is a ring of slots for as many of these times as the longest
 delay takes, and one more. The signal with the number i is in the slot i modulo their number, so that a reset only fills
 all slots. Without jitter, e is the control step, and a sense is sampled before the end of a control step by the rest of
-its delay, so that its samples arrive at the end of one; with jitter, it is sampled after each physics step. With control
-steps of 2 physics steps and a delay of 5, whose rest is 1, there are 3 slots:
+its delay, so that its samples arrive at the end of one; with jitter, it is sampled after each physics step.
+
+With control steps of 2 physics steps and a delay of 5, whose rest is 1, there are 3 slots:
 
     time       0   1   2   3   4   5   6   7   8
     sampled        a       b       c       d          into the slots 0, 1, 2, 0
