@@ -207,9 +207,8 @@ class DelayedCommands:
             kept = -number_arriving(after, delay, self._period)
             if kept < len(self._sent):  # Else the command that has arrived by now was applied before.
                 applied.append(after)
-                while kept < len(self._sent):
-                    arrived = self._sent.popleft()
-                self._arriving.append(arrived)
+                self._arriving.append(self._sent[-1 - kept])
+                self._keep(kept)
         self.applied_after = tuple(applied)
 
     def apply(self, controls: FloatArray) -> None:
@@ -224,7 +223,11 @@ class DelayedCommands:
         controls for longer.
         """
         self.state = former.state
-        while not self.delay.most and len(self._sent) > self._room:
+        if not self.delay.most:
+            self._keep(self._room)
+
+    def _keep(self, count: int) -> None:
+        while len(self._sent) > count:
             self._sent.popleft()
 
     @property
