@@ -77,8 +77,8 @@ class Schedule:
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._is_checked = False
-        self._jittered = [line for delayed in self._samples.values() for line in delayed if line.delay.most]
-        is_jittered = self._jittered or any(commands.delay.most for commands in self._commands)
+        self._jittered = [line for delayed in self._samples.values() for line in delayed if line.delay.jitter]
+        is_jittered = self._jittered or any(commands.delay.jitter for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:

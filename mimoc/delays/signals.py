@@ -1,20 +1,21 @@
 """Signals on their way: samples of senses to observations, and commands to actuators.
 
-Times and delays are in physics steps. What arrives at a time t was sent at the latest at t - d(t), and if signals are
-sent at the times 0, e, 2 e ..., it is the one with the number floor((t - d(t)) / e). With e = 3 and d = 4:
+Times and delays are in physics steps. A signal that is sent at s with a delay d arrives at s + d: at a time t, the
+latest arrived signal is the last one that was sent by t - d(t). If signals are sent at the times 0, e, 2 e ..., it is
+the one with the number floor((t - d(t)) / e). With e = 3 and d = 4:
 
     t        0   1   2   3   4   5   6   7   8
     sent     0           1           2
-    arrives  -   -   -   -   0   0   0   1   1
+    arrived  -   -   -   -   0   0   0   1   1
 
-A delay with jitter is d + x, where the deviation x changes in each physics step: it grows by 1, shrinks by 1 or stays,
-each with probability 1/3, and stays at its bounds -m and m instead of leaving them. All values from -m to m are equally
-likely at any time, so that the mean of x is 0 and its standard deviation the root of m (m + 1) / 3. As a delay never
-grows faster than time passes, no signal overtakes an earlier one.
+A delay with jitter m is d + x, where the deviation x is a random walk: in each physics step it grows by 1, shrinks by 1
+or stays, with probability 1/3 each, and stays at its bounds -m and m instead of leaving them. All values from -m to m
+are equally likely at any time, so that the mean of x is 0 and its standard deviation the root of m (m + 1) / 3. As a
+delay never grows faster than time passes, no signal overtakes an earlier one.
 
-`number_arriving`, `first_deviation` and `next_deviation` are these laws, for Python's numbers and for arrays of any
-library: the classes here are for one infant on the CPU and keep references, and a `DelayLine` of
-`mimoc.runtime.device.lines` keeps the numbers of many infants in arrays.
+`number_arriving`, `first_deviation` and `next_deviation` are these laws, for numbers of Python and for arrays of any
+library. The classes of this module serve one infant on the CPU and keep references to samples and commands: 0.1 us for
+each, where arrays take 20. `mimoc.runtime.device.lines` serves many infants and keeps their numbers in arrays.
 """
 
 from collections import deque
@@ -37,46 +38,46 @@ def number_arriving(time: Any, delay: Any, every: int) -> Any:
     return (time - delay) // every
 
 
-def first_deviation(most: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
-    """Return a deviation from -most to most, each with the same probability; see `next_deviation`."""
-    deviation = whole(drawn * (2 * most + 1)) - most
-    return deviation - (deviation > most) * (deviation - most)  # Numbers of 32 bits may round up to 1.
+def first_deviation(jitter: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
+    """Return a deviation from -jitter to jitter, all with the same probability; see `next_deviation`."""
+    deviation = whole(drawn * (2 * jitter + 1)) - jitter
+    return deviation - (deviation > jitter) * (deviation - jitter)  # Products of 32 bits may round up.
 
 
-def next_deviation(deviation: Any, most: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
-    """Return the deviation of a delay a physics step later.
+def next_deviation(deviation: Any, jitter: Any, drawn: Any, whole: Callable[[Any], Any] = int) -> Any:
+    """Return the deviation of a delay one physics step later.
 
     Args:
-        deviation: That of now.
-        most: Its largest size.
+        deviation: The present one.
+        jitter: Its largest size.
         drawn: A random number from 0 to less than 1.
-        whole: Rounds such numbers down.
+        whole: Rounds non-negative numbers down: `int`, or its counterpart for arrays.
     """
     deviation = deviation + whole(3 * drawn) - 1
-    return deviation - (deviation > most) * (deviation - most) - (deviation < -most) * (deviation + most)
+    return deviation - (deviation > jitter) * (deviation - jitter) - (deviation < -jitter) * (deviation + jitter)
 
 
 class Delay:
-    """How long the signals of a channel take, in physics steps."""
+    """The delay of one channel of an infant, in physics steps."""
 
-    def __init__(self, steps: int, most: int = 0, streams: NoiseStreams | None = None, channel: str = ""):
-        """Let a delay of some steps deviate by *most* of them, not more than it has, by the stream of a channel."""
-        self.steps, self.most, self._streams, self._channel = steps, most, streams or NoiseStreams(0), channel
+    def __init__(self, steps: int, jitter: int = 0, streams: NoiseStreams | None = None, channel: str = ""):
+        """Let a delay of *steps* deviate by up to *jitter*, which is not more, by the random stream of its channel."""
+        self.steps, self.jitter, self._streams, self._channel = steps, jitter, streams or NoiseStreams(0), channel
         self.deviation = 0
-        """How much longer than its mean it is now."""
+        """The present deviation from its mean."""
 
     def reset(self) -> None:
-        """Begin with any deviation."""
-        if self.most:
-            self.deviation = first_deviation(self.most, self._streams[self._channel].random())
+        """Draw a first deviation."""
+        if self.jitter:
+            self.deviation = first_deviation(self.jitter, self._streams[self._channel].random())
 
     def advance(self, physics_steps: int) -> list[int]:
-        """Return the delay after each of some physics steps."""
-        if not self.most:
+        """Return the delay after each of the next physics steps."""
+        if not self.jitter:
             return [self.steps] * physics_steps
         delays = []
         for drawn in self._streams[self._channel].random(physics_steps).tolist():
-            self.deviation = next_deviation(self.deviation, self.most, drawn)
+            self.deviation = next_deviation(self.deviation, self.jitter, drawn)
             delays.append(self.steps + self.deviation)
         return delays
 
@@ -84,8 +85,8 @@ class Delay:
 class DelayedSamples:
     """The samples of a sense, or of some of its numbers, on their way to observations.
 
-    A sense is sampled only when the sample will be observed: with jitter, the delay of an observation is drawn before
-    the earliest time at which it could be sampled. With control steps of 4 physics steps and a delay of 6:
+    A sense is sampled only at times that will be observed: with jitter, the delay of an observation is drawn before the
+    earliest time at which its sample could be taken. With control steps of 4 physics steps and a delay of 6:
 
         time      0       4       8       12
         sampled   |   a   |   b   |   c   |
@@ -111,8 +112,8 @@ class DelayedSamples:
 
     @property
     def _room(self) -> int:
-        """How many observations have their sample already, that of now included, which vary with jitter."""
-        return 1 if self.delay.most else self.delay.steps // self._period + 1
+        """Number of observations whose samples have been taken, the present one included; with jitter, at the start."""
+        return 1 if self.delay.jitter else self.delay.steps // self._period + 1
 
     def begin(self) -> None:
         """Plan when the sense is sampled in the next control step, where that varies."""
@@ -130,7 +131,7 @@ class DelayedSamples:
 
     def send(self, sample: Sample) -> None:
         """Take a new sample, for each observation that it is due for."""
-        if not self.delay.most:
+        if not self.delay.jitter:
             self._taken.append(sample)
             self._taken.popleft()
             return
@@ -140,13 +141,13 @@ class DelayedSamples:
             del self._planned[0]
 
     def carry_on(self, former: "DelayedSamples") -> None:
-        """Put the samples on their way at another age into this delay.
+        """Continue with the samples that were on their way with the delay of another age.
 
-        The newest stay on their way, as many as there is room for; the one before them has arrived. Where there is room
-        for more, the oldest is observed for longer.
+        Without jitter, the newest stay on their way, as many as this delay has room for, and the one before them has
+        arrived; if there is room for more, the oldest is observed for longer. With jitter, all stay.
         """
         self.state = former.state
-        if not self.delay.most:
+        if not self.delay.jitter:
             missing = self._room - len(self._taken)
             self._taken.extendleft([self.arrived] * missing)
             self._taken = deque(list(self._taken)[-self._room :])
@@ -154,7 +155,7 @@ class DelayedSamples:
 
     @property
     def state(self) -> list[Any]:
-        """The samples of the observations of now and later, when those are taken that have not been, the deviation."""
+        """The samples of the present and later observations, the times of those not taken yet, and the deviation."""
         return [list(self._taken), list(self._planned), self.delay.deviation]
 
     @state.setter
@@ -165,9 +166,9 @@ class DelayedSamples:
     def check(self, state: object, where: str) -> None:
         """Check a state; see `check_form`."""
         taken, planned, deviation = checked_list(state, where, 3)
-        for sample in checked_list(taken, where, None if self.delay.most else self._room):
+        for sample in checked_list(taken, where, None if self.delay.jitter else self._room):
             check_form(sample, self.arrived, where)
-        for after in checked_list(planned, where, None if self.delay.most else 0):
+        for after in checked_list(planned, where, None if self.delay.jitter else 0):
             check_form(after, 0, where)
         check_form(deviation, 0, where)
         observed = [(len(taken) + number) * self._period for number in range(len(planned))]
@@ -198,7 +199,7 @@ class DelayedCommands:
     def begin(self, controls: FloatArray) -> None:
         """Take the controls of all actuators for the next control step, during which earlier ones arrive."""
         self._sent.append(controls)
-        if not self.delay.most:
+        if not self.delay.jitter:
             if len(self._sent) > self._room:
                 self._arriving.append(self._sent.popleft())
             return
@@ -217,13 +218,13 @@ class DelayedCommands:
             controls[self._actuators] = self._arriving.popleft()[self._columns]
 
     def carry_on(self, former: "DelayedCommands") -> None:
-        """Put the commands on their way at another age into this delay.
+        """Continue with the commands that were on their way with the delay of another age.
 
-        The newest stay on their way, as many as there is room for; where there is room for more, actuators keep their
-        controls for longer.
+        The newest stay on their way, as many as this delay has room for; if there is room for more, actuators keep
+        their controls for longer.
         """
         self.state = former.state
-        if not self.delay.most:
+        if not self.delay.jitter:
             self._keep(self._room)
 
     def _keep(self, count: int) -> None:
@@ -244,14 +245,14 @@ class DelayedCommands:
     def check(self, state: object, where: str) -> None:
         """Check a state; see `check_form`."""
         sent, deviation = checked_list(state, where, 2)
-        demand(self.delay.most > 0 or len(checked_list(sent, where)) <= self._room, where, sent)
+        demand(self.delay.jitter > 0 or len(checked_list(sent, where)) <= self._room, where, sent)
         for controls in checked_list(sent, where):
             check_controls(controls, self._part, where)
         check_form(deviation, 0, where)
 
 
 def carry_on(groups: Sequence[Any], former: Sequence[Any]) -> None:
-    """Put the samples of a sense, or the commands, on their way into those with the delays of another age."""
+    """Continue with the samples of a sense, or the commands, that were on their way with the delays of another age."""
     for index, group in enumerate(groups):
         group.carry_on(former[min(index, len(former) - 1)])
 
