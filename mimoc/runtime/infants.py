@@ -25,4 +25,17 @@ def infants_of(function: str, env: Any) -> dict[str, InfantView]:
         return dict(inside.infants)
     if isinstance(inside, BatchEnv):
         return {str(number): infant for number, infant in enumerate(inside.infants)}
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(infant, InfantEnv) for infant in several):
+        return {str(number): infant for number, infant in enumerate(several)}
     raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")
+
+
+def simulation_of(infant: InfantView) -> Any:
+    """Return what simulates an infant: its world, which others may share, or, if it is alone, its own environment."""
+    return getattr(infant, "simulation", infant)
+
+
+def infants_beside(infant: InfantView) -> dict[str, InfantView]:
+    """Return all infants of the simulation that an infant is in, by name; the name of one that is alone is empty."""
+    return dict(getattr(simulation_of(infant), "infants", {"": infant}))

@@ -94,6 +94,7 @@ class SharedWorld:
             for name, infant in bundle.infants.items()
         }
         for infant in self.infants.values():
+            infant.simulation = self
             infant.hear([other.voice for other in self.infants.values() if other.voice and other is not infant])
         self.possible_agents, self.agents = list(self.infants), list[str]()
         rate_hz = round(1 / ms_to_s(bundle.manifest.step_ms))
@@ -101,6 +102,8 @@ class SharedWorld:
         self._roots = [infant.manifest.root_body for infant in self.infants.values()]
         self._segments: dict[str, tuple[Segment, ...]] = {}
         self._merged: list[MergedSegment[str]] = []
+        self.options: dict[str, Any] = {}
+        """Options of the world itself at its last reset."""
         self._start({})
         self._renderer = EnvRenderer(
             render_mode, self.model, self.data, bundle.manifest, self._roots, self._picture_size
@@ -159,6 +162,9 @@ class SharedWorld:
                 infant.seed(first + number)
         for name, infant in self.infants.items():
             infant.living.arousal.level = levels.get(name, infant.manifest.actuation.arousal)
+        self.options = {name: given for name, given in options_given(options).items() if name not in self.infants}
+        for infant in self.infants.values():
+            infant.observer.resetting()
         self.agents = []
         self._start(poses)
         self.agents = list(self.possible_agents)
@@ -167,7 +173,11 @@ class SharedWorld:
             name: {"is_success": False, "reward_terms": {}, "unstable": False, AGE: infant.age_months}
             for name, infant in self.infants.items()
         }
-        return self._observe(), infos
+        observations, given = self._observe(), options_given(options)
+        for number, (name, infant) in enumerate(self.infants.items()):
+            own_seed = None if seed is None else seed + number
+            infant.observer.was_reset(own_seed, given.get(name, {}), observations[name], infos[name])
+        return observations, infos
 
     def step(self, actions: Mapping[str, Any]) -> Stepped:
         """Apply an action of each agent for one control step; values outside the action spaces are clipped.
@@ -181,7 +191,10 @@ class SharedWorld:
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
-        self._make_step(self._controls(actions))
+        controls = self._controls(actions)
+        for name in self.agents:
+            self.infants[name].observer.stepping()
+        self._make_step(controls)
         unstable, agents = is_unstable(self.data), self.agents
         judged = {name: self.infants[name].judge(np.asarray(actions[name]), unstable=unstable) for name in agents}
         observations = self._observe()
@@ -190,6 +203,8 @@ class SharedWorld:
                 for reading in observation.values():
                     np.nan_to_num(reading, copy=False)
         self.agents = [name for name in agents if not (judged[name][1] or judged[name][2])]
+        for name in agents:
+            self.infants[name].observer.stepped(np.asarray(actions[name]), observations[name], judged[name])
         self._renderer.show()
         parts: list[Any] = [{name: judged[name][part] for name in agents} for part in range(4)]
         rewards, terminated, truncated, infos = parts
@@ -230,6 +245,8 @@ class SharedWorld:
         except Exception:
             self._restore(before)
             raise
+        for infant in self.infants.values():
+            infant.observer.restored()
         return self._observe()
 
     def close(self) -> None:

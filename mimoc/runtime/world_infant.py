@@ -78,6 +78,18 @@ class WorldInfant(InfantView):
         active = self._actuators[model.actuator_actadr[self._actuators] >= 0]
         self._act_at = model.actuator_actadr[active]
 
+    simulation: Any = None
+    """The world that it shares with others."""
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the complete state of its world."""
+        return self.simulation.get_state()
+
+    def set_state(self, state: Mapping[str, Any]) -> Observation:
+        """Restore a state of its world, and return what this infant observes."""
+        self.simulation.set_state(state)
+        return self.observe()
+
     @property
     def living(self) -> SimulationState:
         """What lives of it."""
