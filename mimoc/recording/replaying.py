@@ -270,13 +270,11 @@ class _Replay:
         actions = {name: comparison.action(step) for name, comparison in self._compared.items()}
         if ALONE in self._infants:
             return {ALONE: self._env.step(actions[ALONE])[0]}
-        rest = {name: infant.action_space for name, infant in self._infants.items()}
-        given = {
-            name: np.clip(0.0, rest[name].low, rest[name].high).astype(np.float32)
-            if actions.get(name) is None
-            else actions[name]
-            for name in self._env.agents
-        }
+        for name in self._env.agents:
+            if actions.get(name) is None:
+                space = self._infants[name].action_space
+                actions[name] = np.clip(0.0, space.low, space.high).astype(np.float32)
+        given = {name: actions[name] for name in self._env.agents}
         return self._env.step(given)[0]
 
     def _show(self, step: int, observations: Mapping[str, Observation]) -> None:
