@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mimoc.base.classes import PATH, check_class, takes
 from mimoc.base.errors import BundleError, MimocError, MissingExtraError, check_name
 from mimoc.bundle.world import WorldBundle, read_world_bundle
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.world import WorldPlan
 
@@ -87,12 +87,12 @@ def open_world(source: WorldSource, **keys: Any) -> WorldBundle:
     return read_world_bundle(source)
 
 
-def shared_world(source: WorldSource, **options: Any) -> SharedWorld:
+def shared_world(source: WorldSource, **options: Any) -> WorldEnv:
     """Return the same world without PettingZoo; see `make_parallel`."""
-    return SharedWorld(open_world(source), **options)
+    return WorldEnv(open_world(source), **options)
 
 
-def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
+def world_vec_env(*worlds: WorldEnv) -> "WorldVecEnv":
     """Return the infants of one world or several as an environment of Stable-Baselines3: all learn one policy.
 
     Each infant is a row, so all must observe and command the same. When the episode of any infant ends, those of the
@@ -118,5 +118,5 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
     from mimoc.training import WorldVecEnv
 
     for world in worlds:
-        check_class("world_vec_env", world, "what mimoc.make_parallel returns", SharedWorld)
+        check_class("world_vec_env", world, "what mimoc.make_parallel returns", WorldEnv)
     return WorldVecEnv(worlds)

@@ -14,7 +14,7 @@ from mimoc.environments import open_bundle
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.recording.record import Watch
 from mimoc.recording.replaying import Replayed, replay
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -66,7 +66,7 @@ def replay_recording(
     def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
         objects = deepcopy({"senses": dict(senses), "companions": dict(companions)})
         if isinstance(bundle, WorldBundle):
-            return SharedWorld(bundle, tasks=deepcopy(task or {}), **objects)
+            return WorldEnv(bundle, tasks=deepcopy(task or {}), **objects)
         return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)

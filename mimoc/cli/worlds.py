@@ -90,14 +90,14 @@ def run(
     from mimoc.cli import console
     from mimoc.policies.class_policy import class_or_text
     from mimoc.recording.record import film_of
-    from mimoc.runtime.shared_world import SharedWorld
+    from mimoc.runtime.world_env import WorldEnv
     from mimoc.runtime.world_rollout import WorldRun, check_policy
 
     chosen = class_or_text(policy)
     check_policy(chosen)
     roots = [infant.manifest.root_body for infant in world.infants.values()]
     step_ms = world.manifest.step_ms
-    with closing(SharedWorld(world, "human" if window else None)) as env:
+    with closing(WorldEnv(world, "human" if window else None)) as env:
         rollout = WorldRun(env, chosen, seed, load_trained)
         infant: Any = next(iter(env.infants.values()))  # A video shows all of them.
         filmed = film_of(video, step_ms, roots=roots, **film) if video else nullcontext()

@@ -11,8 +11,7 @@ import numpy.typing as npt
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.objects.spec_base import ObjectEntry
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.infants import infants_beside, simulation_of
+from mimoc.runtime.infant import Infant
 
 IntArray = npt.NDArray[np.intp]
 SCENE = "scene"
@@ -35,10 +34,10 @@ class Parts:
     """The objects of the scene."""
 
     @classmethod
-    def of(cls, infant: InfantView) -> "Parts":
+    def of(cls, infant: Infant) -> "Parts":
         """Return the parts of an infant, and what else there is where it is."""
-        others = [other.manifest for other in infants_beside(infant).values() if other is not infant]
-        return cls(infant.model, infant.manifest, others, simulation_of(infant).bundle.manifest.objects)
+        others = [other.manifest for other in infant.simulation.infants.values() if other is not infant]
+        return cls(infant.model, infant.manifest, others, infant.simulation.bundle.manifest.objects)
 
     @cached_property
     def whole(self) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from mimoc.base.units import rad_to_deg
 from mimoc.columns.anatomy import IntArray, Parts
 from mimoc.columns.column import Column, FloatArray, Group, Values
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import stack_terms
 from mimoc.runtime.worlds import worlds_of_one
 from mimoc.senses.touch.contacts import contact_forces, skin_body_of_geoms
@@ -23,7 +23,7 @@ APART = "; "
 _FORCE = "MuJoCo's contacts and efc_force"
 
 
-def bind_contacts(env: InfantView) -> Group:
+def bind_contacts(env: Infant) -> Group:
     """Return which part touches what and how hard, and the force of all that is fixed on the infant: ground reaction.
 
     Contacts within one part do not count. A part touches what presses on it with any force.
@@ -125,7 +125,7 @@ def _sums(places: IntArray, amounts: FloatArray, shape: tuple[int, ...]) -> Floa
     return np.asarray(np.bincount(places, amounts, math.prod(shape)), np.float64).reshape(shape)
 
 
-def bind_joints(env: InfantView) -> Group:
+def bind_joints(env: Infant) -> Group:
     """Return the angle of each hinge of the infant, and the torque of motors or muscles about those that are moved."""
     model, inside = env.model, set(Parts.of(env).bodies.tolist())
     is_hinge = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
@@ -154,7 +154,7 @@ _ANGLE = "about the joint's axis; at time_s"
 _TORQUE = "torque of motors or muscles about the joint"
 
 
-def bind_actuators(env: InfantView) -> Group:
+def bind_actuators(env: Infant) -> Group:
     """Return what drives each muscle or motor: its activation, or the command of motors without one."""
     actuation, drive, worlds = env.actuation, stack_terms([env.actuation.drive]), worlds_of_one(env.data)
     names = [env.model.actuator(index).name.rpartition(":")[2] for index in actuation.actuators]

@@ -9,8 +9,7 @@ import numpy as np
 
 from mimoc.columns.anatomy import Parts
 from mimoc.columns.column import NO_COLUMNS, Column, FloatArray, Group, Values
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.infants import simulation_of
+from mimoc.runtime.infant import Infant
 
 AXES = "xyz"
 SIDES = {"L": "left_", "R": "right_"}
@@ -28,7 +27,7 @@ def keypoint_name(label: str) -> str:
     return SIDES.get(side or "", "") + _CAPITAL.sub("_", point).lower()
 
 
-def bind_keypoints(env: InfantView) -> Group:
+def bind_keypoints(env: Infant) -> Group:
     """Return where the keypoints of `InfantEnv.keypoints` are, to the bit; NaN for those of missing limbs."""
     labels = env.manifest.keypoints
     sites = np.array([mujoco.mj_name2id(env.model, mujoco.mjtObj.mjOBJ_SITE, label) for label in labels], np.intp)
@@ -42,7 +41,7 @@ def bind_keypoints(env: InfantView) -> Group:
     return Group(tuple(columns), values, (env.data.site_xpos,))
 
 
-def bind_parts(env: InfantView) -> Group:
+def bind_parts(env: Infant) -> Group:
     """Return position, velocity and speed of the centres of mass of hands, feet, head, trunk and the whole body.
 
     A part of bodies i with the masses m_i has its centre of mass at sum m_i x_i / sum m_i, which moves with
@@ -67,12 +66,12 @@ def bind_parts(env: InfantView) -> Group:
     return Group(columns, values, (env.data.xipos, env.data.cvel, env.data.subtree_com[root]))
 
 
-def bind_objects(env: InfantView) -> Group:
+def bind_objects(env: Infant) -> Group:
     """Return position, velocity and speed of the centre of mass of the outermost body of each object of the spec.
 
     It moves with v = v' + w x (x - c), where (w, v') is its spatial velocity about c, the centre of mass of the object.
     """
-    entries = simulation_of(env).bundle.manifest.objects
+    entries = env.simulation.bundle.manifest.objects
     if not entries:
         return NO_COLUMNS
     bodies = np.array([env.model.body(item.body).id for item in entries], np.intp)
@@ -87,7 +86,7 @@ def bind_objects(env: InfantView) -> Group:
     return Group(tuple(columns), values, (env.data.xipos, env.data.cvel, env.data.subtree_com))
 
 
-def bind_gaze(env: InfantView) -> Group:
+def bind_gaze(env: Infant) -> Group:
     """Return where the line of sight first meets something that is not the head: of both eyes, or of the only one.
 
     It begins midway between the eyes' cameras, and points along the mean of the directions in which they look.
@@ -141,7 +140,13 @@ _GAZE = (
         )
         for axis in AXES
     ),
-    Column("gaze_at", "", "what it meets: a part of the own body or of another infant, a toy, or a fixed thing", source=_RAY, is_text=True),
+    Column(
+        "gaze_at",
+        "",
+        "what it meets: a part of the own body or of another infant, a toy, a fixed thing",
+        source=_RAY,
+        is_text=True,
+    ),
 )
 
 

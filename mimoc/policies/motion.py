@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import ms_to_s
+from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.control.tracking import Body, Demand, Tracker, Wanted
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.motion_report import Followed
 from mimoc.policies.starting import begin_here
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.simulation_state import physics_of, set_physics
 from mimoc.senses.sense import FloatArray, Observation
 
 Root = Literal["free", "assisted"]

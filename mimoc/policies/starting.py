@@ -1,7 +1,7 @@
 """Episodes that begin where a policy puts the infant."""
 
+from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.simulation_state import physics_of, set_physics
 from mimoc.senses.sense import Observation
 
 

@@ -75,8 +75,6 @@ class Reset(Model):
     """Its options, as `to_plain` returns them."""
     before: dict[str, Any]
     """Parts of the state that it went on from, as `to_plain` returns them; of a world, kept with its first infant."""
-    world: dict[str, Any] | None = None
-    """Options of the world itself, besides those of its infants, kept with its first infant."""
 
 
 class Change(Model):

@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.physics_state import physics_of
 from mimoc.columns import GROUPS
 from mimoc.columns.column import Column
 from mimoc.columns.reader import MovementReader
@@ -20,9 +21,9 @@ from mimoc.recording.blocks import Block, reading_of
 from mimoc.recording.columns import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.observer import Observer
-from mimoc.runtime.simulation_state import physics_of
+from mimoc.runtime.simulation import INFANTS, Simulation
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]
@@ -79,12 +80,10 @@ NOTHING_YET = 0.0, False, False
 """Reward, terminated and truncated of what is observed before the first step."""
 ACTION = "float32"
 """Type of actions, unless a change says otherwise."""
-SINCE_RESET = ("physics", "signals", "steps", "agents")
+SINCE_RESET = ("physics", "signals", "steps")
 """Parts of a state that a reset makes anew, and that it needs not know."""
 RANDOM = ("random", "noise")
 """Parts that a reset with a seed makes anew as well: before the first one they differ each time."""
-INFANTS = "infants"
-"""Part of the state of a world that has a state for each infant."""
 
 
 def lasting(state: Mapping[str, Any], seeded: bool) -> dict[str, Any]:
@@ -119,8 +118,7 @@ class _Episode:
 class RecordedSimulation:
     """A simulation that is being recorded: what its infants, one or several, have in common."""
 
-    simulation: Any
-    """An environment of one infant, or a world of several."""
+    simulation: Simulation
     next_number: int
     """Number of the next episode, which is that of all infants."""
     observers: list["RecordingObserver"] = field(default_factory=list)
@@ -161,7 +159,7 @@ class RecordingObserver(Observer):
 
     def __init__(
         self,
-        infant: InfantView,
+        infant: Infant,
         shared: RecordedSimulation,
         writer: Writer,
         stem_of: Callable[[int], Path],
@@ -215,8 +213,6 @@ class RecordingObserver(Observer):
         shared, reset = self._shared, {"seed": seed, "options": dict(options), "before": {}}
         if self is shared.observers[0]:
             reset["before"] = lasting(shared.before, seed is not None)
-            of_world = getattr(shared.simulation, "options", None)
-            reset |= {"world": dict(of_world)} if of_world else {}
         self._begin(reset, observation, info)
 
     def stepping(self) -> None:
@@ -225,7 +221,7 @@ class RecordingObserver(Observer):
         if self._episode is None:
             if shared.keeper is None:
                 shared.begin()
-            self._begin(None, {**infant.schedule.observe(), **infant.task.observe()}, {})
+            self._begin(None, infant.observe(), {})
             if self is shared.keeper:
                 shared.know_orders()
         elif self is shared.keeper and shared.physics != self._physics_now():
@@ -345,18 +341,18 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
-def _described(infant: InfantView, movement: MovementReader) -> Described:
+def _described(infant: Infant, movement: MovementReader) -> Described:
     """Return what the numbers of an infant's recording are."""
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
-    observation = {**infant.schedule.observe(), **infant.task.observe()}
+    observation = infant.observe()
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = infant.manifest.commands
     columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]
     return Described(readings, actuators, infant.manifest.step_ms, *columns)
 
 
-def spaces_of(infant: InfantView) -> Mapping[str, Any]:
+def spaces_of(infant: Infant) -> Mapping[str, Any]:
     """Return the space of each array of what an infant observes, by name."""
     return cast("Any", infant.observation_space).spaces

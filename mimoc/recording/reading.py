@@ -216,12 +216,6 @@ class Episode:
         return self._restored(reset.options) if reset else {}
 
     @property
-    def world_options(self) -> Mapping[str, Any]:
-        """Options of the reset of its world besides those of infants, kept with the first of these."""
-        reset = self.sidecar.reset
-        return self._restored(reset.world or {}) if reset else {}
-
-    @property
     def before(self) -> Any:
         """What its reset went on from: parts of a state; None if it began without a reset."""
         reset = self.sidecar.reset

@@ -20,7 +20,7 @@ from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv, infant_of
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.rollout import Run, Summary
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
@@ -47,7 +47,7 @@ class VideoFrames:
 
     def __init__(
         self,
-        env: InfantView,
+        env: Infant,
         height_px: int,
         eyes: bool = False,
         shown: Shown = "skin",
@@ -105,7 +105,7 @@ class VideoFrames:
         return shot
 
 
-def _sharp_eyes(env: InfantView, size_px: int, shown: Shown) -> Eyes:
+def _sharp_eyes(env: Infant, size_px: int, shown: Shown) -> Eyes:
     """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way."""
     model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
@@ -240,7 +240,7 @@ def film_of(
         track: SoundTrack | None = None
         steps = 0
 
-        def watch(env: InfantView, observation: Observation) -> None:
+        def watch(env: Infant, observation: Observation) -> None:
             """Capture a frame if one is due."""
             nonlocal film, video, track, steps
             if film is None or video is None:
@@ -265,7 +265,7 @@ def film_of(
         _save(video, track)
 
 
-def _open_track(env: InfantView, video: Video) -> SoundTrack | None:
+def _open_track(env: Infant, video: Video) -> SoundTrack | None:
     """Return the sound of a video without frames, if its infant hears."""
     if not hears(env):
         return None

@@ -18,8 +18,8 @@ from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, open_folder, versions
 from mimoc.recording.observer import RecordedSimulation, RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.infants import infants_beside, infants_of, simulation_of
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.infants import infants_of
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.task import CustomTask
@@ -40,7 +40,7 @@ class Recording(AbstractContextManager):
 
     def __init__(
         self,
-        infants: Sequence[InfantView],
+        infants: Sequence[Infant],
         folder: str | Path,
         *,
         states_every: int = STATES_EVERY,
@@ -49,14 +49,13 @@ class Recording(AbstractContextManager):
     ):
         """Begin to record; see `Recorder`."""
         self._movement = checked_groups(movement)
-        by_simulation = {id(simulation_of(infant)): infants_beside(infant) for infant in infants}
-        infants = self._infants = tuple(infant for sharing in by_simulation.values() for infant in sharing.values())
+        self._simulations = [*{id(infant.simulation): infant.simulation for infant in infants}.values()]
+        infants = self._infants = tuple(one for each in self._simulations for one in each.infants.values())
         for infant in infants:
             if infant.observer is not NO_OBSERVER:
                 raise RecordingError("this infant is being recorded already; close that recording first")
         if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
-        self._simulations = [simulation_of(next(iter(sharing.values()))) for sharing in by_simulation.values()]
         self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations])
         try:
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
@@ -125,7 +124,7 @@ class Recording(AbstractContextManager):
                 math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
             )
             rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(self._infants) * row_bytes)))
-            stem_of, one = partial(folder.stem, number), shared[id(simulation_of(infant))]
+            stem_of, one = partial(folder.stem, number), shared[id(infant.simulation)]
             infant.observer = RecordingObserver(
                 infant, one, self._writer, stem_of, rows, states_every, said, self._movement
             )
@@ -231,7 +230,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
     return next((wrap for kind, wrap in wrappers.items() if isinstance(env, kind)), WorldRecorder)(env, recording)
 
 
-def _objects(infant: InfantView) -> dict[str, str]:
+def _objects(infant: Infant) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
     objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
     classes = {name: type(infant.companions[name]) for name in sorted(infant.companions.custom)}

@@ -18,16 +18,16 @@ from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.columns import OBSERVATION
 from mimoc.recording.description import Change
 from mimoc.recording.folder import versions
-from mimoc.recording.observer import ACTION, INFANTS, NOTHING_YET, spaces_of
+from mimoc.recording.observer import ACTION, NOTHING_YET, spaces_of
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.infants import infants_of
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.observer import NO_OBSERVER, Observer
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.simulation import INFANTS, Simulation
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import Observation
 
 Number = tuple[int, str, int, float, float]
@@ -147,7 +147,7 @@ class Replayed:
 
 def open_recorded(bundle: Bundle | WorldBundle, other_scenes: bool = False) -> Any:
     """Return the environment of a bundle, or the world, at the ages and in the scene of the bundle."""
-    return SharedWorld(bundle) if isinstance(bundle, WorldBundle) else InfantEnv(bundle)
+    return WorldEnv(bundle) if isinstance(bundle, WorldBundle) else InfantEnv(bundle)
 
 
 def replay(
@@ -209,10 +209,12 @@ class _Replay:
         watch: Watch,
         progress: Callable[[int], None],
     ):
-        self._env, self._names, self._run, self._wanted = env, names, run, wanted
-        self._watch, self._progress = watch, progress
-        self._infants = infants_of("replay", env)
-        if missing := [names[one.infant] for one in run if names[one.infant] not in self._infants]:
+        self._names, self._run, self._wanted = names, run, wanted
+        self._simulation: Simulation = env.simulation
+        self._whole = env if ALONE in self._simulation.infants else env.simulation
+        """Has complete states as they are recorded."""
+        self._infants, self._watch, self._progress = self._simulation.infants, watch, progress
+        if missing := [name for name in names.values() if name not in self._infants]:
             raise RecordingError(f"{run[0].files.sidecars[0]}: there is no infant '{missing[0]}' in this world")
         self._compared = {names[one.infant]: _Comparison(self._infants[names[one.infant]], one) for one in run}
         self._changes = list[tuple[int, int, Episode, Change]]()
@@ -247,35 +249,26 @@ class _Replay:
 
     def _begin(self) -> tuple[Mapping[str, Observation], Mapping[str, Any]]:
         """Reset the infants as they were, going on from the same random numbers; or restore the state they began in."""
-        first, env = self._run[0], self._env
-        infant = self._infants[self._names[first.infant]]
+        first, simulation = self._run[0], self._simulation
         with _damage_message(first):
             if (before := first.before) is None:
-                infant.set_state(first.start)
-                observed = {
-                    name: {**one.schedule.observe(), **one.task.observe()} for name, one in self._infants.items()
-                }
-                return observed, {}
-            if before.get(SEED, env.bundle.manifest.seed) != env.bundle.manifest.seed:
-                env.reset(options={name: before[name] for name in (SEED, AGE) if name in before})
-            infant.set_state(_merged(infant.get_state(), before))
-        if ALONE in self._infants:
-            observation, info = env.reset(seed=first.seed, options=dict(first.options))
-            return {ALONE: observation}, {ALONE: info}
-        of_infants = {self._names[episode.infant]: dict(episode.options) for episode in self._run if episode.options}
-        return env.reset(seed=first.seed, options={**first.world_options, **of_infants})
+                self._whole.set_state(first.start)
+                return simulation.observe(), {}
+            if before[SEED] != simulation.seed:
+                ages = {name: {AGE: age} for name, age in _ages_in(before).items()}
+                simulation.reset(options=ages, scene_seed=before[SEED])
+            self._whole.set_state(_merged(self._whole.get_state(), before))
+            seeds = {self._names[one.infant]: one.seed for one in self._run}
+            options = {self._names[one.infant]: dict(one.options) for one in self._run}
+            scene_seed = first.start[SEED]
+        begun = simulation.reset(seeds, options, None if scene_seed == simulation.seed else scene_seed)
+        return {name: start[0] for name, start in begun.items()}, {name: start[1] for name, start in begun.items()}
 
     def _step(self, step: int) -> Mapping[str, Observation]:
         """Make a control step with the recorded actions; those without one, who had ended, command nothing."""
         actions = {name: comparison.action(step) for name, comparison in self._compared.items()}
-        if ALONE in self._infants:
-            return {ALONE: self._env.step(actions[ALONE])[0]}
-        for name in self._env.agents:
-            if actions.get(name) is None:
-                space = self._infants[name].action_space
-                actions[name] = np.clip(0.0, space.low, space.high).astype(np.float32)
-        given = {name: actions[name] for name in self._env.agents}
-        return self._env.step(given)[0]
+        stepped = self._simulation.step({name: action for name, action in actions.items() if action is not None})
+        return {name: result[0] for name, result in stepped.items()}
 
     def _show(self, step: int, observations: Mapping[str, Observation]) -> None:
         """Show the first chosen infant whose episode goes on."""
@@ -294,9 +287,9 @@ class _Replay:
                 name = self._names[number]
                 infant = self._infants[name]
                 if what == "age_months":
-                    self._env.grow(value if name == ALONE else {name: value})
+                    self._simulation.grow({name: value})
                 elif what == "state":
-                    infant.set_state(value)
+                    self._whole.set_state(value)
                 elif what == "expression":
                     infant.set_expression(value)
                 elif what == "arousal":
@@ -308,6 +301,11 @@ class _Replay:
                     set_physics(infant.model, infant.data, value)
                 elif what == "action_dtype":
                     self._compared[name].act_in(value)
+
+
+def _ages_in(state: Mapping[str, Any]) -> dict[str, float]:
+    """Return the age of each infant in a state, by name."""
+    return {name: infant[AGE] for name, infant in state.get(INFANTS, {ALONE: state}).items()}
 
 
 def _merged(state: Mapping[str, Any], kept: Mapping[str, Any]) -> dict[str, Any]:
@@ -323,7 +321,7 @@ class _Comparison(Observer):
 
     keeps = True
 
-    def __init__(self, infant: InfantView, episode: Episode):
+    def __init__(self, infant: Infant, episode: Episode):
         _check_observations(infant, episode)
         self._infant, self._episode = infant, episode
         self.difference: Difference | None = None
@@ -436,12 +434,12 @@ def _in_a_line(error: Exception) -> str:
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
     with _damage_message(episode):
-        states = [episode.start, episode.before or {}, episode.world_options]
+        states = [episode.start, episode.before or {}]
         states += [value for changes in episode.changes.values() for what, value in changes if what == "state"]
         return any(state.get(SEED, seed) != seed for state in states)
 
 
-def _check_observations(env: InfantView, episode: Episode) -> None:
+def _check_observations(env: Infant, episode: Episode) -> None:
     """Check that an environment observes what was recorded."""
     observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:

@@ -9,8 +9,9 @@ import numpy as np
 from mimoc.base.classes import described
 from mimoc.base.errors import MimocError
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, OLDEST_MONTHS
+from mimoc.runtime.growing import OLDEST_MONTHS
 from mimoc.runtime.growth_schedule import growth_schedule
+from mimoc.runtime.simulation import Simulation
 
 
 class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -55,34 +56,18 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         super().__init__(env)
         if not callable(schedule):
             schedule = growth_schedule(schedule, ages_months, steps, seed=seed)
-        infant: Any = env.unwrapped
-        self._infant, self._schedule = infant, schedule
-        self.steps_done = 0
+        self._simulation.grow_by({"": schedule})
+
+    @property
+    def _simulation(self) -> Simulation:
+        infant: Any = self.env.unwrapped
+        return infant.simulation
+
+    @property
+    def steps_done(self) -> int:
         """Control steps taken so far."""
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start an episode at the age that is due, unless the option `age_months` gives another.
-
-        Raises:
-            MimocError: If there is no such infant.
-        """
-        due = self._schedule(self.steps_done)
-        options = {**(options or {})} if due == self._infant.age_months else {AGE: due, **(options or {})}
-        return self.env.reset(seed=seed, options=options or None)
-
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Grow, if that is due, and take a control step.
-
-        Raises:
-            MimocError: If there is no such infant.
-        """
-        due = self._schedule(self.steps_done)
-        if due != self._infant.age_months:
-            self._infant.grow(to=due)
-        stepped = self.env.step(action)
-        self.steps_done += 1
-        return stepped
+        return self._simulation.steps_done
 
     def seek(self, steps_done: int) -> None:
         """Go on as after a number of control steps, as a training does that is resumed; a reset must follow."""
-        self.steps_done = steps_done
+        self._simulation.steps_done = steps_done

@@ -5,11 +5,11 @@ from typing import Any
 from mimoc.base.classes import described
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.world_env import WorldEnv
 
 
-def infants_of(function: str, env: Any) -> dict[str, InfantView]:
+def infants_of(function: str, env: Any) -> dict[str, Infant]:
     """Return the infants of an environment, by name.
 
     The name of the only infant is empty; infants of a world have their own names, and those of a vector environment
@@ -21,7 +21,7 @@ def infants_of(function: str, env: Any) -> dict[str, InfantView]:
     inside = getattr(env, "unwrapped", env)
     if isinstance(inside, InfantEnv):
         return {"": inside}
-    if isinstance(inside, SharedWorld):
+    if isinstance(inside, WorldEnv):
         return dict(inside.infants)
     if isinstance(inside, BatchEnv):
         return {str(number): infant for number, infant in enumerate(inside.infants)}
@@ -30,12 +30,3 @@ def infants_of(function: str, env: Any) -> dict[str, InfantView]:
         return {str(number): infant for number, infant in enumerate(several)}
     raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")
 
-
-def simulation_of(infant: InfantView) -> Any:
-    """Return what simulates an infant: its world, which others may share, or, if it is alone, its own environment."""
-    return getattr(infant, "simulation", infant)
-
-
-def infants_beside(infant: InfantView) -> dict[str, InfantView]:
-    """Return all infants of the simulation that an infant is in, by name; the name of one that is alone is empty."""
-    return dict(getattr(simulation_of(infant), "infants", {"": infant}))

@@ -12,7 +12,7 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Policy, PolicyMaker, begin, episode_limit_of, metrics_of, start_again
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Summary:
 class Tally:
     """What one infant did and earned in a run, step by step."""
 
-    def __init__(self, infant: InfantView):
+    def __init__(self, infant: Infant):
         """Begin with an infant that has been reset."""
         self._infant, self._measures, self._outcomes = infant, StepMeasures(infant, "run"), list[Outcome]()
         self._reward, self._steps = 0.0, 0

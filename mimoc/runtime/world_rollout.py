@@ -10,7 +10,7 @@ from mimoc.policies.named import Loader, policy_of
 from mimoc.policies.policy import PolicyMaker, start_again
 from mimoc.policies.spec import parse_policy
 from mimoc.runtime.rollout import Summary, Tally
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 SHARING = ("random", "zero", "general_movements", "reflexes")
 """Policies that take no other things of a model than those of their infant."""
@@ -19,7 +19,7 @@ SHARING = ("random", "zero", "general_movements", "reflexes")
 class WorldRun:
     """A run of a world under a policy, the same for all infants, each with its own numbers drawn at random."""
 
-    def __init__(self, world: SharedWorld, policy: str | PolicyMaker, seed: int, load: Loader | None = None):
+    def __init__(self, world: WorldEnv, policy: str | PolicyMaker, seed: int, load: Loader | None = None):
         """Reset the world.
 
         Args:

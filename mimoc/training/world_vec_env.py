@@ -9,8 +9,8 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.runtime.batch.gymnasium_forms import check_mixture
-from mimoc.runtime.shared_world import SharedWorld
-from mimoc.runtime.world_infant import WorldInfant
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import Observation
 
 
@@ -21,14 +21,14 @@ class WorldVecEnv(VecEnv):
     same step. The `info` of a last step has what was observed then as `terminal_observation`.
     """
 
-    def __init__(self, worlds: Sequence[SharedWorld]):
+    def __init__(self, worlds: Sequence[WorldEnv]):
         """Take worlds, which this closes.
 
         Raises:
             BatchMismatchError: If infants do not observe and command the same.
         """
         self.worlds = tuple(worlds)
-        self.infants: list[WorldInfant] = [infant for world in worlds for infant in world.infants.values()]
+        self.infants: list[Infant] = [infant for world in worlds for infant in world.infants.values()]
         check_mixture(self.infants)
         first, self.render_mode = self.infants[0], self.worlds[0].render_mode
         super().__init__(len(self.infants), first.observation_space, first.action_space)

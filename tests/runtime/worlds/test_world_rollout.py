@@ -9,13 +9,13 @@ from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.runtime.world_rollout import WorldRun
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
 def test_a_policy_commands_what_it_does_alone(policy):
-    shared = SharedWorld(placed({"anna": ANNA, "ben": BEN}, {"y_cm": 0}, {"y_cm": 500}))
+    shared = WorldEnv(placed({"anna": ANNA, "ben": BEN}, {"y_cm": 0}, {"y_cm": 500}))
     alone = open_infant(built(ANNA))
     observation, _ = alone.reset(seed=3)
     observations, _ = shared.reset(seed=3)
@@ -29,12 +29,12 @@ def test_a_policy_commands_what_it_does_alone(policy):
 
 
 def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
-    shared = SharedWorld(world(anna=ANNA, ben=BEN))
+    shared = WorldEnv(world(anna=ANNA, ben=BEN))
     assert interface_of(shared.infants["anna"]) == interface_of(open_infant(built(ANNA)))
 
 
 def test_a_run_is_summed_up_for_each_infant():
-    run = WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    run = WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
     for _ in range(10):
         run.step()
     summaries = run.summaries()
@@ -48,9 +48,9 @@ def test_a_run_is_summed_up_for_each_infant():
 @pytest.mark.parametrize("policy", ["sit", "hold+general_movements", "reach", "motion:somewhere"])
 def test_policies_that_read_a_model_of_one_infant_are_refused(policy):
     with pytest.raises(PolicyError, match="reads a model with one infant only; infants that share a world can have"):
-        WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), policy, seed=0)
+        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), policy, seed=0)
 
 
 def test_a_policy_that_there_is_not_is_refused():
     with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
-        WorldRun(SharedWorld(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
