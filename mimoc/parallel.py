@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from mimoc.base.classes import PATH, check_class, takes
 from mimoc.base.errors import BundleError, MimocError, MissingExtraError, check_name
-from mimoc.bundle.world import WorldBundle, read_world_bundle
+from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
 from mimoc.runtime.world_env import WorldEnv
+from mimoc.schema import source as sources
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.world import WorldPlan
+from mimoc.schema.world import WorldPlan, is_world
 
 if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not everyone has.
     from mimoc.runtime.parallel_env import InfantsParallelEnv
@@ -65,31 +66,45 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
     keys = {name: options.pop(name) for name in KEYS if name in options}
     for name in options:
         check_name("keyword of make_parallel", name, (*OPTIONS, *KEYS))
-    return InfantsParallelEnv(open_world(source, **keys), **options)
+    return InfantsParallelEnv(**world_parts(source, **keys), **options)
 
 
-def open_world(source: WorldSource, **keys: Any) -> WorldBundle:
-    """Return the bundle of a world, as `make_parallel` makes it; *keys* are those of `build_world`.
+def world_parts(source: WorldSource, **keys: Any) -> dict[str, Any]:
+    """Return what the environment of a world is made of; *keys* are those of `build_world`.
 
     Raises:
         MimocError: If keys are given of a world that is built already.
     """
+    from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants
+    from mimoc.compiler.worlds import plan_world
+
     if keys and not isinstance(source, Mapping):
         raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; this world says so itself")
-    if isinstance(source, WorldBundle):
-        return source
-    if isinstance(source, (WorldPlan, Mapping)) or Path(source).suffix.lower() in (".yaml", ".yml"):
-        from mimoc.compiler.worlds import build_world
-
-        return build_world(source, **keys)
-    if os.path.isfile(source):
+    if isinstance(source, (WorldPlan, Mapping)) or (isinstance(source, (str, Path)) and is_spec_path(source)):
+        variants = WorldVariants(plan_world(source, **keys))
+        return {"bundle": variants.original, "variants": variants}
+    if isinstance(source, (str, Path)) and os.path.isfile(source):
         raise BundleError(f"{source}: this is a file; name the folder of a world's bundle, or its .yaml file")
-    return read_world_bundle(source)
+    bundle = source if isinstance(source, WorldBundle) else read_world_bundle(source)
+    return {"bundle": bundle, "variants": WorldBundleVariants(bundle)}
+
+
+def is_spec_path(source: str | Path) -> bool:
+    """Return whether a path is that of a YAML file."""
+    return Path(source).suffix.lower() in (".yaml", ".yml")
+
+
+def is_world_source(source: Any) -> bool:
+    """Return whether something is a world of several infants, or the path of one."""
+    if isinstance(source, (str, Path)):
+        path = Path(source).expanduser()
+        return is_world_folder(path) or (is_spec_path(path) and path.is_file() and is_world(sources.read(path).data))
+    return isinstance(source, (WorldBundle, WorldPlan, Mapping))
 
 
 def shared_world(source: WorldSource, **options: Any) -> WorldEnv:
     """Return the same world without PettingZoo; see `make_parallel`."""
-    return WorldEnv(open_world(source), **options)
+    return WorldEnv(**world_parts(source), **options)
 
 
 def world_vec_env(*worlds: WorldEnv) -> "WorldVecEnv":

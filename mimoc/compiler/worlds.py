@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,55 @@ class BuiltWorld:
     origins: Mapping[str, Entry]
     """Where the numbers of the world come from."""
 
+    def to_bundle(self, *, check: bool = False) -> WorldBundle:
+        """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other.
+
+        Raises:
+            ModelError: If MuJoCo rejects the model.
+            SpecError: If infants start within each other.
+        """
+        files = {**self.mjcf, **_texts(self)}
+        if check:
+            _check(self, files)
+        return world_bundle(
+            with_lock(files, {"mimoc": __version__}, load_tables().files), self.manifest, self.manifests
+        )
+
+    @property
+    def mjcf(self) -> dict[str, bytes]:
+        """The MJCF and its assets: the part of the bundle that MuJoCo reads."""
+        parts, spec = list(self.parts.values()), self.plan.spec
+        states = states_of(START, parts, self.world.resting)
+        solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
+        infants = [replace(part.tree, solver=solver) for part in parts]
+        return printing.render_infants(spec.name, infants, self.world, states)
+
+    @cached_property
+    def manifest(self) -> WorldManifest:
+        """The manifest of the world."""
+        first = next(iter(self.builders.values())).manifest
+        manifest = WorldManifest(
+            name=self.plan.spec.name,
+            timestep_ms=first.timestep_ms,
+            step_ms=first.step_ms,
+            infants=tuple(self.builders),
+            seed=self.plan.spec.scene.seed,
+            toys=describe_toys(self.toys),
+            objects=describe_objects(self.things),
+            notes=tuple(_notes(self)),
+        )
+        return WorldManifest.model_validate(rounded(manifest.model_dump()))
+
+    @cached_property
+    def manifests(self) -> dict[str, Manifest]:
+        """The manifests of the infants; names of what they share have no prefix."""
+        toys, objects = describe_toys(self.toys), describe_objects(self.things)
+        shared = {"seed": self.plan.spec.scene.seed, "toys": toys, "objects": objects}
+        return {
+            name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(update=shared)
+            for name, one in self.builders.items()
+        }
+
 
 def plan_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys: Any) -> WorldPlan:
     """Return the world that a file describes, or that of infants by name; see `build_world`."""
@@ -98,17 +148,16 @@ def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **key
         >>> mimoc.write_bundle(bundle, "out/two").name, sorted(bundle.infants)
         ('two', ['anna', 'ben'])
     """
-    plan = plan_world(source, **keys)
-    built = _built(plan)
-    files = {**_mjcf(built), **_texts(built)}
-    _check(built, files)
-    return world_bundle(
-        with_lock(files, {"mimoc": __version__}, load_tables().files), _world_manifest(built), _manifests(built)
-    )
+    return assemble_world(plan_world(source, **keys)).to_bundle(check=True)
 
 
-def _built(plan: WorldPlan) -> BuiltWorld:
-    builders = {name: _builder(plan, name) for name in plan.infants}
+def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = None) -> BuiltWorld:
+    """Return the infants of a world in it, before anything is written; *builders* are those of its infants, if known.
+
+    Raises:
+        SpecError: If they cannot be built, or not in the same world.
+    """
+    builders = builders or {name: _builder(plan, name) for name in plan.infants}
     _check_options(plan, builders)
     relative, scene = places_of(plan, builders), plan.spec.scene
     assets = assets_of_scene(scene, plan.written)
@@ -228,17 +277,9 @@ def _world(
     return replace(world, pairs=barrier_pairs(world, roots))
 
 
-def _mjcf(built: BuiltWorld) -> dict[str, bytes]:
-    parts, spec = list(built.parts.values()), built.plan.spec
-    states = states_of(START, parts, built.world.resting)
-    solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
-    infants = [replace(part.tree, solver=solver) for part in parts]
-    return printing.render_infants(spec.name, infants, built.world, states)
-
-
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
     """Return all files but MJCF and what it refers to."""
-    plan, manifest, manifests = built.plan, _world_manifest(built), _manifests(built)
+    plan, manifest, manifests = built.plan, built.manifest, built.manifests
     files = {
         SPEC_FILE: plan.written.text.encode(),
         RESOLVED: dump(_resolved(built)).encode(),
@@ -281,35 +322,11 @@ def _resolved(built: BuiltWorld) -> dict[str, Any]:
     return data
 
 
-def _world_manifest(built: BuiltWorld) -> WorldManifest:
-    first = next(iter(built.builders.values())).manifest
-    manifest = WorldManifest(
-        name=built.plan.spec.name,
-        timestep_ms=first.timestep_ms,
-        step_ms=first.step_ms,
-        infants=tuple(built.builders),
-        seed=built.plan.spec.scene.seed,
-        toys=describe_toys(built.toys),
-        objects=describe_objects(built.things),
-        notes=tuple(_notes(built)),
-    )
-    return WorldManifest.model_validate(rounded(manifest.model_dump()))
-
-
-def _manifests(built: BuiltWorld) -> dict[str, Manifest]:
-    """Return the manifests of infants; names of what they share have no prefix."""
-    toys, objects = describe_toys(built.toys), describe_objects(built.things)
-    shared = {"seed": built.plan.spec.scene.seed, "toys": toys, "objects": objects}
-    return {
-        name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(update=shared)
-        for name, one in built.builders.items()
-    }
-
-
 def _notes(built: BuiltWorld) -> Iterator[str]:
     """Yield what of the infants' own scenes has no effect."""
     for name, spec in built.plan.infants.items():
-        if ignored := sorted(spec.scene.model_fields_set - {"pose", "held"}):
+        given, around = spec.scene.model_fields_set - {"pose", "held"}, built.plan.spec.scene
+        if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(around, key)):
             keys = " and ".join(f"scene.{key}" for key in ignored)
             yield f"'{keys}' of '{name}' has no effect: it is in the scene of this world"
     yield from notes_on_shapes(built.toys, built.things)

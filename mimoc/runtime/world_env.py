@@ -12,7 +12,7 @@ from mimoc.base.errors import UnknownNameError, check_name
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.state_form import checked_list, demand
 from mimoc.base.units import ms_to_s
-from mimoc.bundle.variants import Variant
+from mimoc.bundle.variants import WorldMaker, WorldVariant
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.render.environment import available_modes, check_rendering
 from mimoc.runtime import growing
@@ -48,27 +48,25 @@ class WorldEnv:
 
     def __init__(
         self,
-        bundle: WorldBundle,
+        bundle: WorldBundle | WorldVariant,
         render_mode: Literal["human", "rgb_array"] | None = None,
         width: int = 480,
         height: int = 480,
         tasks: Mapping[str, Any] = NOTHING,
         senses: Mapping[str, Mapping[str, Any]] = NOTHING,
         companions: Mapping[str, Mapping[str, Any]] = NOTHING,
-        model: mujoco.MjModel | None = None,
-        variants: Any = None,
+        variants: WorldMaker | None = None,
     ):
         """Open a world.
 
         Args:
-            bundle: The world.
+            bundle: The world, or the world with its model.
             render_mode: `human` for a window that is updated at every step, `rgb_array` for images from `render()`.
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             tasks: By infant, an object that replaces its task; see `tasks.task.CustomTask`.
             senses: By infant, objects that are added to its senses, by name; see `senses.custom.CustomSense`.
             companions: By infant, objects that act in the world as well, by name; see `mimoc.Companion`.
-            model: Its model, if that has been loaded before.
             variants: Makes the same infants at other ages and in other scenes, for `grow` and `reset`.
 
         Raises:
@@ -79,29 +77,24 @@ class WorldEnv:
             KindError: If a task, a sense or a companion is no such object.
         """
         check_rendering(render_mode, width, height)
+        variant = WorldVariant(bundle, load_world_model(bundle)) if isinstance(bundle, WorldBundle) else bundle
         objects = {"tasks": tasks, "senses": senses, "companions": companions}
         given = {what: by_name(by_infant, what, "the name of an infant") for what, by_infant in objects.items()}
+        names, nothing = variant.bundle.infants, dict[str, Any]()
         for name in (name for by_infant in given.values() for name in by_infant):
-            check_name("name of an infant of this world", name, bundle.infants)
-        self.render_mode = render_mode
+            check_name("name of an infant of this world", name, names)
+        tasks, senses, companions = given["tasks"], given["senses"], given["companions"]
         self._custom = {
-            name: Custom.checked(
-                given["tasks"].get(name), given["senses"].get(name, {}), given["companions"].get(name, {})
-            )
-            for name in bundle.infants
+            name: Custom.checked(tasks.get(name), senses.get(name, nothing), companions.get(name, nothing))
+            for name in names
         }
         draws = bool(render_mode) or any(custom.is_any for custom in self._custom.values())
-        draws = draws or any(map(growing.sees_skin, growing.manifests_of(bundle).values()))
-        variant = Variant(bundle, load_world_model(bundle)) if model is None else Variant(bundle, model)
+        draws = draws or any(map(growing.sees_skin, growing.manifests_of(variant.bundle).values()))
         infants = {name: Infant(custom) for name, custom in self._custom.items()}
-        pictures = Pictures(render_mode, width, height)
-        self._describe(Simulation(variant, infants, variants, pictures, draws=draws))
-
-    def _describe(self, simulation: Simulation) -> None:
-        """Say what the infants of a simulation command and observe."""
-        self.simulation = simulation
-        self.possible_agents, self.agents = list(simulation.infants), list[str]()
-        rate_hz = round(1 / ms_to_s(self.bundle.manifest.step_ms))
+        pictures, self.render_mode = Pictures(render_mode, width, height), render_mode
+        self.simulation = Simulation(variant, infants, variants, pictures, draws=draws)
+        self.possible_agents, self.agents = list(infants), list[str]()
+        rate_hz = round(1 / ms_to_s(variant.bundle.manifest.step_ms))
         self.metadata = {**type(self).metadata, "render_modes": available_modes(), "render_fps": rate_hz}
 
     @property
