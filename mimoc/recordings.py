@@ -66,10 +66,18 @@ def replay_recording(
     def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
         objects = deepcopy({"senses": dict(senses), "companions": dict(companions)})
         if isinstance(bundle, WorldBundle):
-            return WorldEnv(bundle, tasks=deepcopy(task or {}), **objects)
+            return _open_world(bundle, other_scenes, tasks=deepcopy(task or {}), **objects)
         return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
+
+
+def _open_world(bundle: WorldBundle, other_scenes: bool, **objects: Any) -> WorldEnv:
+    """Return the world of a bundle, on request with scenes of other seeds, which are built from its specs."""
+    from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
+
+    variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
+    return WorldEnv(bundle, variants=variants, **objects)
 
 
 def _given(
@@ -86,7 +94,7 @@ def _given(
 
 def chosen_episodes(recording: ReadRecording, infant: int | str | None, episode: int | None) -> Sequence[Episode]:
     """Return the episodes of an infant, of a number, or all, or raise a RecordingError if there are none."""
-    if infant is not None and recording:
+    if infant is not None:
         infant = recording.infant_number(infant)
     chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
     if not chosen:

@@ -346,7 +346,7 @@ def _described(infant: Infant, movement: MovementReader) -> Described:
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
-    observation = infant.observe()
+    observation = {**infant.schedule.observe(), **infant.task.observe()}
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = infant.manifest.commands
     columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]

@@ -323,16 +323,13 @@ class ReadRecording(Sequence[Episode]):
             UnknownNameError: If there is no such infant.
             RecordingError: If several have this name.
         """
-        names = [item.name for item in self.description.infants]
-        if infant in range(len(names)):
+        if isinstance(infant, int) or infant.isdecimal():
             return int(infant)
-        known = {str(number): number for number in range(len(names))}
-        check_name("infant of this recording", infant, {**known, **dict.fromkeys(names)})
-        if infant in known:
-            return known[str(infant)]
-        if names.count(str(infant)) > 1:
+        names = [item.name for item in self.description.infants]
+        check_name("name of an infant of this recording", infant, names)
+        if names.count(infant) > 1:
             raise RecordingError(f"{self.path}: several infants are named '{infant}'; give the number of one of them")
-        return names.index(str(infant))
+        return names.index(infant)
 
     def of_infant(self, infant: int | str) -> tuple[Episode, ...]:
         """Return the episodes of one infant, given by number or name."""
