@@ -126,9 +126,9 @@ def open_folder(path: str | Path, bundles: Sequence[AnyBundle], *, note: str | N
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
     busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")
-    about = {"note": note} if note else {}
     step_ms, infants = bundles[0].manifest.step_ms, recorded_infants(bundles)
-    new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=(), **about)
+    new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
+    new = new.model_copy(update={"note": note} if note else {})
     recording = RecordingFolder(folder, previous or new, lock_folder(folder, busy))
     try:
         make_folder(folder / EPISODES, below=folder)
