@@ -13,7 +13,7 @@ from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.reading import read_recording
 from mimoc.recordings import replay_recording
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import Run
+from mimoc.runtime.rollout import rollout
 from mimoc.schema.infant import InfantSpec
 
 SECONDS = 33.0
@@ -50,15 +50,13 @@ def film_policy(
         steps = round((seconds + SETTLING_S) / step_s)
         label = policy if isinstance(policy, str) else env.manifest.name
         for number, seed in enumerate(seeds):
-            film, rollout = Film(), Run(env, policy, seed)
-            film.watch(env)
-            for step in range(steps):
-                rollout.step()
-                if env.data.time < film.times_s[-1]:
+            film, done = Film(), number * steps
+            for step in rollout(env, policy, steps=steps, seed=seed):
+                if step.ended:
                     ended = f"the episode ended after {film.times_s[-1]:.1f} s; give fewer --seconds, or no task"
                     raise MovementError(f"{label}, seed {seed}: {ended}")
                 film.watch(env)
-                progress(number * steps + step + 1, len(seeds) * steps)
+                progress(done + step.number, len(seeds) * steps)
             yield film.develop(f"{label}, seed {seed}")
 
 

@@ -5,12 +5,12 @@ import pytest
 from support.store import built
 from support.worlds import ANNA, BEN, placed, world
 
-from mimoc.base.errors import PolicyError, UnknownNameError
+from mimoc.base.errors import UnknownNameError
 from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
+from mimoc.runtime.rollout import Run
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
@@ -34,7 +34,7 @@ def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
 
 
 def test_a_run_is_summed_up_for_each_infant():
-    run = WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    run = Run(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
     for _ in range(10):
         run.step()
     summaries = run.summaries()
@@ -45,12 +45,6 @@ def test_a_run_is_summed_up_for_each_infant():
     assert summaries["anna"].joint_speed_rad_s != summaries["ben"].joint_speed_rad_s
 
 
-@pytest.mark.parametrize("policy", ["sit", "hold+general_movements", "reach", "motion:somewhere"])
-def test_policies_that_read_a_model_of_one_infant_are_refused(policy):
-    with pytest.raises(PolicyError, match="reads a model with one infant only; infants that share a world can have"):
-        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), policy, seed=0)
-
-
 def test_a_policy_that_there_is_not_is_refused():
     with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
-        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+        Run(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
