@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError
+from mimoc.base.errors import MimocError, check_name
 from mimoc.base.kinds import announced
 from mimoc.cli import worlds
 from mimoc.cli.arguments import (
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import Policy, PolicyMaker
-    from mimoc.recording.record import Watch
+    from mimoc.recording.record import Filming
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.infant import Infant
     from mimoc.runtime.rollout import Summary
@@ -66,6 +66,12 @@ VideoFile = Annotated[
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+FilmedInfant = Annotated[
+    str | None,
+    typer.Option(
+        "--infant", metavar="NAME", help="Whose eyes and ears a video of several has; default: the first that has any."
+    ),
 ]
 MovementGroups = Annotated[
     str | None,
@@ -108,6 +114,7 @@ def run(
     record: RecordFolder = None,
     movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    filmed: FilmedInfant = None,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
@@ -119,16 +126,18 @@ def run(
     from mimoc.runtime.rollout import bind_policies
 
     check_video(video, eyes)
-    options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-    world = worlds.find_world(infant, record=record, movement=movement)
+    options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
+    world = worlds.find_world(infant)
     other = load_counterpart(infant, beside, world) if beside else None
     env = _open(world or load_infant(infant), task, "human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
+        if filmed is not None:
+            check_name("name of an infant here", filmed, infants)
         chosen = _chosen(policy or ["random"], infant, root, infants)
         policies = bind_policies(infants, chosen, load_trained)  # Refuses bad names before writing anything.
-        recorded.enter_context(_recording(env, record, movement))
-        written = _written(infants, video, record)
+        recorded.enter_context(_recording(infants, record, movement))
+        written = _written(infants, video, record, filmed)
         steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
         summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
     if other is not None:
@@ -155,32 +164,35 @@ def _open(shown: "Bundle | WorldBundle", task: str | None, render_mode: Any = No
     return InfantEnv(shown, render_mode, task=import_object(task) if task else None)
 
 
-def _written(infants: "Mapping[str, Infant]", video: Path | None, record: Path | None) -> list[Path]:
+def _written(
+    infants: "Mapping[str, Infant]", video: Path | None, record: Path | None, filmed: str | None
+) -> list[Path]:
     """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
-    from mimoc.recording.sound_track import hears, sound_file
+    from mimoc.recording.record import heard_in
+    from mimoc.recording.sound_track import sound_file
 
-    sound = sound_file(video) if video and hears(next(iter(infants.values()))) else None
+    sound = sound_file(video) if video and heard_in(infants, filmed) else None
     return [path for path in (video, sound, record) if path]
 
 
-def _recording(env: Any, folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
+def _recording(
+    infants: "Mapping[str, Infant]", folder: Path | None, movement: str | None
+) -> "AbstractContextManager[object]":
     if folder is None:
         if movement:
             raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
         return nullcontext()
     from mimoc.recording.recorder import Recording
 
-    return Recording([env], folder, movement=groups_named(movement or ALL))
+    return Recording([*infants.values()], folder, movement=groups_named(movement or ALL))
 
 
 def _film(
     video: Path | None, infants: "Mapping[str, Infant]", options: dict[str, Any]
-) -> "AbstractContextManager[Watch] | AbstractContextManager[None]":
-    """Return what films all infants from outside, and what the eyes of the first one see."""
+) -> "AbstractContextManager[Filming] | AbstractContextManager[None]":
     from mimoc.recording import film_of
 
-    step_ms, roots = next(iter(infants.values())).manifest.step_ms, [one.manifest.root_body for one in infants.values()]
-    return film_of(video, step_ms, roots=roots, **options) if video else nullcontext()
+    return film_of(video, next(iter(infants.values())).manifest.step_ms, **options) if video else nullcontext()
 
 
 def _chosen(
@@ -208,7 +220,7 @@ def _run(
     policies: "Mapping[str, Policy]",
     seed: int,
     steps: int,
-    filmed: "AbstractContextManager[Watch | None]",
+    filmed: "AbstractContextManager[Filming | None]",
     written: Sequence[Path],
 ) -> "dict[str, Summary]":
     """Take some control steps with a progress bar, film them if there is a video, and return the summaries."""
@@ -216,14 +228,13 @@ def _run(
     from mimoc.runtime.rollout import Run
 
     rollout = Run(env, {name: lambda _, policy=policy: policy for name, policy in policies.items()}, seed)
-    first: Any = next(iter(rollout.infants.values()))
-    with _interruptible(written), console.progress("running") as show, filmed as watch:
-        if watch:
-            watch(first, rollout.observation)
+    with _interruptible(written), console.progress("running") as show, filmed as film:
+        if film:
+            film(rollout.infants, rollout.observations)
         for step in range(steps):
             rollout.step()
-            if watch:
-                watch(first, rollout.observation)
+            if film:
+                film(rollout.infants, rollout.observations)
             show(step + 1, steps)
     return rollout.summaries()
 

@@ -173,6 +173,11 @@ class WorldRecorder(_Closing):
     def __init__(self, env: Any, recording: Recording):
         self.env, self.recording = env, recording
 
+    @property
+    def unwrapped(self) -> Any:
+        """The world."""
+        return getattr(self.env, "unwrapped", self.env)
+
     def __getattr__(self, name: str) -> Any:
         """Return what the world has of this name."""
         if name.startswith("__") or name == "env":

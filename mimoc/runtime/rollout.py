@@ -63,7 +63,8 @@ def rollout(
     With *episodes*, episode e is reset with `seed + e`, and its policy draws from a generator of that seed, so that it
     is the same whatever was before; a vector environment goes through them side by side, episode e in row e % n.
     Otherwise only the first reset has a seed, and all random numbers go on from there: infant i draws from `seed + i`.
-    A policy is bound to its infant once: before the first of *episodes*, otherwise after the first reset. While a step is looked at, nothing has been reset yet.
+    A policy is bound to its infant once: before the first of *episodes*, otherwise after the first
+    reset. While a step is looked at, nothing has been reset yet.
 
     Args:
         env: The environment of one infant, a world, or a vector environment on the CPU, however it is wrapped; the
@@ -291,7 +292,8 @@ class Tally:
 
     def add(self, step: Step) -> None:
         """Count a control step."""
-        self._reward, self._steps, self._earned = self._reward + step.reward, self._steps + 1, self._earned + step.reward
+        self._reward, self._earned = self._reward + step.reward, self._earned + step.reward
+        self._steps += 1
         self._measures.add(step.info)
         if step.ended:
             time_s = ms_to_s(step.number * self._infant.manifest.step_ms)

@@ -259,7 +259,7 @@ def test_what_a_recording_is_not_written_into(reaching, tmp_path):
     other = mimoc.make(reaching)
     with mimoc.Recorder(env, tmp_path / "one"), pytest.raises(RecordingError, match="another process is recording"):
         mimoc.Recorder(other, tmp_path / "one")
-    with pytest.raises(TypeError, match="Recorder: expected an environment of mimoc's .*, got CartPoleEnv"):
+    with pytest.raises(TypeError, match=r"Recorder: expected an environment of mimoc's .*, got CartPoleEnv"):
         mimoc.Recorder(gymnasium.make("CartPole-v1"), tmp_path / "three")
     with pytest.raises(RecordingError, match="part_rows must be a positive whole number, not 0"):
         mimoc.Recorder(env, tmp_path / "four", part_rows=0)
