@@ -117,7 +117,7 @@ LAYERS = {
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco pydantic"),
-    "rollout": layer("runtime.rollout runtime.world_rollout", f"{RUNNING} policies", "mujoco"),
+    "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",

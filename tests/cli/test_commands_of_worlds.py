@@ -65,7 +65,6 @@ def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
         (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
         (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
         (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
