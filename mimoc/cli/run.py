@@ -122,8 +122,8 @@ def run(
 ) -> None:
     """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
+    from mimoc.policies.named import policies_of
     from mimoc.runtime.infants import infants_of
-    from mimoc.runtime.rollout import bind_policies
 
     check_video(video, eyes)
     options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
@@ -135,14 +135,14 @@ def run(
         if filmed is not None:
             check_name("name of an infant here", filmed, infants)
         chosen = _chosen(policy or ["random"], infant, root, infants)
-        policies = bind_policies(infants, chosen, load_trained)  # Refuses bad names before writing anything.
+        policies = policies_of(infants, chosen, load_trained)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(infants, record, movement))
         written = _written(infants, video, record, filmed)
         steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
         summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
     if other is not None:
         with closing(_open(other, task)) as env:
-            acting = bind_policies(infants_of("run", env), chosen, load_trained)
+            acting = policies_of(infants_of("run", env), chosen, load_trained)
             others = _run(env, acting, seed, steps, nullcontext(), [])
         summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
     (name, summary), *rest = summaries.items()

@@ -8,18 +8,14 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from mimoc.base.errors import check_name
 from mimoc.base.units import ms_to_s
-from mimoc.policies.named import Loader, policy_of
-from mimoc.policies.policy import Policy, PolicyMaker, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.named import Loader, Policies, policies_of
+from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.starting import check_apart
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.infants import infants_of
 from mimoc.senses.sense import Observation
-
-Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
-"""A policy for all infants, as for `policy_of`, or one for each of some by name; all others then command nothing."""
-AT_REST = "zero"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,23 +92,6 @@ def rollout(
     return run.go(math.inf if steps is None else steps)
 
 
-def bind_policies(
-    infants: Mapping[str, Infant], policy: Policies, load: Loader | None = None
-) -> dict[str, Policy]:
-    """Return the policy of each infant of an environment, by name.
-
-    Raises:
-        UnknownNameError: If there is no such policy or infant.
-        PolicyError: If a policy lacks something, or does not fit its infant.
-    """
-    if not isinstance(policy, Mapping):
-        policy = dict.fromkeys(infants, policy)
-    for name in policy:
-        check_name("name of an infant", name, infants)
-    views: dict[str, Any] = dict(infants)
-    return {name: policy_of(infant, policy.get(name, AT_REST), load) for name, infant in views.items()}
-
-
 class Rollout:
     """Infants under a policy, whose control steps are taken one by one; see `rollout`."""
 
@@ -144,9 +123,9 @@ class Rollout:
         seeds = {group.names: self._seed_of(group, is_first=True) for group in self._groups}
         if episodes is None:
             observed = self._stage.reset(seeds)  # Policies take their aims from how it starts.
-            self.policies = bind_policies(self.infants, policy, load)
+            self.policies = policies_of(self.infants, policy, load)
         else:
-            self.policies = bind_policies(self.infants, policy, load)
+            self.policies = policies_of(self.infants, policy, load)
             observed = self._stage.reset(seeds)
         around = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
         for group in self._groups:
@@ -219,9 +198,15 @@ class Rollout:
                 if self._episodes is not None or name not in self._generators:
                     self._generators[name] = np.random.default_rng(seed + number)
                 start_again(self.policies[name])
-                observation, info = observed[name]
-                self.observations[name] = observation = begin(self.policies[name]) or observation
-                steps.append(Step(name, group.episode, 0, observation, None, 0.0, info, ended=False))
+        begun = [begin(self.policies[name]) for group in groups for name in group.names]
+        if any(observation is not None for observation in begun):
+            for group in groups:
+                check_apart({name: self.infants[name] for name in group.names})
+            observed = {name: (self.infants[name].observe(), info) for name, (_, info) in observed.items()}
+        for group in groups:
+            for name in group.names:
+                self.observations[name], info = observed[name]
+                steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, ended=False))
         return steps
 
 

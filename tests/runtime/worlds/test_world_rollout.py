@@ -9,8 +9,8 @@ from mimoc.base.errors import UnknownNameError
 from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
-from mimoc.runtime.world_env import WorldEnv
 from mimoc.runtime.rollout import Run
+from mimoc.runtime.world_env import WorldEnv
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
