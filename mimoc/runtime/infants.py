@@ -29,4 +29,3 @@ def infants_of(function: str, env: Any) -> dict[str, Infant]:
     if several and all(isinstance(infant, InfantEnv) for infant in several):
         return {str(number): infant for number, infant in enumerate(several)}
     raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")
-
