@@ -12,6 +12,7 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import KindError, MimocError, SpecError, UnknownNameError
+from mimoc.base.sound import Sound
 from mimoc.companions.caregiver.run import Caregiver
 from mimoc.compiler.worlds import plan_world
 from mimoc.parallel import shared_world
@@ -201,3 +202,35 @@ def test_a_world_without_a_caregiver_says_so():
     with pytest.raises(MimocError, match=r"has no caregiver; add 'caregiver: \{\}' to the scene"):
         _ = env.infants["ben"].caregiver
     env.close()
+
+
+def test_rows_of_a_batch_of_worlds_have_the_caregiver_that_the_world_has_alone():
+    plan = plan_world(
+        {name: mimoc.InfantSpec.model_validate(data) for name, data in PAIR.items()}, scene={"caregiver": ANSWERS}
+    )
+    env, envs = shared_world(plan), mimoc.make_vec(plan, num_envs=4)
+    env.reset(seed=0)
+    envs.reset(seed=0)
+    generator = np.random.default_rng(0)
+    for _ in range(60):
+        actions = generator.uniform(-1, 1, envs.action_space.shape).astype(np.float32)
+        envs.step(actions)
+        env.step(dict(zip(env.agents, actions[:2], strict=True)))
+    assert np.array_equal(envs.simulations[0].data.qpos, env.data.qpos)
+    assert np.array_equal(envs.simulations[0].data.mocap_pos, env.data.mocap_pos)
+    env.close()
+    envs.close()
+
+
+class Crying(mimoc.Companion):
+    """An infant's cry, once."""
+
+    def sounds(self, data):
+        return [Sound(20, 400.0, 450.0, 80.0, "voice", "infant", 1, (0.0, 0.0, 0.0))] if data.time > 0.1 else []
+
+
+@pytest.mark.parametrize("who", ["anna", "ben"])
+def test_whoever_cries_is_answered(lives, who):
+    env = lives({"answers": {"to": "vocalisation", "delay_ms": 0}}, {who: {"cry": Crying()}})
+    kick(env, (), 0.3)
+    assert env.infants["anna"].caregiver.answered_to == [who]

@@ -34,7 +34,7 @@ TEXTS = [
     *(f"{name}:{argument}" for name in POLICIES for argument in ARGUMENTS.get(name, ())),
     "sit+look_at:head+general_movements+reflexes",
 ]
-FAR_CM = {"y_cm": 500}, {"y_cm": 0, "yaw_deg": 0}
+FAR_CM = {"y_cm": 500.0}, {"y_cm": 0.0}
 
 
 def test_all_policies_are_here():

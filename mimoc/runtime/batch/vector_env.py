@@ -255,7 +255,8 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         Raises:
             RenderingError: If OpenGL is not available.
         """
-        return in_rows([world.render() for world in self.simulations]) if self.render_mode == "rgb_array" else None
+        pictures: list[Any] = [env.render() for env in self._envs]
+        return in_rows(pictures) if self.render_mode == "rgb_array" else None
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
         """Return what a method of each infant returns, or an attribute of each."""
