@@ -18,6 +18,8 @@ from mimoc.recording.dictionary import write_dictionary
 from mimoc.recording.folder import EPISODES, open_folder, versions
 from mimoc.recording.observer import RecordedSimulation, RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
+from mimoc.runtime.batch.gymnasium_forms import InfantVectorEnv
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.infants import infants_of
 from mimoc.runtime.observer import NO_OBSERVER
@@ -46,8 +48,9 @@ class Recording(AbstractContextManager):
         states_every: int = STATES_EVERY,
         part_rows: int = PART_ROWS,
         movement: Sequence[str] = tuple(GROUPS),
+        note: str | None = None,
     ):
-        """Begin to record; see `Recorder`."""
+        """Begin to record; see `Recorder`; *note* says why this cannot be replayed, if it cannot."""
         self._movement = checked_groups(movement)
         self._simulations = [*{id(infant.simulation): infant.simulation for infant in infants}.values()]
         infants = self._infants = tuple(one for each in self._simulations for one in each.infants.values())
@@ -56,7 +59,7 @@ class Recording(AbstractContextManager):
                 raise RecordingError("this infant is being recorded already; close that recording first")
         if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
-        self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations])
+        self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations], note=note)
         try:
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
                 files.discard(leftover)
@@ -137,7 +140,7 @@ class Recording(AbstractContextManager):
         return [max(numbers[infant] for infant in sharing) for sharing in firsts]
 
 
-class _Closing(AbstractContextManager):
+class Closing(AbstractContextManager):
     """What all wrappers do: they end the recording before they close what they wrap."""
 
     env: Any
@@ -159,15 +162,15 @@ class _Closing(AbstractContextManager):
         self.close()
 
 
-class EnvRecorder(_Closing, gymnasium.Wrapper[Any, Any, Any, Any]):
+class EnvRecorder(Closing, gymnasium.Wrapper[Any, Any, Any, Any]):
     """The environment of one infant whose episodes are recorded."""
 
 
-class VectorRecorder(_Closing, VectorWrapper):
+class VectorRecorder(Closing, VectorWrapper):
     """A vector environment whose infants' episodes are recorded."""
 
 
-class WorldRecorder(_Closing):
+class WorldRecorder(Closing):
     """A world whose infants' episodes are recorded: all else is the world's."""
 
     def __init__(self, env: Any, recording: Recording):
@@ -197,7 +200,8 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 
     What is recorded is what the infant itself does and senses, whatever wrappers are around it or are put around it
     later. `mimoc.read_recording` reads it, and `mimoc replay` does everything again and compares. Its place in the
-    stack of wrappers does not matter, but it must be closed: until then, the latest steps are only in memory.
+    stack of wrappers does not matter, but it must be closed: until then, the latest steps are only in memory. On a
+    device, what is done by this wrapper is recorded, from the first reset on, without states: it cannot be replayed.
 
     Args:
         env: Any environment of mimoc's: of one infant, of a world of several, or a vector environment.
@@ -227,6 +231,11 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
     for name, value in (("states_every", states_every), ("part_rows", part_rows)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:
             raise RecordingError(f"{name} must be a positive whole number, not {value!r}")
+    inside = getattr(env, "unwrapped", env)
+    if isinstance(inside, InfantVectorEnv) and not isinstance(inside, BatchEnv):
+        from mimoc.recording.device import DeviceRecorder
+
+        return DeviceRecorder(env, folder, part_rows=part_rows, movement=movement)
     infants = [*infants_of("Recorder", env).values()]
     recording = Recording(infants, folder, states_every=states_every, part_rows=part_rows, movement=movement)
     for note in recording.notes:
