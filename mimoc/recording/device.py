@@ -1,4 +1,4 @@
-"""Recording of infants on a device: what is commanded, observed and earned, and movement as far as its arrays say it."""
+"""Recording of infants on a device: actions, observations, rewards, and movement as far as its arrays say it."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,7 +13,6 @@ from mimoc.columns import GROUPS, checked_groups
 from mimoc.columns.reader import bind_group
 from mimoc.recording.recorder import PART_ROWS, Closing, Recording
 from mimoc.runtime.batch.gymnasium_forms import options_of, reset_indices, seeds_of
-from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.observer import NO_OBSERVER, Observer
 from mimoc.senses.sense import Observation
@@ -35,7 +34,7 @@ class DeviceInfant:
 
     observer: Observer = NO_OBSERVER
 
-    def __init__(self, env: DeviceEnv, world: int):
+    def __init__(self, env: Any, world: int):
         """Take the infant in a world."""
         self._env, self._world = env, world
         self.infants, self.simulation, self.observation_space = {"": self}, self, env.single_observation_space
@@ -67,7 +66,7 @@ class DeviceRecorder(Closing, VectorWrapper):
         movement: Sequence[str] = tuple(GROUPS),
     ):
         """Begin to record; see `mimoc.Recorder`."""
-        self._device_env: DeviceEnv = env.unwrapped
+        self._device_env: Any = env.unwrapped
         first = self._device_env.infants[0]
         groups = [name for name in checked_groups(movement) if bind_group(name, first).moment is None]
         self._infants = [DeviceInfant(self._device_env, world) for world in range(self._device_env.num_envs)]
@@ -165,7 +164,7 @@ class DeviceRecorder(Closing, VectorWrapper):
         infant.observer.was_reset(seed, options, infant.seen, {name: info[name] for name in (AGE,) if name in info})
 
 
-def _spaces(env: DeviceEnv) -> Mapping[str, Any]:
+def _spaces(env: Any) -> Mapping[str, Any]:
     spaces: Any = env.single_observation_space
     return spaces.spaces
 
