@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.measures import measure_recordings as measure_recordings
     from mimoc.recording.reading import read_recording as read_recording
-    from mimoc.recording.recorder import Recorder as Recorder
+    from mimoc.recording.wrappers import Recorder as Recorder
     from mimoc.recordings import replay_recording as replay_recording
     from mimoc.reporting import report as report
     from mimoc.retargeting.folder import read_retargeted as read_retargeted, write_retargeted as write_retargeted

@@ -3,10 +3,12 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 from mimoc.base.errors import MovementError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
 from mimoc.environments import open_infant
 from mimoc.movement.filming import SETTLING_S, Film, Filmed
 from mimoc.parallel import is_world_source, shared_world
@@ -28,7 +30,7 @@ def no_progress(done: int, total: int) -> None:
 
 
 def film_policy(
-    infant: Bundle | InfantSpec | str | Path,
+    infant: Bundle | WorldBundle | InfantSpec | str | Path,
     policy: str | PolicyMaker,
     seeds: Sequence[int],
     seconds: float = SECONDS,
@@ -47,7 +49,8 @@ def film_policy(
         UnknownNameError: If there is no such policy.
         MovementError: If an episode ends before it has been filmed.
     """
-    with closing(shared_world(infant) if is_world_source(infant) else open_infant(infant)) as env:
+    source: Any = infant
+    with closing(shared_world(source) if is_world_source(source) else open_infant(source)) as env:
         infants, step_s = infants_of("film_policy", env), ms_to_s(env.bundle.manifest.step_ms)
         steps = round((seconds + SETTLING_S) / step_s)
         label = policy if isinstance(policy, str) else env.bundle.manifest.name

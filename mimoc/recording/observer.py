@@ -133,6 +133,11 @@ class RecordedSimulation:
     """How many of the orders that each companion has before a control step are kept, by the companion's identity."""
 
     @property
+    def has_states(self) -> bool:
+        """Whether states are recorded: of what is simulated on the CPU."""
+        return isinstance(self.simulation, Simulation)
+
+    @property
     def keeper(self) -> "RecordingObserver | None":
         """The first infant whose episode goes on: it keeps states, and what is done besides control steps."""
         return next((observer for observer in self.observers if observer.is_on), None)
@@ -224,7 +229,7 @@ class RecordingObserver(Observer):
             self._begin(None, infant.observe(), {})
             if self is shared.keeper:
                 shared.know_orders()
-        elif self is shared.keeper and shared.physics != self._physics_now():
+        elif self is shared.keeper and shared.has_states and shared.physics != self._physics_now():
             self._change("physics", physics_of(infant.model, infant.data))
         if infant.companions:
             self._keep_orders()
@@ -244,8 +249,9 @@ class RecordingObserver(Observer):
             self._write_part(episode)
             episode.block = self._new_block(episode.steps)
         self._put(episode.block, action, judged, observation)
-        episode.block.put_measures(self._measures.read(judged[3]))
-        if is_keeper:
+        if self._shared.has_states:
+            episode.block.put_measures(self._measures.read(judged[3]))
+        if is_keeper and self._shared.has_states:
             self._shared.physics, self._shared.orders = self._physics_now(), {}
             if episode.steps % self._states_every == 0:
                 episode.states.append({"step": episode.steps, "state": self.infant.get_state()})
@@ -346,7 +352,7 @@ def _described(infant: Infant, movement: MovementReader) -> Described:
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
-    observation = {**infant.schedule.observe(), **infant.task.observe()}
+    observation = infant.observe()
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = infant.manifest.commands
     columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]

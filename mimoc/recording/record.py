@@ -53,7 +53,8 @@ class VideoFrames:
             eyes: Whether to show the views of its eyes.
             shown: Whether infants are drawn with their skin, or their solids.
         """
-        self._env, self._eyes, self._shown, self._height_px = infant, eyes, shown, height_px
+        self._env, self._eyes, self._height_px = infant, eyes, height_px
+        self._shown: Shown = shown
         self.shot: Shot | None = None
         """Shot of the last frame."""
         self._open()

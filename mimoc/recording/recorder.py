@@ -1,15 +1,11 @@
 """Recording of everything that infants do and sense, of one environment or of many."""
 
 import math
-import warnings
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-import gymnasium
-from gymnasium.vector import VectorEnv, VectorWrapper
 
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
@@ -19,7 +15,6 @@ from mimoc.recording.folder import EPISODES, open_folder, versions
 from mimoc.recording.observer import RecordedSimulation, RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.task import CustomTask
@@ -46,8 +41,9 @@ class Recording(AbstractContextManager):
         states_every: int = STATES_EVERY,
         part_rows: int = PART_ROWS,
         movement: Sequence[str] = tuple(GROUPS),
+        note: str | None = None,
     ):
-        """Begin to record; see `Recorder`."""
+        """Begin to record; see `Recorder`; *note* says why this cannot be replayed, if it cannot."""
         self._movement = checked_groups(movement)
         self._simulations = [*{id(infant.simulation): infant.simulation for infant in infants}.values()]
         infants = self._infants = tuple(one for each in self._simulations for one in each.infants.values())
@@ -56,7 +52,7 @@ class Recording(AbstractContextManager):
                 raise RecordingError("this infant is being recorded already; close that recording first")
         if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
-        self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations])
+        self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations], note=note)
         try:
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
                 files.discard(leftover)
@@ -137,7 +133,7 @@ class Recording(AbstractContextManager):
         return [max(numbers[infant] for infant in sharing) for sharing in firsts]
 
 
-class _Closing(AbstractContextManager):
+class Closing(AbstractContextManager):
     """What all wrappers do: they end the recording before they close what they wrap."""
 
     env: Any
@@ -157,82 +153,6 @@ class _Closing(AbstractContextManager):
     def __exit__(self, *error: object) -> None:
         """Close it."""
         self.close()
-
-
-class EnvRecorder(_Closing, gymnasium.Wrapper[Any, Any, Any, Any]):
-    """The environment of one infant whose episodes are recorded."""
-
-
-class VectorRecorder(_Closing, VectorWrapper):
-    """A vector environment whose infants' episodes are recorded."""
-
-
-class WorldRecorder(_Closing):
-    """A world whose infants' episodes are recorded: all else is the world's."""
-
-    def __init__(self, env: Any, recording: Recording):
-        self.env, self.recording = env, recording
-
-    @property
-    def unwrapped(self) -> Any:
-        """The world."""
-        return getattr(self.env, "unwrapped", self.env)
-
-    def __getattr__(self, name: str) -> Any:
-        """Return what the world has of this name."""
-        if name.startswith("__") or name == "env":
-            raise AttributeError(name)
-        return getattr(self.env, name)
-
-
-def Recorder(  # noqa: N802 - It stands for the classes above.
-    env: Any,
-    folder: str | Path,
-    *,
-    states_every: int = STATES_EVERY,
-    part_rows: int = PART_ROWS,
-    movement: Sequence[str] = tuple(GROUPS),
-) -> Any:
-    """Record every episode of an environment from now on, and return it in a wrapper that ends this when it is closed.
-
-    What is recorded is what the infant itself does and senses, whatever wrappers are around it or are put around it
-    later. `mimoc.read_recording` reads it, and `mimoc replay` does everything again and compares. Its place in the
-    stack of wrappers does not matter, but it must be closed: until then, the latest steps are only in memory.
-
-    Args:
-        env: Any environment of mimoc's: of one infant, of a world of several, or a vector environment.
-        folder: A new or empty folder, or that of a recording of the same infants, which is continued.
-        states_every: Control steps from one complete state to the next.
-        part_rows: Control steps after which what was recorded is written, which a kill can lose; fewer for large
-            pictures.
-        movement: Groups of movement columns: `keypoints`, `parts`, `gaze`, `contacts`, `joints`, `actuators`; by
-            default all, `()` for none.
-
-    Raises:
-        UnknownNameError: If there is no such group.
-        RecordingError: If the folder holds anything else, or an infant is recorded already.
-        OutputError: If the folder cannot be written.
-        MissingExtraError: If PyArrow, or for infants that see PyAV, is not installed.
-        TypeError: If this is no such environment.
-
-    Example:
-        >>> import mimoc
-        >>> with mimoc.Recorder(mimoc.make("nine_months.yaml"), "recordings/recorder") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     for _ in range(2):
-        ...         _ = env.step(env.action_space.sample())
-        >>> mimoc.read_recording("recordings/recorder")[0].actions.shape
-        (2, 44)
-    """
-    for name, value in (("states_every", states_every), ("part_rows", part_rows)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise RecordingError(f"{name} must be a positive whole number, not {value!r}")
-    infants = [*infants_of("Recorder", env).values()]
-    recording = Recording(infants, folder, states_every=states_every, part_rows=part_rows, movement=movement)
-    for note in recording.notes:
-        warnings.warn(note, stacklevel=2)
-    wrappers = {VectorEnv: VectorRecorder, gymnasium.Env: EnvRecorder}
-    return next((wrap for kind, wrap in wrappers.items() if isinstance(env, kind)), WorldRecorder)(env, recording)
 
 
 def _objects(infant: Infant) -> dict[str, str]:

@@ -257,6 +257,7 @@ def test_what_a_recording_is_not_written_into(reaching, tmp_path):
     with mimoc.Recorder(env, tmp_path / "one"), pytest.raises(RecordingError, match="is being recorded already"):
         mimoc.Recorder(env, tmp_path / "two")
     other = mimoc.make(reaching)
+    env = mimoc.make(reaching)
     with mimoc.Recorder(env, tmp_path / "one"), pytest.raises(RecordingError, match="another process is recording"):
         mimoc.Recorder(other, tmp_path / "one")
     with pytest.raises(TypeError, match=r"Recorder: expected an environment of mimoc's .*, got CartPoleEnv"):
