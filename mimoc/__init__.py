@@ -38,11 +38,12 @@ if TYPE_CHECKING:
     )
     from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.recording import record as record
+    from mimoc.recording.between import contacts_and_gaze as contacts_and_gaze
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.measures import measure_recordings as measure_recordings
     from mimoc.recording.reading import read_recording as read_recording
-    from mimoc.recording.recorder import Recorder as Recorder
     from mimoc.recording.replay_recording import replay_recording as replay_recording
+    from mimoc.recording.wrappers import Recorder as Recorder
     from mimoc.runtime.companion import Companion as Companion
     from mimoc.runtime.env import InfantEnv as InfantEnv
     from mimoc.runtime.growth_schedule import growth_schedule as growth_schedule

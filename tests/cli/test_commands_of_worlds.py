@@ -94,7 +94,6 @@ def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
         (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
         (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),

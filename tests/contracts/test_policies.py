@@ -14,7 +14,6 @@ from mimoc.motion.joint_motion import pack_motion
 from mimoc.policies.named import policy_of
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import needs_argument
-from mimoc.policies.world_rollout import WorldRun
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.components.policies import POLICIES
 
@@ -70,7 +69,7 @@ def kim():
 
 
 def assert_same_in_a_world(kim, world, policy, steps):
-    alone, shared = Run(kim, policy, seed=1), WorldRun(world, policy, seed=0)
+    alone, shared = Run(kim, policy, seed=1), Run(world, policy, seed=0)
     for _ in range(steps):
         alone.step()
         shared.step()

@@ -21,7 +21,7 @@ from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
 from mimoc.components.senses.vision.run import bind
 from mimoc.motion.points import SIDES
-from mimoc.policies.named import policy_of
+from mimoc.policies.rollout import Run
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
@@ -198,12 +198,11 @@ def watch(case: Case, seed: int) -> Result:
         closing(InfantEnv(lying(case.age_months))) as env,
         closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
     ):
-        observation, _ = env.reset(seed=seed)
-        policy, generator = policy_of(env, POLICIES[case.condition]), np.random.default_rng(seed)
+        run = Run(env, POLICIES[case.condition], seed)
         watcher, step_s = Watcher(env, pictures.entry), env.manifest.step_ms / 1000
         contrasts = list[tuple[float, float]]()
         for step in range(round(case.seconds / step_s)):
-            observation = env.step(policy(generator, observation))[0]
+            run.step()
             watcher.gaze()
             if (step + 1) % round(WATCHED_S / step_s) == 0:
                 watcher.watch()
