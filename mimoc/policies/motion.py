@@ -15,7 +15,7 @@ from mimoc.control.tracking import Body, Demand, Tracker, Wanted
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.motion_report import Followed
 from mimoc.policies.starting import begin_here
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 
 Root = Literal["free", "assisted"]
@@ -28,7 +28,7 @@ class MotionPolicy:
     The motion takes place where it was recorded; in a world with others, where the infant is, and faces as it does.
     """
 
-    def __init__(self, env: InfantEnv, motion: JointMotion, root: Root = "free"):
+    def __init__(self, env: Infant, motion: JointMotion, root: Root = "free"):
         """Bind it to an infant.
 
         Args:
@@ -152,7 +152,7 @@ class MotionPolicy:
         applied.append(self._env.data.qfrc_applied[self._body.root_speeds].copy())
 
 
-def bind(env: InfantEnv, text: str, root: Root = "free") -> MotionPolicy:
+def bind(env: Infant, text: str, root: Root = "free") -> MotionPolicy:
     """Return the policy for an environment and a motion, which *text* is the path of; see `MotionPolicy`.
 
     Raises:

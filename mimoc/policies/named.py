@@ -20,7 +20,7 @@ from mimoc.policies.policy import (
 )
 from mimoc.policies.silent import Silent, limits_of
 from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 Loader = Callable[[str], PolicyMaker]
@@ -30,7 +30,7 @@ Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
 AT_REST = "zero"
 
 
-def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
+def policy_of(env: Infant, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
     """Return a policy for an environment, by its name or from what makes one.
 
     Args:
@@ -56,7 +56,7 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
 
 
-def policies_of(infants: Mapping[str, Any], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
+def policies_of(infants: Mapping[str, Infant], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
     """Return the policy of each infant of an environment, by name: each is an object of its own.
 
     Args:
@@ -89,7 +89,7 @@ class Sum:
     in the order of the sum. An episode ends after the fewest steps that any of them asks for.
     """
 
-    def __init__(self, env: InfantEnv, policies: Sequence[Policy], labels: Sequence[str]):
+    def __init__(self, env: Infant, policies: Sequence[Policy], labels: Sequence[str]):
         """Add policies of one infant, each with what it is called where metrics have the same name."""
         self._env, self._policies, self._labels = env, tuple(policies), numbered(labels)
         self.steps_per_episode = min(map(episode_limit_of, policies))
@@ -123,7 +123,7 @@ def summed(xp, actions, low, high):
     return xp.clip(total, low, high)
 
 
-def _bound(env: InfantEnv, part: PolicyPart, load: Loader | None) -> Policy:
+def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
     """Return one policy for an environment."""
     if part.kind is None:
         if load is None:

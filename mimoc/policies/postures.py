@@ -16,7 +16,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Label, Number
 from mimoc.senses.sense import FloatArray, Observation
@@ -98,7 +98,7 @@ def _other_side(joint: str) -> str:
 class PosturePolicy:
     """Follows a movement through postures, by what the infant senses of its joints and of its balance."""
 
-    def __init__(self, env: InfantEnv, movement: Postures):
+    def __init__(self, env: Infant, movement: Postures):
         """Bind it to an infant.
 
         Raises:
@@ -155,11 +155,11 @@ class PosturePolicy:
         return np.array([acceleration[0], acceleration[1], turning[1], turning[0]], float)
 
 
-def _sensed(env: InfantEnv, sense: str) -> tuple[str, ...]:
+def _sensed(env: Infant, sense: str) -> tuple[str, ...]:
     return env.layout(sense) if sense in env.senses else ()
 
 
-def _commands(env: InfantEnv, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
+def _commands(env: Infant, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
     """Return what turns shares of joints into commands, shape (commands, joints), and whether these are of servos.
 
     A motor takes the share itself. Of two muscles at a joint, that which pulls the wanted way, against the sign of its

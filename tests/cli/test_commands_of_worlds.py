@@ -83,12 +83,17 @@ def test_it_is_built_in_the_scene_of_another_seed(invoke, folder, tmp_path):
     assert again.files["scene.xml"] == bundle.files["scene.xml"]
 
 
+def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
+    done = invoke("run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3")
+    assert done.code == 0
+    assert "Error of the gaze" in done.out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
         (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
-        (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
+        (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "crawling"], "'crawling' is not a pose of 'anna'"),
         (["render", "-o", "a.png", "--crop", "head"], "--crop head draws the head of one infant"),

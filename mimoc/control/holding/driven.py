@@ -1,7 +1,7 @@
 """An infant in a model, with the hinges that its motors drive, and the postures that it can be placed in."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import mujoco
@@ -32,7 +32,7 @@ class DrivenInfant:
     model: mujoco.MjModel
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
-    prefix: str
+    prefix: str = field(default="", kw_only=True)
     """What the names of its parts begin with in the model; empty for an infant that is alone."""
 
     @classmethod
@@ -40,7 +40,7 @@ class DrivenInfant:
         """Return the infant that a manifest describes, with all hinges that actuators of its body drive."""
         driven = model.actuator_trnid[:, 0]
         is_own = model.body_rootid[model.jnt_bodyid[driven]] == model.body(manifest.root_body).id
-        return cls(model, np.unique(driven[is_own]).astype(np.intp), manifest.prefix)
+        return cls(model, np.unique(driven[is_own]).astype(np.intp), prefix=manifest.prefix)
 
     @cached_property
     def root(self) -> int:

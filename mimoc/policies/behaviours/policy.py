@@ -13,7 +13,7 @@ from mimoc.policies.behaviours.ensemble import Ensemble
 from mimoc.policies.policy import merged_metrics, numbered
 from mimoc.policies.reaction import Chance
 from mimoc.policies.starting import begin_here
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 ACTUATIONS = ("torque", "muscle", "position")
@@ -37,7 +37,7 @@ class BehaviourPolicy:
     An episode begins in the posture of a behaviour that has one, in the infant's place and facing as it does.
     """
 
-    def __init__(self, env: InfantEnv, named: Sequence[NamedBehaviour]):
+    def __init__(self, env: Infant, named: Sequence[NamedBehaviour]):
         """Bind behaviours to an infant.
 
         Raises:
@@ -102,8 +102,8 @@ class BehaviourPolicy:
         if actuation not in ACTUATIONS:
             raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
         self._model, self._infant = model, DrivenInfant.of(model, env.manifest)
-        owners = np.repeat(model.jnt_bodyid, np.diff(np.append(model.jnt_qposadr, model.nq)))
-        self._is_of_others = self._infant.is_other[owners]
+        joints = np.searchsorted(model.jnt_qposadr, np.arange(model.nq), side="right") - 1
+        self._is_of_others = self._infant.is_other[model.jnt_bodyid[joints]]
         subject = Subject(self._infant, env.manifest, self._chance)
         self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
         self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
@@ -124,7 +124,7 @@ class BehaviourPolicy:
         return held | merged_metrics([item.metrics() for item in ensemble.behaviours], self._labels)
 
 
-def _place(env: InfantEnv, infant: DrivenInfant, start: mujoco.MjData) -> None:
+def _place(env: Infant, infant: DrivenInfant, start: mujoco.MjData) -> None:
     """Put an infant into a posture at the origin, at rest, in its place and facing as it does."""
     model, data = env.model, env.data
     is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)

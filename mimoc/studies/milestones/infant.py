@@ -92,7 +92,7 @@ def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
     """Return the infant of a model that was compiled from some spec, perhaps with other things in its world."""
     joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
     bias = compile_infant(_with_actuation(spec, arousal=0.0)).actuator_biasprm if _has_servos(spec) else None
-    return TrialInfant(model, joints, "", own_timing(spec), bias)
+    return TrialInfant(model, joints, own_timing(spec), bias)
 
 
 def slackened(spec: InfantSpec) -> InfantSpec:
