@@ -132,6 +132,8 @@ def run(
     env = _open(world or load_infant(infant), task, "human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
+        if filmed is not None and len(infants) == 1:
+            raise MimocError("--infant chooses one of several infants, and there is only one here; leave it out")
         if filmed is not None:
             check_name("name of an infant here", filmed, infants)
         chosen = _chosen(policy or ["random"], infant, root, infants)
