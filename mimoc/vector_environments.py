@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not ever
     from mimoc.training.rsl_rl_env import InfantRslEnv
     from mimoc.training.vector_env import VecMonitor
 
-Source = Bundle | InfantSpec | WorldBundle | str | Path
+Source = Bundle | InfantSpec | WorldBundle | Mapping[str, InfantSpec] | str | Path
 
 
 @runtime_checkable
@@ -96,7 +96,7 @@ def make_vec(
         >>> observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
         >>> envs.close()
     """
-    sources = [source] if isinstance(source, Mapping) else _listed(source)
+    sources = _listed(source)
     if any(map(is_world_source, sources)):
         return _of_worlds(sources, num_envs, threads, device, render_mode, autoreset_mode, **options)
     count = len(sources) if num_envs is None else num_envs

@@ -7,13 +7,14 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import mujoco
+import numpy as np
 from pydantic import Field, ValidationError
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
-from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, prefixed, prepare, read_model
+from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, in_subtrees, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
 from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.objects.spec_base import ObjectEntry
@@ -149,6 +150,20 @@ def load_world_model(bundle: WorldBundle) -> mujoco.MjModel:
             check_fits(bundle.path, manifest, bundle.manifest.timestep_ms, model)
     prepare(model)
     return model
+
+
+def take_pose(root_body: str, keyframe: str, data: mujoco.MjData) -> None:
+    """Let an infant in a state have the pose of a keyframe, at its place there."""
+    model, key = data.model, data.model.key(keyframe)
+    is_part = in_subtrees(model, [model.body(root_body).id])
+    for joint in np.flatnonzero(is_part[model.jnt_bodyid]):
+        is_free = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE
+        addresses = model.jnt_qposadr[joint] + np.arange(7 if is_free else 1)
+        data.qpos[addresses] = key.qpos[addresses]
+    actuators = np.flatnonzero(is_part[model.jnt_bodyid[model.actuator_trnid[:, 0]]])
+    active = model.actuator_actadr[actuators][model.actuator_actadr[actuators] >= 0]
+    data.act[active] = key.act[active]
+    data.ctrl[actuators] = model.key_ctrl[key.id][actuators]
 
 
 def overlaps(model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str]) -> dict[tuple[int, int], float]:

@@ -138,8 +138,8 @@ def render(
     if ages is not None or poses is not None:
         refused = {"--skin": skin, "--transparent": transparent, "--pose": bool(pose and poses)}
         contact_sheets.draw(infants, file, ages, poses or pose, size_px, shown, framing, refused)
-    elif len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin, crop=crop)):
-        worlds.draw(world, file, size_px, (body or Body.SKIN).value, framing)
+    elif len(infants) == 1 and (world := worlds.find_world(infants[0])):
+        worlds.draw(world, file, pose, size_px, skin, shown, framing)
     else:
         _draw([load_infant(infant) for infant in infants], file, pose, size_px, skin, shown, framing)
 

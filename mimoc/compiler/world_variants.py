@@ -20,7 +20,7 @@ from mimoc.compiler.world_places import entries_of
 from mimoc.compiler.worlds import BuiltWorld, assemble_world
 from mimoc.schema import source
 from mimoc.schema.reading import read_keys
-from mimoc.schema.world import WorldPlan, WorldSpec, checked_plan
+from mimoc.schema.world import WorldPlan, WorldSpec, checked_plan, in_scene, with_keys
 
 Ages = tuple[float, ...]
 """Of the infants in their order, in months."""
@@ -104,11 +104,7 @@ class WorldVariants:
 
     def _placed(self, seed: int) -> WorldPlan:
         """Return the plan with the places of all infants said, in the scene of a seed."""
-        plan, infants = self._plan, entries_of(self._plan, self._own.builders)
-        scene = {**plan.written.data.get("scene", {}), "seed": seed}
-        data = {**plan.written.data, "infants": infants, "scene": scene}
-        written = source.in_memory_as_text(data, f"<{plan.spec.name}>", plan.written.folder)
-        return WorldPlan(read_keys(WorldSpec, written), plan.infants)
+        return with_keys(in_scene(self._plan, seed), infants=entries_of(self._plan, self._own.builders))
 
     def _at(self, ages: Ages, seed: int) -> WorldPlan:
         """Return the plan of the world with infants of some ages, to write its files."""

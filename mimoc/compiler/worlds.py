@@ -275,7 +275,7 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
     inside = ""
     for company in caregivers(scene.caregiver, built.builders, built.parts):
         world = replace(built.world, persona=company.persona)
-        beside = replace(built, world=world, origins={**built.origins, **company.origins}, company=company)
+        beside = replace(built, world=world, company=company)
         if not (inside := company.in_the_way(beside.mjcf, built.parts)):
             return beside
     message = f"'{inside}' would be within it, or in its way; give another place or distance_cm, or move the infants"
@@ -427,6 +427,8 @@ def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
     yield from of_spec.items()
     yield from trace_around(built.origins, shared, first)
     yield from trace_around(built.around.origins, shared, largest)
+    if built.company:
+        yield from trace_around(built.company.origins, shared, built.company.infant)
     for name, one in built.builders.items():
         part = built.parts[name]
         placed = replace(one.infant, world=replace(built.world, objects=part.objects))

@@ -14,10 +14,10 @@ from mimoc.base.model_fields import WORLD
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import in_subtrees, pose_of
+from mimoc.bundle.model import pose_of
 from mimoc.bundle.physics_state import STATE, physics_of
 from mimoc.bundle.variants import Variant
-from mimoc.bundle.world import manifests_of as manifests_of
+from mimoc.bundle.world import manifests_of as manifests_of, take_pose
 from mimoc.objects.spec_base import names_of
 from mimoc.objects.spec_move import checked_moves
 from mimoc.runtime.infant import AGE as AGE, Binding, Infant
@@ -99,27 +99,13 @@ def put(poses: Mapping[str, str], variant: Variant, data: mujoco.MjData) -> None
     mujoco.mj_resetDataKeyframe(model, data, model.key(poses.get("", default)).id)
     manifests = manifests_of(variant.bundle)
     for name in poses.keys() - {""}:
-        _take_pose(manifests[name].root_body, poses[name], data)
+        take_pose(manifests[name].root_body, poses[name], data)
 
 
 def _keyframe_of(manifest: Manifest, pose: str | None) -> str:
     """Return the keyframe of a pose, which may be named as that of an infant that is alone."""
     known = {manifest.of_infant(keyframe): keyframe for keyframe in manifest.poses}
     return known[pose] if pose in known else pose_of(manifest, pose)
-
-
-def _take_pose(root_body: str, keyframe: str, data: mujoco.MjData) -> None:
-    """Let an infant in a state have the pose of a keyframe, at its place there."""
-    model, key = data.model, data.model.key(keyframe)
-    is_part = in_subtrees(model, [model.body(root_body).id])
-    for joint in np.flatnonzero(is_part[model.jnt_bodyid]):
-        is_free = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE
-        addresses = model.jnt_qposadr[joint] + np.arange(7 if is_free else 1)
-        data.qpos[addresses] = key.qpos[addresses]
-    actuators = np.flatnonzero(is_part[model.jnt_bodyid[model.actuator_trnid[:, 0]]])
-    active = model.actuator_actadr[actuators][model.actuator_actadr[actuators] >= 0]
-    data.act[active] = key.act[active]
-    data.ctrl[actuators] = model.key_ctrl[key.id][actuators]
 
 
 def find_variant(

@@ -76,12 +76,14 @@ class WorldSpec(FileModel):
     scene: SceneSpec = Field(default_factory=SceneSpec)
     """The scene around all of them; what is an infant's own, `pose` and `held`, is in the scene of its spec."""
 
-    @model_validator(mode="after")
-    def _scene_is_for_all(self) -> Self:
+    @model_validator(mode="before")
+    @classmethod
+    def _scene_is_for_all(cls, data: Any) -> Any:
+        scene = data.get("scene") if isinstance(data, Mapping) else None
         for key, message in NOT_OF_ALL.items():
-            if key in self.scene.model_fields_set:
+            if isinstance(scene, Mapping) and key in scene:
                 raise KeyedError(("scene", key), message)
-        return self
+        return data
 
     @model_validator(mode="after")
     def _furniture_has_one_infant_and_one_place(self) -> Self:
@@ -175,6 +177,19 @@ def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
     if problems := [*_unknown(plan), *_starts(plan), *_caregiver(plan)]:
         raise SpecError(problems)
     return plan
+
+
+def with_keys(plan: WorldPlan, **keys: Any) -> WorldPlan:
+    """Return a world with other keys than its file, written anew; its infants are the same."""
+    data = {**plan.written.data, **keys}
+    written = in_memory_as_text(data, f"<{plan.spec.name}>", plan.written.folder)
+    return WorldPlan(read_keys(WorldSpec, written), plan.infants)
+
+
+def in_scene(plan: WorldPlan, seed: int) -> WorldPlan:
+    """Return a world in the scene of a seed."""
+    scene = plan.written.data.get("scene", {})
+    return plan if seed == plan.spec.scene.seed else with_keys(plan, scene={**scene, "seed": seed})
 
 
 def in_world(plan: WorldPlan, name: str) -> InfantSpec:

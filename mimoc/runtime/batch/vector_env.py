@@ -74,8 +74,9 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         spaces = [infant.observation_space for infant in self.infants]
         self._describe(self._envs[0].metadata, self.infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
         self._ended = np.zeros(self.num_envs, bool)
-        for world in simulations if schedule else ():
-            world.grow_by(dict.fromkeys(world.infants, schedule))
+        if schedule:
+            for world in simulations:
+                world.grow_by(dict.fromkeys(world.infants, schedule))
         self.closed = False
 
     @property
@@ -245,7 +246,8 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         Raises:
             RenderingError: If OpenGL is not available.
         """
-        return in_rows([world.render() for world in self.simulations]) if self.render_mode == "rgb_array" else None
+        pictures: list[Any] = [env.render() for env in self._envs]
+        return in_rows(pictures) if self.render_mode == "rgb_array" else None
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
         """Return what a method of each infant returns, or an attribute of each."""

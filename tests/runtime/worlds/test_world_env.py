@@ -200,7 +200,7 @@ def test_a_reset_puts_an_infant_into_another_pose_and_leaves_the_other(env):
     [
         ({"kim": {"pose": "sitting"}}, "'kim' is not a name of an infant of this world; choose from anna, ben"),
         ({"anna": {"pose": "dancing"}}, "'dancing' is not a pose"),
-        ({"anna": {"age_months": 3}}, "'age_months' is not a reset option of an infant in a world"),
+        ({"anna": {"scene_seed": 3}}, "'scene_seed' is not a reset option of an infant in a world"),
     ],
 )
 def test_options_that_there_are_not_are_refused(env, options, message):
