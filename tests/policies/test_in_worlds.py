@@ -185,3 +185,16 @@ def test_a_controller_takes_the_names_of_an_infant_that_is_alone(world):
     assert "robot:left_elbow" in control.joints
     other = mimoc.InverseDynamics(ben.model, ben.data, ben.manifest, [mimoc.PositionTask("anna_head", hand_m)])
     assert other.errors()[0] > 0.1
+
+
+@pytest.mark.full
+def test_behaviours_go_on_while_infants_grow():
+    kim = mimoc.InfantSpec.model_validate(SITTING)
+    with closing(mimoc.make_parallel({"anna": kim, "ben": kim})) as world:
+        run = WorldRun(world, "anna=sit+look_at(ben_right_hand),ben=sit+reach_for(anna_head)", seed=0)
+        for step in range(30):
+            if step == 10:
+                run.observations = world.grow({"ben": 12.0})
+            run.step()
+        assert world.infants["ben"].age_months == 12.0
+        assert all(summary.metrics["held_share"] for summary in run.summaries().values())
