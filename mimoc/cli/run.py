@@ -115,44 +115,43 @@ def run(
 ) -> None:
     """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
+    from mimoc.policies.many import bind_policies
     from mimoc.runtime.infants import infants_of
-    from mimoc.runtime.rollout import bind_policies
 
     check_video(video, eyes)
     options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
     world = worlds.find_world(infant, record=record, movement=movement)
     other = load_counterpart(infant, beside, world) if beside else None
-    env = _open(world or load_infant(infant), task, "human" if window else None)
+    env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
-        chosen = _chosen(policy or ["random"], infant, root, infants)
+        chosen = policies_by_infant(policy, infant, root, infants)
         policies = bind_policies(infants, chosen, load_trained)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(env, record, movement))
         written = _written(infants, video, record)
         steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
         summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
     if other is not None:
-        with closing(_open(other, task)) as env:
+        with closing(open_env(other, task)) as env:
             acting = bind_policies(infants_of("run", env), chosen, load_trained)
             others = _run(env, acting, seed, steps, nullcontext(), [])
         summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
-    (name, summary), *rest = summaries.items()
-    console.print_run(summary, dict(rest), name or "value")
+    console.print_run(summaries)
     for item in policies.values():
         console.print_joints(item)
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
-def _open(shown: "Bundle | WorldBundle", task: str | None, render_mode: Any = None) -> "InfantEnv | SharedWorld":
-    """Return the environment of an infant, or of a world, in which each has a task of its own."""
+def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) -> "InfantEnv | SharedWorld":
+    """Return the environment of an infant or a world, where each infant has the task of a user's class, if any."""
     from mimoc.bundle.world import WorldBundle
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.shared_world import SharedWorld
 
     if isinstance(shown, WorldBundle):
         tasks = {name: import_object(task) for name in shown.infants} if task else {}
-        return SharedWorld(shown, render_mode, tasks=tasks)
-    return InfantEnv(shown, render_mode, task=import_object(task) if task else None)
+        return SharedWorld(shown, tasks=tasks, **options)
+    return InfantEnv(shown, task=import_object(task) if task else None, **options)
 
 
 def _written(infants: "Mapping[str, InfantView]", video: Path | None, record: Path | None) -> list[Path]:
@@ -183,14 +182,14 @@ def _film(
     return film_of(video, step_ms, roots=roots, **options) if video else nullcontext()
 
 
-def _chosen(
-    texts: Sequence[str], source: Path, root: Root | None, infants: "Mapping[str, InfantView]"
+def policies_by_infant(
+    texts: Sequence[str] | None, source: Path, root: Root | None, infants: "Mapping[str, InfantView]"
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
 
     by_infant = dict[str, str]()
-    for text in texts:
+    for text in texts or ["random"]:
         name, _, policy = text.partition("=")
         by_infant |= {name: policy} if name and name in infants else dict.fromkeys(infants, text)
     follows = {name: text.partition(":") for name, text in by_infant.items() if "+" not in text}

@@ -1,7 +1,7 @@
 """What commands do with a world of several infants."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 

@@ -3,23 +3,20 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 
-from mimoc.base.errors import check_name
 from mimoc.base.units import ms_to_s
+from mimoc.policies.many import Policies, by_infant
 from mimoc.policies.named import Loader, policy_of
-from mimoc.policies.policy import Policy, PolicyMaker, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.infant_view import InfantView
 from mimoc.runtime.infants import infants_of
 from mimoc.senses.sense import Observation
-
-Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
-"""A policy for all infants, as for `policy_of`, or one for each of some by name; all others then command nothing."""
-AT_REST = "zero"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,10 +57,10 @@ def rollout(
 ) -> Iterator[Step]:
     """Reset an environment, and yield the start of each episode and every control step of each infant.
 
-    With *episodes*, episode e is reset with `seed + e`, and its policy draws from a generator of that seed, so that it
-    is the same whatever was before; a vector environment goes through them side by side, episode e in row e % n.
-    Otherwise only the first reset has a seed, and all random numbers go on from there: infant i draws from `seed + i`.
-    A policy is bound to its infant once: before the first of *episodes*, otherwise after the first reset. While a step is looked at, nothing has been reset yet.
+    With *episodes*, episode e is reset with `seed + e`, and a policy is bound anew and draws from a generator of that
+    seed, so that the episode is the same whatever was before. A vector environment goes through them side by side,
+    episode e in row e % n. Otherwise only the first reset has a seed, after which policies are bound, and all random
+    numbers go on from there: infant i draws from `seed + i`. While a step is looked at, nothing has been reset yet.
 
     Args:
         env: The environment of one infant, a world, or a vector environment on the CPU, however it is wrapped; the
@@ -95,23 +92,6 @@ def rollout(
     return run.go(math.inf if steps is None else steps)
 
 
-def bind_policies(
-    infants: Mapping[str, InfantView], policy: Policies, load: Loader | None = None
-) -> dict[str, Policy]:
-    """Return the policy of each infant of an environment, by name.
-
-    Raises:
-        UnknownNameError: If there is no such policy or infant.
-        PolicyError: If a policy lacks something, or does not fit its infant.
-    """
-    if not isinstance(policy, Mapping):
-        policy = dict.fromkeys(infants, policy)
-    for name in policy:
-        check_name("name of an infant", name, infants)
-    views: dict[str, Any] = dict(infants)
-    return {name: policy_of(infant, policy.get(name, AT_REST), load) for name, infant in views.items()}
-
-
 class Rollout:
     """Infants under a policy, whose control steps are taken one by one; see `rollout`."""
 
@@ -140,13 +120,9 @@ class Rollout:
         self._generators = dict[str, np.random.Generator]()
         self.observations = dict[str, Observation]()
         """What each infant observes."""
-        seeds = {group.names: self._seed_of(group, is_first=True) for group in self._groups}
-        if episodes is None:
-            observed = self._stage.reset(seeds)  # Policies take their aims from how it starts.
-            self.policies = bind_policies(self.infants, policy, load)
-        else:
-            self.policies = bind_policies(self.infants, policy, load)
-            observed = self._stage.reset(seeds)
+        self._chosen, self._load = by_infant(policy, self.infants), load and cache(load)
+        observed = self._stage.reset({group.names: self._seed_of(group, is_first=True) for group in self._groups})
+        self.policies = {name: self._bound(name) for name in self.infants}  # Their aims depend on how it starts.
         around = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
         for group in self._groups:
             limits = [episode_limit_of(self.policies[name]) for name in group.names]
@@ -155,6 +131,10 @@ class Rollout:
         """Wall time of the simulation."""
         self.started = self._begin([group for group in self._groups if group.goes_on], observed)
         """The starts of the first episodes."""
+
+    def _bound(self, name: str) -> Policy:
+        infant: Any = self.infants[name]
+        return policy_of(infant, self._chosen[name], self._load)
 
     def ends(self, name: str) -> bool:
         """Return whether something ends the episodes of an infant."""
@@ -202,6 +182,9 @@ class Rollout:
         if not over or not any(group.goes_on for group in self._groups):
             return []
         observed = self._stage.reset({group.names: self._seed_of(group, is_first=False) for group in over})
+        if self._episodes is not None:
+            for name in (name for group in over if group.goes_on for name in group.names):
+                self.policies[name] = self._bound(name)
         return self._begin([group for group in over if group.goes_on], observed)
 
     def _seed_of(self, group: "_Group", is_first: bool) -> int | None:
@@ -291,7 +274,11 @@ class Tally:
 
     def add(self, step: Step) -> None:
         """Count a control step."""
-        self._reward, self._steps, self._earned = self._reward + step.reward, self._steps + 1, self._earned + step.reward
+        self._reward, self._steps, self._earned = (
+            self._reward + step.reward,
+            self._steps + 1,
+            self._earned + step.reward,
+        )
         self._measures.add(step.info)
         if step.ended:
             time_s = ms_to_s(step.number * self._infant.manifest.step_ms)
@@ -370,8 +357,10 @@ Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
 class _Stage(Protocol):
     """An environment as it is run: everything by infant."""
 
-    groups: Sequence[tuple[str, ...]]
-    """Names of infants that begin their episodes together."""
+    @property
+    def groups(self) -> Sequence[tuple[str, ...]]:
+        """Names of infants that begin their episodes together."""
+        ...
 
     def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
         """Begin an episode of some groups."""

@@ -62,12 +62,32 @@ def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
         assert getattr(filmed, "n_frames", 1) >= 2
 
 
+def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own_task.py").write_text(
+        "class Height:\n    def judge(self, data, action, effort):\n        return float(data.qpos[2])\n"
+    )
+    weak = {**BEN, "impairments": {"weakness": {"right_arm": 0.1}}}
+    path = str(written(tmp_path, PAIR, anna=ANNA, ben=weak))
+    run = ["run", path, "--policy", "anna=random", "--policy", "ben=zero", "--steps", "3", "--task", "own_task:Height"]
+    done = invoke(*run, "--beside", "healthy", "--eyes", "--video", "both.gif", "--size", "64")
+    assert done.code == 0, done.err
+    assert [name.strip() for name in done.out.splitlines()[2].strip("┃").split("┃")][1:] == [
+        "anna",
+        "ben",
+        "anna, healthy",
+        "ben, healthy",
+    ]
+    evaluated = invoke("evaluate", path, "--policy", "ben=random", "--episodes", "2", "--steps-per-episode", "3")
+    assert evaluated.code == 0, evaluated.err
+    assert "2 episodes, seeds 0 to 1" in evaluated.out
+    assert invoke("run", path, "--policy", "bne=zero").err == "'bne=zero' is not a policy; did you mean 'zero'?\n"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
-        (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
-        (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
         (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "sitting"], "--pose is for a single infant"),
