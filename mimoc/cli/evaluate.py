@@ -37,7 +37,8 @@ def evaluate(
     from mimoc.runtime.infants import infants_of
     from mimoc.training.evaluation import evaluate as run_episodes
 
-    shown, side_by_side = worlds.find_world(infant) or load_infant(infant), min(envs, episodes)
+    shown: Any = worlds.find_world(infant) or load_infant(infant)
+    side_by_side = min(envs, episodes)
     if side_by_side == 1:
         env: Any = open_env(shown, task)
     else:

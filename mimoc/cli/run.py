@@ -121,7 +121,7 @@ def run(
     check_video(video, eyes)
     options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
     world = worlds.find_world(infant, record=record, movement=movement)
-    other = load_counterpart(infant, beside, world) if beside else None
+    other = _counterpart(infant, world, beside) if beside else None
     env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
@@ -129,12 +129,12 @@ def run(
         policies = bind_policies(infants, chosen, load_trained)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(env, record, movement))
         written = _written(infants, video, record)
-        steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
-        summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
+        count = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
+        summaries = _run(env, policies, seed, count, _film(video, infants, options), written)
     if other is not None:
         with closing(open_env(other, task)) as env:
             acting = bind_policies(infants_of("run", env), chosen, load_trained)
-            others = _run(env, acting, seed, steps, nullcontext(), [])
+            others = _run(env, acting, seed, count, nullcontext(), [])
         summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
     console.print_run(summaries)
     for item in policies.values():
@@ -152,6 +152,13 @@ def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) ->
         tasks = {name: import_object(task) for name in shown.infants} if task else {}
         return SharedWorld(shown, tasks=tasks, **options)
     return InfantEnv(shown, task=import_object(task) if task else None, **options)
+
+
+def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bundle | WorldBundle":
+    """Return the child that stands beside another, or the world with those of all its children."""
+    from mimoc.compiler.pipeline import build
+
+    return worlds.counterpart(world, beside) if world else build(load_counterpart(infant, beside))
 
 
 def _written(infants: "Mapping[str, InfantView]", video: Path | None, record: Path | None) -> list[Path]:

@@ -81,6 +81,15 @@ def draw(world: "WorldBundle", file: Path, size_px: tuple[int, int], body: "Show
     print(printable(write_picture(file, world_portrait(world, *size_px, body, framing))))
 
 
+def counterpart(world: "WorldBundle", beside: str) -> "WorldBundle":
+    """Return the world whose infants are the `healthy` counterparts of those in another."""
+    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.worlds import build_world
+    from mimoc.schema.counterparts import world_counterpart
+
+    return build_world(world_counterpart(plan_of_bundle(world), beside))
+
+
 def _refuse(options: dict[str, object]) -> None:
     for name, given in options.items():
         if given is not None and given is not False:
