@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 import typer
 
 from mimoc.base.errors import MimocError
-from mimoc.cli.arguments import STDIN
 from mimoc.cli.terminal import FAILED_CHECK, printable
 
 if TYPE_CHECKING:
@@ -29,23 +28,13 @@ def find_world(path: Path, **refused: object) -> "WorldBundle | None":
         BundleError: If the bundle of a world is damaged.
         MimocError: If it is a world, and such an option was given.
     """
-    from mimoc.bundle.world import is_world_folder, read_world_bundle
-    from mimoc.compiler.loading import SPEC_SUFFIXES
-    from mimoc.schema import source
-    from mimoc.schema.world import is_world, read_world
+    from mimoc.compiler.world_sources import world_of
 
-    if path.suffix.lower() in SPEC_SUFFIXES:
-        written = source.read(path) if path != STDIN and path.is_file() else None
-        if written is None or not is_world(written.data):
-            return None
-        _refuse(refused)
-        from mimoc.compiler.worlds import build_world
-
-        return build_world(read_world(written))
-    if not is_world_folder(path):
-        return None
-    _refuse(refused)
-    return read_world_bundle(path)
+    world = world_of(path)
+    for name, given in refused.items() if world else ():
+        if given is not None and given is not False:
+            raise MimocError(f"--{name} {NEEDS_ONE}")
+    return world
 
 
 def write(world: "WorldBundle", out: Path, *, force: bool) -> None:
@@ -88,9 +77,3 @@ def counterpart(world: "WorldBundle", beside: str) -> "WorldBundle":
     from mimoc.schema.counterparts import world_counterpart
 
     return build_world(world_counterpart(plan_of_bundle(world), beside))
-
-
-def _refuse(options: dict[str, object]) -> None:
-    for name, given in options.items():
-        if given is not None and given is not False:
-            raise MimocError(f"--{name} {NEEDS_ONE}")

@@ -18,6 +18,7 @@ from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
+from mimoc.bundle.world import WorldBundle
 from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
 from mimoc.version import __version__
 
@@ -246,7 +247,7 @@ def read_infant(path: str | Path) -> Bundle:
     return read_bundle(bundle_folder(folder, infant.bundle))
 
 
-def digest(bundle: Bundle) -> str:
+def digest(bundle: Bundle | WorldBundle) -> str:
     """Return the digest of a bundle: that of its lock, which has those of all its files."""
     return f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"
 

@@ -29,7 +29,9 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.runtime.growth_wrapper import GrowthWrapper
+from mimoc.runtime.shared_world import SharedWorld
 from mimoc.training.settings import TrainingSettings
+from mimoc.training.world_vec_env import WorldVecEnv
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
 """What Stable-Baselines3 expects of its environments."""
@@ -137,23 +139,33 @@ def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None
         env.env_method("seek", steps_done // settings.envs)
 
 
-def make_vector_env(
+def infants_together(
     open_env: Callable[..., InfantEnv],
     settings: TrainingSettings,
     growth: Growth | None,
     threads: int | None,
     processes: bool | None,
-) -> VecNormalize:
-    """Return the parallel environments of a training run; see `train` for *threads* and *processes*."""
+) -> VecEnv:
+    """Return the infants of a training run, a row each; see `train` for *threads* and *processes*."""
     openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
     limit = settings.steps_per_episode
     if processes is None:
         schedule = growth and growth.schedule
-        envs: VecEnv = InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
-    else:
-        alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
-        envs = SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
-    envs = VecMonitor(envs)
+        return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
+    alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
+    return SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
+
+
+def worlds_together(open_world: Callable[[], SharedWorld], settings: TrainingSettings) -> VecEnv:
+    """Return the infants of all worlds of a training run, a row each."""
+    worlds = [open_world()]
+    worlds += [open_world() for _ in range(settings.envs // len(worlds[0].infants) - 1)]
+    return WorldVecEnv(worlds, settings.steps_per_episode)
+
+
+def normalized(open_rows: Callable[[], VecEnv], settings: TrainingSettings) -> VecNormalize:
+    """Return the infants of a training run with returns of episodes, and with normalised observations."""
+    envs: VecEnv = VecMonitor(open_rows())
     spaces: Any = envs.observation_space
     if any(map(is_image_space, spaces.values())):  # SAC stores what comes before the normalisation.
         envs = VecTransposeImage(envs)

@@ -1,5 +1,6 @@
 """The infants of worlds as rows of an environment of Stable-Baselines3, which all learn one policy."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,13 +22,13 @@ class WorldVecEnv(VecEnv):
     same step. The `info` of a last step has what was observed then as `terminal_observation`.
     """
 
-    def __init__(self, worlds: Sequence[SharedWorld]):
-        """Take worlds, which this closes.
+    def __init__(self, worlds: Sequence[SharedWorld], max_episode_steps: int | None = None):
+        """Take worlds, which this closes, and perhaps the control steps after which any episode is truncated.
 
         Raises:
             BatchMismatchError: If infants do not observe and command the same.
         """
-        self.worlds = tuple(worlds)
+        self.worlds, self._limit = tuple(worlds), max_episode_steps or math.inf
         self.infants: list[WorldInfant] = [infant for world in worlds for infant in world.infants.values()]
         check_mixture(self.infants)
         first, self.render_mode = self.infants[0], self.worlds[0].render_mode
@@ -55,6 +56,7 @@ class WorldVecEnv(VecEnv):
             actions = dict(zip(names, self._actions[len(rows) : len(rows) + len(names)], strict=True))
             observations, earned, terminated, truncated, said = world.step(actions)
             has_ended = any(terminated.values()) or any(truncated.values())
+            has_ended = has_ended or world.infants[names[0]].steps >= self._limit
             for name in names:
                 infos.append({**said[name], "TimeLimit.truncated": has_ended and not terminated[name]})
                 if has_ended:
