@@ -97,7 +97,9 @@ def test_all_infants_of_a_world_learn_one_policy_which_is_resumed_to_the_bit(lea
 
 def test_a_training_on_worlds_says_in_one_line_what_it_cannot(learn, tmp_path):
     with pytest.raises(BatchMismatchError, match="infants 0 .* and 1 .* cannot share a batch, because they differ in"):
-        learn(source={"anna": mimoc.InfantSpec(**ANNA), "ben": mimoc.InfantSpec(**{**BEN, "senses": {"vestibular": {}}})})
+        learn(
+            source={"anna": mimoc.InfantSpec(**ANNA), "ben": mimoc.InfantSpec(**{**BEN, "senses": {"vestibular": {}}})}
+        )
     for option, value in {"grow": "6:12", "record": tmp_path / "recording", "threads": 2, "processes": True}.items():
         with pytest.raises(TrainingError, match=f"leave out --{option}"):
             learn(source=world(anna=ARM, ben=ARM), **{option: value})
