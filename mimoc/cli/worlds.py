@@ -9,6 +9,7 @@ from mimoc.base.errors import MimocError
 from mimoc.cli.terminal import FAILED_CHECK, printable
 
 if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
     from mimoc.bundle.world import WorldBundle
     from mimoc.render.portrait import Framing
     from mimoc.render.renderer import Shown
@@ -68,6 +69,15 @@ def draw(world: "WorldBundle", file: Path, size_px: tuple[int, int], body: "Show
     from mimoc.render.portrait import world_portrait
 
     print(printable(write_picture(file, world_portrait(world, *size_px, body, framing))))
+
+
+def infant_of(world: "WorldBundle", name: str | None) -> "Bundle":
+    """Return the infant of a world that has a name, or the first one."""
+    from mimoc.base.errors import check_name
+
+    if name is not None:
+        check_name("name of an infant of this world", name, world.infants)
+    return world.infants[name or next(iter(world.infants))]
 
 
 def counterpart(world: "WorldBundle", beside: str) -> "WorldBundle":

@@ -1,7 +1,7 @@
 """A world with several infants: the files of their specs, where they are, and what is around them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -138,6 +138,11 @@ def plan_of(infants: Mapping[str, InfantSpec], name: str = "world", **keys: Any)
     data = {"mimoc": 1, "name": name, INFANTS: entries, **keys}
     spec = read_keys(WorldSpec, in_memory_as_text(data, f"<{name}>", Path()))
     return checked_plan(spec, list(infants.values()))
+
+
+def with_seed(plan: WorldPlan, seed: int) -> WorldPlan:
+    """Return a world with the scene of another seed."""
+    return replace(plan, spec=plan.spec.model_copy(update={"scene": plan.spec.scene.model_copy(update={"seed": seed})}))
 
 
 def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
