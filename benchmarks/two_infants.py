@@ -16,7 +16,7 @@ import numpy as np
 from measuring import cpu_medians_s, felt
 
 import mimoc
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 CONTROL_STEPS = 50
 SENSES: dict[str, dict[str, Any]] = {"proprioception": {}, "vestibular": {}}
@@ -45,7 +45,7 @@ def measure(senses: dict[str, dict[str, Any]], age_months: float, rounds: int) -
     spec = mimoc.InfantSpec.model_validate(data)
     bundle = mimoc.build(spec)
     env, other = mimoc.make(bundle).unwrapped, mimoc.make(bundle).unwrapped
-    world = SharedWorld(mimoc.build_world({"anna": spec, "ben": spec}))
+    world = WorldEnv(mimoc.build_world({"anna": spec, "ben": spec}))
     shape = (2, CONTROL_STEPS, len(env.actuation.low))
     commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)
     candidates: dict[str, Callable[[], object]] = {
@@ -58,7 +58,7 @@ def measure(senses: dict[str, dict[str, Any]], age_months: float, rounds: int) -
     return one_us, apart_us, together_us, float(np.median([taken[2] / taken[0] for taken in times_s]))
 
 
-def lived(world: SharedWorld, commands: np.ndarray) -> None:
+def lived(world: WorldEnv, commands: np.ndarray) -> None:
     """Run an episode of a world."""
     world.reset(seed=0)
     for anna, ben in zip(*commands, strict=True):

@@ -5,16 +5,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gymnasium.vector import AutoresetMode
+
 from mimoc.base.classes import PATH, check_class, takes
 from mimoc.base.errors import BundleError, MimocError, MissingExtraError, check_name
-from mimoc.bundle.world import WorldBundle, read_world_bundle
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
+from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.world_env import WorldEnv
+from mimoc.schema import source as sources
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.world import WorldPlan
+from mimoc.schema.world import WorldPlan, is_world
 
 if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not everyone has.
     from mimoc.runtime.parallel_env import InfantsParallelEnv
-    from mimoc.training.world_vec_env import WorldVecEnv
+    from mimoc.training.vector_env import InfantVecEnv
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
@@ -65,41 +69,55 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
     keys = {name: options.pop(name) for name in KEYS if name in options}
     for name in options:
         check_name("keyword of make_parallel", name, (*OPTIONS, *KEYS))
-    return InfantsParallelEnv(open_world(source, **keys), **options)
+    return InfantsParallelEnv(**world_parts(source, **keys), **options)
 
 
-def open_world(source: WorldSource, **keys: Any) -> WorldBundle:
-    """Return the bundle of a world, as `make_parallel` makes it; *keys* are those of `build_world`.
+def world_parts(source: WorldSource, **keys: Any) -> dict[str, Any]:
+    """Return what the environment of a world is made of; *keys* are those of `build_world`.
 
     Raises:
         MimocError: If keys are given of a world that is built already.
     """
+    from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants
+    from mimoc.compiler.worlds import plan_world
+
     if keys and not isinstance(source, Mapping):
         raise MimocError(f"{' and '.join(keys)} can be said of specs by name only; this world says so itself")
-    if isinstance(source, WorldBundle):
-        return source
-    if isinstance(source, (WorldPlan, Mapping)) or Path(source).suffix.lower() in (".yaml", ".yml"):
-        from mimoc.compiler.worlds import build_world
-
-        return build_world(source, **keys)
-    if os.path.isfile(source):
+    if isinstance(source, (WorldPlan, Mapping)) or (isinstance(source, (str, Path)) and is_spec_path(source)):
+        variants = WorldVariants(plan_world(source, **keys))
+        return {"bundle": variants.original, "variants": variants}
+    if isinstance(source, (str, Path)) and os.path.isfile(source):
         raise BundleError(f"{source}: this is a file; name the folder of a world's bundle, or its .yaml file")
-    return read_world_bundle(source)
+    bundle = source if isinstance(source, WorldBundle) else read_world_bundle(source)
+    return {"bundle": bundle, "variants": WorldBundleVariants(bundle)}
 
 
-def shared_world(source: WorldSource, **options: Any) -> SharedWorld:
+def is_spec_path(source: str | Path) -> bool:
+    """Return whether a path is that of a YAML file."""
+    return Path(source).suffix.lower() in (".yaml", ".yml")
+
+
+def is_world_source(source: Any) -> bool:
+    """Return whether something is a world of several infants, or the path of one."""
+    if isinstance(source, (str, Path)):
+        path = Path(source).expanduser()
+        return is_world_folder(path) or (is_spec_path(path) and path.is_file() and is_world(sources.read(path).data))
+    return isinstance(source, (WorldBundle, WorldPlan, Mapping))
+
+
+def shared_world(source: WorldSource, **options: Any) -> WorldEnv:
     """Return the same world without PettingZoo; see `make_parallel`."""
-    return SharedWorld(open_world(source), **options)
+    return WorldEnv(**world_parts(source), **options)
 
 
-def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
+def world_vec_env(*worlds: WorldEnv) -> "InfantVecEnv":
     """Return the infants of one world or several as an environment of Stable-Baselines3: all learn one policy.
 
     Each infant is a row, so all must observe and command the same. When the episode of any infant ends, those of the
     others in its world are truncated, and its world is reset in the same step.
 
     Args:
-        worlds: What `make_parallel` returns.
+        worlds: What `make_parallel` returns; they are closed with it.
 
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
@@ -115,8 +133,9 @@ def world_vec_env(*worlds: SharedWorld) -> "WorldVecEnv":
         16
         >>> envs.close()
     """
-    from mimoc.training import WorldVecEnv
+    from mimoc.training import InfantVecEnv
 
     for world in worlds:
-        check_class("world_vec_env", world, "what mimoc.make_parallel returns", SharedWorld)
-    return WorldVecEnv(worlds)
+        check_class("world_vec_env", world, "what mimoc.make_parallel returns", WorldEnv)
+    openers = [lambda world=world: world for world in worlds]
+    return InfantVecEnv(BatchEnv(openers, autoreset_mode=AutoresetMode.SAME_STEP))

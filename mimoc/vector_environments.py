@@ -2,8 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Sequence
-from copy import deepcopy
+from collections.abc import Mapping, Sequence
+from copy import copy, deepcopy
 from functools import partial
 from numbers import Integral
 from pathlib import Path
@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast, runtime_checkabl
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc import environments
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, load_plain_model
-from mimoc.bundle.variants import Variant
+from mimoc.bundle.variants import Variant, WorldVariant
+from mimoc.bundle.world import WorldBundle, load_world_model
+from mimoc.parallel import OPTIONS as WORLD_OPTIONS, is_world_source, world_parts
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
@@ -25,7 +28,7 @@ if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not ever
     from mimoc.training.rsl_rl_env import InfantRslEnv
     from mimoc.training.vector_env import VecMonitor
 
-Source = Bundle | InfantSpec | str | Path
+Source = Bundle | InfantSpec | WorldBundle | Mapping[str, InfantSpec] | str | Path
 
 
 @runtime_checkable
@@ -61,8 +64,9 @@ def make_vec(
     Args:
         source: A bundle, the folder of one, a spec or the path of one, as for `mimoc.make`; or a list of them, which
             may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants;
-            or a cohort (`mimoc.read_cohort`), for all its infants.
-        num_envs: Number of infants; by default, as many as sources.
+            or a cohort (`mimoc.read_cohort`), for all its infants; or worlds of several infants, as for
+            `mimoc.make_parallel`, whose infants are rows in the order of worlds and of infants in them.
+        num_envs: Number of infants; by default, as many as sources have.
         threads: Threads that share the work; by default, as many as this process may use.
         device: Where the infants live: `cpu` for MuJoCo itself; `cuda`, `cuda:0`, or another GPU, for MuJoCo Warp.
             `warp:cpu` is MuJoCo Warp on the CPU, to try out what runs on a GPU: it is slow, and compiles for minutes at
@@ -71,14 +75,15 @@ def make_vec(
         autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
             same one (`SameStep`), or by the caller (`Disabled`).
         options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task`, `senses` and
-            `companions`, of which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides
+            `companions`, of which each infant gets a copy, in worlds `tasks`, `senses` and `companions` by the names
+            of infants; and `max_episode_steps`. On other devices instead, besides
             `task` and the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `DeviceEnv`.
 
     Raises:
         SpecError: If a spec cannot be built.
         BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
         MissingExtraError: If the device needs MuJoCo Warp, which is not installed.
-        MixtureError: If the infants do not sense and command the same; it names what differs.
+        BatchMismatchError: If the infants do not sense and command the same; it names what differs.
         MimocError: If there is no such device, or there are more sources than infants.
         ValueError: If the number of infants or of threads is not a whole number, or negative.
 
@@ -92,6 +97,8 @@ def make_vec(
         >>> envs.close()
     """
     sources = _listed(source)
+    if any(map(is_world_source, sources)):
+        return _of_worlds(sources, num_envs, threads, device, render_mode, autoreset_mode, **options)
     count = len(sources) if num_envs is None else num_envs
     _check_numbers(num_envs=count, threads=threads)
     if count < max(len(sources), 1):
@@ -102,6 +109,63 @@ def make_vec(
     prepared = [environments.prepared(sources[0], skin=skin)]
     prepared += [environments.prepared(source, prepared[0]["variants"], skin) for source in sources[1:]]
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, **options)
+
+
+def _of_worlds(
+    sources: Sequence[Any],
+    num_envs: int | None,
+    threads: int | None,
+    device: str,
+    render_mode: RenderMode,
+    autoreset_mode: AutoresetMode | str,
+    **options: Any,
+) -> BatchEnv:
+    """Return the vector environment of the infants of worlds, which are repeated in turn."""
+    if device != "cpu":
+        raise MimocError("infants that share a world are simulated on the CPU; leave out device")
+    _check_mode(render_mode)
+    for one in sources:
+        if not is_world_source(one):
+            raise MimocError("a vector environment is of single infants or of worlds, not of both; make one of each")
+    limit = options.pop("max_episode_steps", None)
+    for name in options:
+        check_name("keyword of a vector environment of worlds", name, WORLD_OPTIONS)
+    prepared = [world_parts(one) for one in sources]
+    sizes = [len(parts["bundle"].infants) for parts in prepared]
+    _check_numbers(num_envs=num_envs, threads=threads)
+    worlds = _worlds_for(sum(sizes) if num_envs is None else num_envs, sizes)
+    models = [load_world_model(parts["bundle"]) for parts in prepared]
+
+    def open_world(index: int) -> WorldEnv:
+        """Open one, with a model and copies of a script's objects of its own."""
+        parts = prepared[index % len(prepared)]
+        variant = WorldVariant(parts["bundle"], copy(models[index % len(models)]))
+        return WorldEnv(variant, render_mode, variants=parts["variants"], **deepcopy(options))
+
+    return BatchEnv([partial(open_world, index) for index in range(worlds)], threads, autoreset_mode, limit)
+
+
+def _worlds_for(count: int, sizes: Sequence[int]) -> int:
+    """Return how many worlds, in turn of these numbers of infants, have so many infants in all.
+
+    Raises:
+        MimocError: If no number has.
+    """
+    worlds = infants = 0
+    while infants < count or worlds < len(sizes):
+        infants += sizes[worlds % len(sizes)]
+        worlds += 1
+    if infants != count:
+        raise MimocError(
+            f"num_envs={count} infants are not the infants of whole worlds of {', '.join(map(str, sizes))}; give a"
+            " multiple, such as " + f"num_envs={infants}"
+        )
+    return worlds
+
+
+def _check_mode(render_mode: RenderMode) -> None:
+    if render_mode not in (None, "rgb_array"):
+        raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
 
 
 def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) -> "VecMonitor":
@@ -230,8 +294,7 @@ def _joined(
     **options: Any,
 ) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of some infants, which are repeated in turn."""
-    if render_mode not in (None, "rgb_array"):
-        raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
+    _check_mode(render_mode)
     if device != "cpu":
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
     limit = options.pop("max_episode_steps", None)

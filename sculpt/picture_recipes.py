@@ -277,6 +277,7 @@ PICTURES: Mapping[str, Recipe] = {
     "nine_months.png": Recipe(one("@configs/nine_months.yaml"), 130),
     "skin.png": Recipe(one("@configs/all_senses.yaml", "--skin"), 130),
     "two_infants.png": Recipe(one("@configs/worlds/two_infants.yaml", size=(900, 560)), 200),
+    "two_infants_caregiver.png": Recipe(one("@configs/worlds/two_infants_caregiver.yaml", size=(800, 800)), 220),
     "mobile.png": Recipe(one("@configs/mobile.yaml", size=(960, 640)), 350),
     "lab_room.png": Recipe(lab_room, 480),
     "tasks.png": Recipe(tasks, 220),

@@ -1,7 +1,7 @@
-"""The same infant at another age, or in the scene of another seed, as an environment is handed it."""
+"""Infants at other ages, or in the scene of another seed, alone or in one world, as environments are handed them."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,6 +11,7 @@ import mujoco
 from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
+from mimoc.bundle.world import WorldBundle
 
 
 @dataclass(eq=False)
@@ -25,7 +26,7 @@ class Variant:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle it with its skin."""
-        return Variant, (self.bundle, self.model)
+        return type(self), (self.bundle, self.model)
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -43,7 +44,7 @@ class Variant:
 
     def again(self, model: mujoco.MjModel | None = None) -> "Variant":
         """Return the same infant with a model of its own: a copy, or a model that was copied from it before."""
-        return Variant(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
+        return type(self)(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
 
 
 def open_variant(source: Variant | Bundle | str | Path) -> Variant:
@@ -64,4 +65,27 @@ class Variants(Protocol):
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months, in the scene of a seed, or raise a MimocError and change nothing."""
+        ...
+
+
+@dataclass(eq=False)
+class WorldVariant(Variant):
+    """Several infants in one world, each at some age."""
+
+    bundle: WorldBundle  # pyright: ignore[reportIncompatibleVariableOverride] - Whoever asks knows which of the two.
+
+
+class WorldMaker(Protocol):
+    """Makes a world with its infants at any ages and in any scene; it can be copied and pickled."""
+
+    @property
+    def has_other_scenes(self) -> bool:
+        """Whether it makes scenes of other seeds than the world's own."""
+        ...
+
+    def __call__(self, ages_months: Mapping[str, float], scene_seed: int) -> WorldVariant:
+        """Return the world with infants of some ages, in months, in the scene of a seed, or raise a MimocError.
+
+        Infants that are not named have the age of their spec. All keep their places, their clothes and their parts.
+        """
         ...

@@ -7,16 +7,18 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 import mujoco
+import numpy as np
 from pydantic import Field, ValidationError
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.io import MANIFEST, Bundle, in_order, read_locked
 from mimoc.bundle.manifest import Manifest, ToyEntry, read_manifest
-from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, prefixed, prepare, read_model
+from mimoc.bundle.model import SCENE, TOUCH_M, check_fits, check_mjcf, in_subtrees, prefixed, prepare, read_model
 from mimoc.bundle.regular_files import problems_in
+from mimoc.companions.caregiver.spec import CaregiverEntry
 from mimoc.objects.spec_base import ObjectEntry
-from mimoc.schema.base import Model
+from mimoc.schema.base import Model, omitting
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
 from mimoc.schema.world import MOST_INFANTS
 
@@ -51,8 +53,12 @@ class WorldManifest(Model):
     """The toys in the scene."""
     objects: tuple[ObjectEntry, ...] = ()
     """The objects of the scene."""
+    caregiver: CaregiverEntry | None = None
+    """An adult by the infants; the face and the kicks in it are those of the infant that it is by."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
+
+    _serialized = omitting("caregiver")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -92,6 +98,13 @@ def world_bundle(
     """Return a world of files and what their manifests say."""
     infants = {name: _infant_of(files, name, manifests[name], path) for name in manifest.infants}
     return WorldBundle(in_order(files), manifest, MappingProxyType(infants), path)
+
+
+def manifests_of(bundle: Bundle | WorldBundle) -> Mapping[str, Manifest]:
+    """Return the manifests of the infants of a world, by name, or that of an infant that is alone, named ""."""
+    if isinstance(bundle, WorldBundle):
+        return {name: infant.manifest for name, infant in bundle.infants.items()}
+    return {"": bundle.manifest}
 
 
 def file_of(infant: str, name: str) -> str:
@@ -137,6 +150,20 @@ def load_world_model(bundle: WorldBundle) -> mujoco.MjModel:
             check_fits(bundle.path, manifest, bundle.manifest.timestep_ms, model)
     prepare(model)
     return model
+
+
+def take_pose(root_body: str, keyframe: str, data: mujoco.MjData) -> None:
+    """Let an infant in a state have the pose of a keyframe, at its place there."""
+    model, key = data.model, data.model.key(keyframe)
+    is_part = in_subtrees(model, [model.body(root_body).id])
+    for joint in np.flatnonzero(is_part[model.jnt_bodyid]):
+        is_free = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE
+        addresses = model.jnt_qposadr[joint] + np.arange(7 if is_free else 1)
+        data.qpos[addresses] = key.qpos[addresses]
+    actuators = np.flatnonzero(is_part[model.jnt_bodyid[model.actuator_trnid[:, 0]]])
+    active = model.actuator_actadr[actuators][model.actuator_actadr[actuators] >= 0]
+    data.act[active] = key.act[active]
+    data.ctrl[actuators] = model.key_ctrl[key.id][actuators]
 
 
 def overlaps(model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str]) -> dict[tuple[int, int], float]:

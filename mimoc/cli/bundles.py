@@ -28,7 +28,7 @@ def build(
     from mimoc.compiler.building import builder
     from mimoc.compiler.provenance import who_percentiles
 
-    if world := worlds.find_world(spec, seed=seed, **{"for": target}):
+    if world := worlds.find_world(spec, seed, **{"for": target}):
         worlds.write(world, out, force=force)
         return
     infant = load_spec(spec)

@@ -141,8 +141,8 @@ def render(
     if ages is not None or poses is not None:
         refused = {"--skin": skin, "--transparent": transparent, "--pose": bool(pose and poses)}
         contact_sheets.draw(infants, file, ages, poses or pose, size_px, shown, framing, refused)
-    elif len(infants) == 1 and (world := worlds.find_world(infants[0], pose=pose, skin=skin, crop=crop)):
-        worlds.draw(world, file, size_px, (body or Body.SKIN).value, framing)
+    elif len(infants) == 1 and (world := worlds.find_world(infants[0])):
+        worlds.draw(world, file, pose, size_px, skin, shown, framing)
     else:
         _draw([load_infant(infant) for infant in infants], file, pose, size_px, skin, shown, framing)
 
@@ -264,12 +264,12 @@ def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Pict
     from mimoc.compiler.worlds import build_world
     from mimoc.render.portrait import overview, world_portrait
     from mimoc.schema.infant import as_written
-    from mimoc.schema.world import with_seed
+    from mimoc.schema.world import in_scene
 
     if world := worlds.find_world(spec):
         plan = plan_of_bundle(world)
         _check_seed_matters(plan.spec.scene, plan.written)
-        return lambda seed: world_portrait(build_world(with_seed(plan, seed)), *size_px)
+        return lambda seed: world_portrait(build_world(in_scene(plan, seed)), None, *size_px)
     infant = variants.spec_of(read_bundle(spec)) if spec.is_dir() else load_spec(spec)
     _check_seed_matters(infant.scene, as_written(infant))
     builder = building.builder(infant)

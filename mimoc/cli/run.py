@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError
+from mimoc.base.errors import MimocError, check_name
 from mimoc.base.kinds import announced
 from mimoc.cli import worlds
 from mimoc.cli.arguments import (
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import Policy, PolicyMaker
-    from mimoc.recording.record import Watch
+    from mimoc.recording.record import Filming
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.infant_view import InfantView
+    from mimoc.runtime.infant import Infant
     from mimoc.runtime.rollout import Summary
-    from mimoc.runtime.shared_world import SharedWorld
+    from mimoc.runtime.world_env import WorldEnv
 
 
 POLICY_NAMES = ", ".join(
@@ -57,7 +57,7 @@ ChosenPolicies = Annotated[
     typer.Option(
         "--policy",
         metavar="POLICY",
-        help=f"{POLICIES_HELP} Default: random. In a world, NAME=POLICY is for one infant; repeatable.",
+        help=f"{POLICIES_HELP} Default: random. In a world, NAME=POLICY,... is for single infants; repeatable.",
     ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
@@ -66,6 +66,12 @@ VideoFile = Annotated[
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+FilmedInfant = Annotated[
+    str | None,
+    typer.Option(
+        "--infant", metavar="NAME", help="Whose eyes and ears a video of several has; default: the first that has any."
+    ),
 ]
 MovementGroups = Annotated[
     str | None,
@@ -108,6 +114,7 @@ def run(
     record: RecordFolder = None,
     movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    filmed: FilmedInfant = None,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
@@ -115,25 +122,27 @@ def run(
 ) -> None:
     """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
-    from mimoc.policies.many import bind_policies
+    from mimoc.policies.named import policies_of
     from mimoc.runtime.infants import infants_of
 
     check_video(video, eyes)
-    options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-    world = worlds.find_world(infant, record=record, movement=movement)
+    options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
+    world = worlds.find_world(infant)
     other = _counterpart(infant, world, beside) if beside else None
     env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
+        if filmed is not None:
+            check_name("name of an infant here", filmed, infants)
         chosen = policies_by_infant(policy, infant, root, infants)
-        policies = bind_policies(infants, chosen, load_trained)  # Refuses bad names before writing anything.
-        recorded.enter_context(_recording(env, record, movement))
-        written = _written(infants, video, record)
+        policies = policies_of(infants, chosen, load_trained)  # Refuses bad names before writing anything.
+        recorded.enter_context(_recording(infants, record, movement))
+        written = _written(infants, video, record, filmed)
         count = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
         summaries = _run(env, policies, seed, count, _film(video, infants, options), written)
     if other is not None:
         with closing(open_env(other, task)) as env:
-            acting = bind_policies(infants_of("run", env), chosen, load_trained)
+            acting = policies_of(infants_of("run", env), chosen, load_trained)
             others = _run(env, acting, seed, count, nullcontext(), [])
         summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
     console.print_run(summaries)
@@ -142,15 +151,15 @@ def run(
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
-def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) -> "InfantEnv | SharedWorld":
+def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) -> "InfantEnv | WorldEnv":
     """Return the environment of an infant or a world, where each infant has the task of a user's class, if any."""
     from mimoc.bundle.world import WorldBundle
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.shared_world import SharedWorld
+    from mimoc.runtime.world_env import WorldEnv
 
     if isinstance(shown, WorldBundle):
         tasks = {name: import_object(task) for name in shown.infants} if task else {}
-        return SharedWorld(shown, tasks=tasks, **options)
+        return WorldEnv(shown, tasks=tasks, **options)
     return InfantEnv(shown, task=import_object(task) if task else None, **options)
 
 
@@ -161,44 +170,47 @@ def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bun
     return worlds.counterpart(world, beside) if world else build(load_counterpart(infant, beside))
 
 
-def _written(infants: "Mapping[str, InfantView]", video: Path | None, record: Path | None) -> list[Path]:
+def _written(
+    infants: "Mapping[str, Infant]", video: Path | None, record: Path | None, filmed: str | None
+) -> list[Path]:
     """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
-    from mimoc.recording.sound_track import hears, sound_file
+    from mimoc.recording.record import heard_in
+    from mimoc.recording.sound_track import sound_file
 
-    sound = sound_file(video) if video and hears(next(iter(infants.values()))) else None
+    sound = sound_file(video) if video and heard_in(infants, filmed) else None
     return [path for path in (video, sound, record) if path]
 
 
-def _recording(env: Any, folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
+def _recording(
+    infants: "Mapping[str, Infant]", folder: Path | None, movement: str | None
+) -> "AbstractContextManager[object]":
     if folder is None:
         if movement:
             raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
         return nullcontext()
     from mimoc.recording.recorder import Recording
 
-    return Recording([env], folder, movement=groups_named(movement or ALL))
+    return Recording([*infants.values()], folder, movement=groups_named(movement or ALL))
 
 
 def _film(
-    video: Path | None, infants: "Mapping[str, InfantView]", options: dict[str, Any]
-) -> "AbstractContextManager[Watch] | AbstractContextManager[None]":
-    """Return what films all infants from outside, and what the eyes of the first one see."""
+    video: Path | None, infants: "Mapping[str, Infant]", options: dict[str, Any]
+) -> "AbstractContextManager[Filming] | AbstractContextManager[None]":
     from mimoc.recording import film_of
 
-    step_ms, roots = next(iter(infants.values())).manifest.step_ms, [one.manifest.root_body for one in infants.values()]
-    return film_of(video, step_ms, roots=roots, **options) if video else nullcontext()
+    return film_of(video, next(iter(infants.values())).manifest.step_ms, **options) if video else nullcontext()
 
 
 def policies_by_infant(
-    texts: Sequence[str] | None, source: Path, root: Root | None, infants: "Mapping[str, InfantView]"
+    texts: Sequence[str] | None, source: Path, root: Root | None, infants: "Mapping[str, Infant]"
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
+    from mimoc.policies.spec import parse_policies
 
     by_infant = dict[str, str]()
     for text in texts or ["random"]:
-        name, _, policy = text.partition("=")
-        by_infant |= {name: policy} if name and name in infants else dict.fromkeys(infants, text)
+        by_infant |= parse_policies(text, infants)
     follows = {name: text.partition(":") for name, text in by_infant.items() if "+" not in text}
     motions = {name: folder for name, (kind, _, folder) in follows.items() if kind == MOTION}
     if root and not motions:
@@ -210,11 +222,11 @@ def policies_by_infant(
 
 
 def _run(
-    env: "InfantEnv | SharedWorld",
+    env: "InfantEnv | WorldEnv",
     policies: "Mapping[str, Policy]",
     seed: int,
     steps: int,
-    filmed: "AbstractContextManager[Watch | None]",
+    filmed: "AbstractContextManager[Filming | None]",
     written: Sequence[Path],
 ) -> "dict[str, Summary]":
     """Take some control steps with a progress bar, film them if there is a video, and return the summaries."""
@@ -222,14 +234,13 @@ def _run(
     from mimoc.runtime.rollout import Run
 
     rollout = Run(env, {name: lambda _, policy=policy: policy for name, policy in policies.items()}, seed)
-    first: Any = next(iter(rollout.infants.values()))
-    with _interruptible(written), console.progress("running") as show, filmed as watch:
-        if watch:
-            watch(first, rollout.observation)
+    with _interruptible(written), console.progress("running") as show, filmed as film:
+        if film:
+            film(rollout.infants, rollout.observations)
         for step in range(steps):
             rollout.step()
-            if watch:
-                watch(first, rollout.observation)
+            if film:
+                film(rollout.infants, rollout.observations)
             show(step + 1, steps)
     return rollout.summaries()
 

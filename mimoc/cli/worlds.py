@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 NEEDS_ONE = "is for a single infant, and this is a world with several; leave it out"
 
 
-def find_world(path: Path, **refused: object) -> "WorldBundle | None":
+def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> "WorldBundle | None":
     """Return the world of several infants in a folder, or built from a file; None if there is something else.
 
     Args:
         path: What a command was given.
+        scene_seed: The seed of its scene, if it is built from a file; None is that of the file.
         refused: Options that are for single infants, by name, as they were given.
 
     Raises:
@@ -31,7 +32,7 @@ def find_world(path: Path, **refused: object) -> "WorldBundle | None":
     """
     from mimoc.compiler.world_sources import world_of
 
-    world = world_of(path)
+    world = world_of(path, scene_seed)
     for name, given in refused.items() if world else ():
         if given is not None and given is not False:
             raise MimocError(f"--{name} {NEEDS_ONE}")
@@ -63,12 +64,27 @@ def check(world: "WorldBundle") -> None:
         raise typer.Exit(FAILED_CHECK)
 
 
-def draw(world: "WorldBundle", file: Path, size_px: tuple[int, int], body: "Shown", framing: "Framing") -> None:
-    """Write a picture of a world as it starts."""
+def draw(
+    world: "WorldBundle",
+    file: Path,
+    pose: str | None,
+    size_px: tuple[int, int],
+    skin: bool,
+    body: "Shown",
+    framing: "Framing",
+) -> None:
+    """Write a picture of a world, with its skin points if *skin*."""
+    from mimoc.render.markers import join_markers
     from mimoc.render.picture_files import write_picture
+    from mimoc.render.picture_poses import load_world_in_pose
     from mimoc.render.portrait import world_portrait
+    from mimoc.senses.touch.run import skin_markers
 
-    print(printable(write_picture(file, world_portrait(world, *size_px, body, framing))))
+    if framing.crop:
+        raise MimocError("--crop head draws the head of one infant; leave it out")
+    state = load_world_in_pose(world, pose)
+    markers = join_markers(skin_markers(infant, *state) for infant in world.infants.values()) if skin else None
+    print(printable(write_picture(file, world_portrait(world, pose, *size_px, markers, body, framing))))
 
 
 def infant_of(world: "WorldBundle", name: str | None) -> "Bundle":

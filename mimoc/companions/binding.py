@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import mujoco
 
@@ -10,10 +10,29 @@ from mimoc.actuation.voice import Voice
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.companions.caregiver.run import NAME, Caregiver
-from mimoc.companions.companion import Companion, Companions, channel_of
+from mimoc.companions.companion import Companion, Companions, SoundsOf, channel_of
 from mimoc.noise.noise import NoiseStreams
 from mimoc.objects import OBJECTS
 from mimoc.senses.sense import Sense
+
+
+class Infant(Protocol):
+    """An infant whose companions are bound."""
+
+    @property
+    def companions(self) -> Companions:
+        """Its own companions, and if it is the first, those of its world."""
+        ...
+
+    @property
+    def senses(self) -> Mapping[str, Sense]:
+        """Its senses."""
+        ...
+
+    @property
+    def voice(self) -> Voice | None:
+        """Its voice, if it has one."""
+        ...
 
 
 def bind_companions(
@@ -23,8 +42,11 @@ def bind_companions(
     custom: Mapping[str, Companion],
     senses: Mapping[str, Sense] = MappingProxyType({}),
     voice: Voice | None = None,
+    world: Any = None,
 ) -> Companions:
     """Return the companions of an infant, bound to its model.
+
+    What acts on several infants, a caregiver and water, is bound once, with the first of them.
 
     Args:
         model: The infant and its world.
@@ -33,27 +55,46 @@ def bind_companions(
         custom: Objects of a script's own, by name; one may replace that of the bundle.
         senses: The infant's senses, which hear these companions, and some of which have one themselves.
         voice: Its voice, which they hear, too.
+        world: For the first of several infants, the `mimoc.WorldBundle` of all of them.
 
     Raises:
-        KindError: If one of them is none.
+        KindError: If one of them is none, or is a caregiver that is not the first infant's.
     """
-    companions = dict[str, Companion]()
-    if bundle.manifest.caregiver:
+    companions, whole = dict[str, Companion](), world if bundle.manifest.prefix else bundle
+    if whole and whole.manifest.caregiver:
         companions[NAME] = Caregiver()
     for name, companion in custom.items():
         check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
         if not isinstance(companion, Companion):
             raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
+        if not whole and isinstance(companion, Caregiver):
+            raise KindError(f"companion '{name}': a world has one caregiver; pass it with the first infant")
     own = {name for name, companion in custom.items() if type(companion) is not type(companions.get(name))}
     companions |= custom
-    kinds = sorted({item.kind for item in bundle.manifest.objects} & OBJECTS.keys() - custom.keys())
+    objects = whole.manifest.objects if whole else ()
+    kinds = sorted({item.kind for item in objects} & OBJECTS.keys() - custom.keys())
     acting = {name: code for name in kinds if (code := OBJECTS[name].run)}
     companions |= {name: function_of(code, "bind")() for name, code in acting.items()}  # They see what others apply.
     for name, companion in companions.items():
-        companion.bind(model, bundle, streams[channel_of(name)])
+        is_shared = name in acting or isinstance(companion, Caregiver)
+        companion.bind(model, whole if is_shared else bundle, streams[channel_of(name)])
     bound = Companions(
         companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}, own
     )
     for listener in (*companions.values(), *senses.values()):
         listener.listen_to(bound, voice)
     return bound
+
+
+def hear_each_other(infants: Mapping[str, Infant]) -> None:
+    """Let several infants of a world, by name, hear each other and all companions, and a caregiver hear all of them."""
+    everywhere = SoundsOf([infant.companions for infant in infants.values()])
+    for name, infant in infants.items():
+        others = [other.voice for key, other in infants.items() if key != name and other.voice]
+        for sense in infant.senses.values():
+            sense.listen_to(everywhere, infant.voice, others)
+        for companion in infant.companions.values():
+            if isinstance(companion, Caregiver):
+                companion.listen_to_infants({key: (one.companions, one.voice) for key, one in infants.items()})
+            else:
+                companion.listen_to(everywhere, infant.voice, others)

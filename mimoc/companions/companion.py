@@ -175,6 +175,18 @@ class Companions(Mapping[str, Companion]):
             companion.state = state[name]
 
 
+class SoundsOf:
+    """What the companions of several infants let sound."""
+
+    def __init__(self, sources: Sequence[SoundSources]):
+        """Join these sources."""
+        self._sources = sources
+
+    def sounds(self, data: mujoco.MjData) -> list[Sound]:
+        """Return what can still be heard of all."""
+        return [sound for source in self._sources for sound in source.sounds(data)]
+
+
 def channel_of(name: str) -> str:
     """Return the channel of an environment's random numbers that a companion draws from."""
     return f"companion.{name}"

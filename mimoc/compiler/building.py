@@ -202,7 +202,7 @@ class Builder:
         except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        if missing := missing_offers(spec.scene.caregiver, furnished):
+        if missing := missing_offers(spec.scene.caregiver, furnished.toys, furnished.things):
             script, written = ("scene", "caregiver", "script"), as_written(spec)
             raise SpecError(written.problem((*script, number, "object"), text) for number, text in missing.items())
         return replace(furnished, scene=find_target(self.target).world(furnished.scene))

@@ -100,7 +100,7 @@ class ModelTemplate:
 def without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
     """Return MuJoCo's elements of a scene; decoding textures and skins takes longer than all else."""
     meshes = {name: content for name, content in files.items() if name.startswith("assets/") and name[-4:] != ".png"}
-    include = {"infant.xml": files["infant.xml"]}
+    include = {name: files[name] for name in ("infant.xml",) if name in files}  # A world is in one file.
     spec = mujoco.MjSpec.from_string(files["scene.xml"].decode(), include=include, assets=meshes)
     for skin in list(spec.skins):
         spec.delete(skin)
@@ -109,6 +109,11 @@ def without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
     for texture in list(spec.textures):
         spec.delete(texture)
     return spec
+
+
+def model_without_pictures(files: Mapping[str, bytes]) -> mujoco.MjModel:
+    """Return the model of a scene without textures and skins, in which contacts are as in the whole one."""
+    return without_textures(files).compile()
 
 
 def _set_textures(model: mujoco.MjModel, skin: Skin) -> None:

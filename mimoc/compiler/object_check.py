@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.base.errors import ObjectError
 from mimoc.bundle.model import TOUCH_M
-from mimoc.compiler.model_template import without_textures
+from mimoc.compiler.model_template import model_without_pictures
 from mimoc.mjcf import printing
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.objects.built_object import PlacedThing
@@ -30,10 +30,25 @@ def free_poses(
     if not things:
         return scene.keyframes
     bare = scene.without_skin
-    model = without_textures({**printing.render_infant(bare), **printing.render_world(bare, b"")}).compile()
+    model = model_without_pictures({**printing.render_infant(bare), **printing.render_world(bare, b"")})
+    return free_keyframes(model, scene.keyframes, start, specs, things)
+
+
+def free_keyframes(
+    model: mujoco.MjModel,
+    keyframes: Sequence[Keyframe],
+    start: str,
+    specs: Sequence[ObjectSpec],
+    things: Sequence[PlacedThing],
+) -> tuple[Keyframe, ...]:
+    """Return those keyframes of a model that are as `free_poses` says.
+
+    Raises:
+        ObjectError: If the one of the name *start* is none of them.
+    """
     numbers = _numbers(model, things)
     data, kept = mujoco.MjData(model), list[Keyframe]()
-    for pose in scene.keyframes:
+    for pose in keyframes:
         overlap = _deepest(model, data, pose, numbers)
         if overlap is None:
             kept += [pose] if _ribbons_reach(model, data, things) else []

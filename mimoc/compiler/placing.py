@@ -1,6 +1,6 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -196,7 +196,7 @@ def place_in_scene(
     starts = {pose.name: place_pose(pose, built.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, setup)]
     folder = spec.source.folder if spec.source else Path()
-    things = place_objects(objects, surroundings(spec.scene, built, tree, start, built.start, folder))
+    things = place_objects(objects, {"": surroundings(spec.scene, built, tree, start, built.start, folder)})
     company = place_caregiver(spec.scene.caregiver, tree, start.qpos)
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     toys = toys_around(spec.scene, built, tree, start, np.concatenate([taken, discs_of(things)]), assets.toybox)
@@ -222,10 +222,12 @@ def place_in_scene(
     return PlacedScene(placed, toys, task_objects, origins, things, company and company.entry)
 
 
-def missing_offers(caregiver: CaregiverSpec | None, placed: PlacedScene) -> dict[int, str]:
+def missing_offers(
+    caregiver: CaregiverSpec | None, toys: Sequence[FreeObject], things: Sequence[PlacedThing]
+) -> dict[int, str]:
     """Return what is wrong with acts of a caregiver's script that offer something, by their number in it."""
-    objects = {thing.entry.name: thing.entry.motion for thing in placed.things}
-    names = {name for toy in placed.toys for name in (toy.name, toy.object, toy.category)}
+    objects = {thing.entry.name: thing.entry.motion for thing in things}
+    names = {name for toy in toys for name in (toy.name, toy.object, toy.category)}
     names |= {name for name, motion in objects.items() if motion == "free"}
     return {
         number: f"'{act.object}' is {objects[act.object]}; offer something that moves freely"

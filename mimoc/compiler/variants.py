@@ -55,17 +55,20 @@ def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
 
 
 @contextmanager
-def errors_at(spec: InfantSpec, age_months: float) -> Iterator[None]:
-    """Let errors say which age they concern, if it is not the spec's, at the keys that the spec was written with."""
+def errors_at(spec: InfantSpec, age_months: float, name: str = "") -> Iterator[None]:
+    """Let errors say which age they concern, if it is not the spec's, at the keys that the spec was written with.
+
+    They also say which infant of a world, if that has a *name*.
+    """
     try:
         yield
     except SpecError as error:
         if age_months == rounded(spec.age_months):
             raise
-        written = as_written(spec)
+        written, who = as_written(spec), f"'{name}' " if name else ""
         paths = {dotted(path): path for path in written.key_places}
         raise SpecError(
-            written.problem(paths.get(problem.key, ()), f"at {age_months:g} months: {_advised(problem, spec)}")
+            written.problem(paths.get(problem.key, ()), f"{who}at {age_months:g} months: {_advised(problem, spec)}")
             for problem in error.problems
         ) from None
 

@@ -1,11 +1,13 @@
 """Where the infants of a world are: as its file says, or side by side; and what belongs to them there."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from mimoc.base.rounding import rounded
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
@@ -24,6 +26,8 @@ from mimoc.schema.world import WorldPlan
 GAP_CM = 10.0
 """Between two infants that are side by side, whatever poses of theirs they are in."""
 UP = (0.0, 0.0, 1.0)
+Poses = Mapping[str, Keyframe]
+"""The state of each infant, by its name."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,18 @@ def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Pla
         name: Placement(cm_to_m(item.x_cm or 0.0), cm_to_m(y_cm if item.y_cm is None else item.y_cm), yaw)
         for name, item, y_cm, yaw in zip(builders, plan.spec.placed, row_cm, yaws, strict=True)
     }
+
+
+def entries_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> list[dict[str, Any]]:
+    """Return the infants of a world as its file lists them, with the names and the places that it leaves open."""
+    entries, at = list[dict[str, Any]](), {item.name: item.at for item in plan.spec.scene.objects}
+    for item, (name, place) in zip(plan.spec.placed, places_of(plan, builders).items(), strict=True):
+        entry: dict[str, Any] = {"name": name, "spec": item.spec}
+        if item.start_at is None or at[item.start_at] is None:  # Otherwise, the furniture takes it to its place.
+            y_cm = rounded(100 * place.y_m) if item.y_cm is None else item.y_cm
+            entry |= {"x_cm": item.x_cm or 0.0, "y_cm": y_cm, "yaw_deg": item.yaw_deg}
+        entries.append(entry | ({} if item.start_at is None else {"start_at": item.start_at}))
+    return entries
 
 
 def _row_cm(infants: Sequence[FloatArray]) -> list[float]:
@@ -131,26 +147,36 @@ def _euler_rad(turn: FloatArray) -> Vec3:
     return math.atan2(-turn[1, 2], turn[2, 2]), about_y, math.atan2(-turn[0, 1], turn[0, 0])
 
 
-def states_of(name: str, parts: Sequence[InfantPart], resting: Sequence[float]) -> list[Keyframe]:
+Settings = tuple[tuple[str, tuple[float, ...]], ...]
+"""Of a keyframe: attributes and their numbers."""
+
+
+def states_of(
+    name: str, parts: Mapping[str, InfantPart], resting: Sequence[float], beside: Callable[[Poses], Settings]
+) -> list[Keyframe]:
     """Return a state of a name with all infants as they start, and for each of their poses one with only this changed.
 
-    Their names are those of poses with the prefix of the infant; *resting* is what else moves (`World.resting`).
+    Args:
+        name: Of the first state; those of others are the names of poses with the prefix of the infant.
+        parts: The infants, by name.
+        resting: What else moves (`World.resting`).
+        beside: Returns what a state says of the bodies that programs move, by the poses of infants.
     """
-    starts = [part.poses[part.start] for part in parts]
-    states = [_state(name, parts, starts, resting)]
-    for index, part in enumerate(parts):
-        for pose, keyframe in part.poses.items():
-            poses = [*starts[:index], keyframe, *starts[index + 1 :]]
-            states.append(_state(part.prefix + pose, parts, poses, resting))
-    return states
+    starts = {infant: part.poses[part.start] for infant, part in parts.items()}
+    states = {name: starts}
+    for infant, part in parts.items():
+        states |= {part.prefix + pose: {**starts, infant: keyframe} for pose, keyframe in part.poses.items()}
+    return [_state(key, list(parts.values()), poses, resting, beside(poses)) for key, poses in states.items()]
 
 
-def _state(name: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe], resting: Sequence[float]) -> Keyframe:
+def _state(
+    name: str, parts: Sequence[InfantPart], poses: Poses, resting: Sequence[float], beside: Settings
+) -> Keyframe:
     """Return the state of a world: all infants, then what else moves."""
-    qpos = [*(number for pose in poses for number in pose.qpos), *resting]
-    given = dict.fromkeys(key for pose in poses for key, _ in pose.settings)
-    settings = tuple((key, tuple(_padded(key, parts, poses))) for key in given)
-    return Keyframe(name, tuple(qpos), settings)
+    qpos = [*(number for pose in poses.values() for number in pose.qpos), *resting]
+    given = dict.fromkeys(key for pose in poses.values() for key, _ in pose.settings)
+    settings = tuple((key, tuple(_padded(key, parts, list(poses.values())))) for key in given)
+    return Keyframe(name, tuple(qpos), (*settings, *beside))
 
 
 def _padded(key: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe]) -> Iterator[float]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +23,44 @@ from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manifest_with_prefix, overlaps, world_bundle
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
-from mimoc.compiler.manifest import describe_objects, describe_toys
+from mimoc.compiler.manifest import describe_objects, describe_toys, rounded_caregiver
+from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.notes import notes_on_shapes
-from mimoc.compiler.placing import PlacedScene, SceneAssets, assets_of_scene, discs_of, surroundings, toys_around
+from mimoc.compiler.object_check import free_keyframes
+from mimoc.compiler.placing import (
+    PlacedScene,
+    SceneAssets,
+    assets_of_scene,
+    discs_of,
+    missing_offers,
+    surroundings,
+    toys_around,
+)
 from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
-from mimoc.compiler.world_places import InfantPart, part_of, places_of, states_of, trace_places, within
+from mimoc.compiler.world_caregiver import WorldCaregiver, caregivers
+from mimoc.compiler.world_places import (
+    InfantPart,
+    Poses,
+    Settings,
+    entries_of,
+    part_of,
+    places_of,
+    states_of,
+    trace_places,
+    within,
+)
 from mimoc.compiler.world_provenance import trace_around, trace_infant
 from mimoc.fits import load_tables
 from mimoc.mjcf import printing
+from mimoc.mjcf.scene import Keyframe
 from mimoc.mjcf.world import FreeObject, World, barrier_pairs
 from mimoc.objects.built_object import PlacedThing
 from mimoc.objects.placing import place_objects, trace_objects
+from mimoc.objects.spec_base import ObjectSpec
+from mimoc.objects.starts import place_furniture
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
+from mimoc.scenes.footprint import footprint
 from mimoc.schema import source as sources
 from mimoc.schema.infant import InfantSpec, as_written, to_data
 from mimoc.schema.world import WORLD, WorldPlan, in_world, plan_of, read_world
@@ -62,6 +88,74 @@ class BuiltWorld:
     """The objects of the scene."""
     origins: Mapping[str, Entry]
     """Where the numbers of the world come from."""
+    company: WorldCaregiver | None
+    """The caregiver, if there is one."""
+
+    def to_bundle(self, *, check: bool = False) -> WorldBundle:
+        """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other.
+
+        Raises:
+            ModelError: If MuJoCo rejects the model.
+            SpecError: If infants start within each other.
+        """
+        files = {**self.mjcf, **_texts(self)}
+        if check:
+            _check(self, files)
+        return world_bundle(
+            with_lock(files, {"mimoc": __version__}, load_tables().files), self.manifest, self.manifests
+        )
+
+    @property
+    def mjcf(self) -> dict[str, bytes]:
+        """The MJCF and its assets: the part of the bundle that MuJoCo reads."""
+        parts, spec = list(self.parts.values()), self.plan.spec
+        solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
+        infants = [replace(part.tree, solver=solver) for part in parts]
+        return printing.render_infants(spec.name, infants, self.world, self.states)
+
+    @cached_property
+    def states(self) -> list[Keyframe]:
+        """The keyframes."""
+        return states_of(START, self.parts, self.world.resting, self._beside)
+
+    def _beside(self, poses: Poses) -> Settings:
+        """Return where a caregiver is in a state."""
+        return self.company.settings_at(self.builders, poses) if self.company else ()
+
+    @cached_property
+    def manifest(self) -> WorldManifest:
+        """The manifest of the world."""
+        first = next(iter(self.builders.values())).manifest
+        manifest = WorldManifest(
+            name=self.plan.spec.name,
+            timestep_ms=first.timestep_ms,
+            step_ms=first.step_ms,
+            infants=tuple(self.builders),
+            seed=self.plan.spec.scene.seed,
+            toys=describe_toys(self.toys),
+            objects=describe_objects(self.things),
+            caregiver=self.company and self.company.entries[self.company.infant],
+            notes=tuple(_notes(self)),
+        )
+        return WorldManifest.model_validate(rounded(manifest.model_dump()))
+
+    @cached_property
+    def manifests(self) -> dict[str, Manifest]:
+        """The manifests of the infants; names of what they share have no prefix."""
+        toys, objects = describe_toys(self.toys), describe_objects(self.things)
+        shared = {"seed": self.plan.spec.scene.seed, "toys": toys, "objects": objects}
+        adults = self.company.entries if self.company else {}
+        kept = {state.name for state in self.states}
+        return {
+            name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(
+                update={
+                    **shared,
+                    "caregiver": rounded_caregiver(adults.get(name)),
+                    "poses": tuple(part.prefix + pose for pose in part.poses if part.prefix + pose in kept),
+                }
+            )
+            for (name, one), part in zip(self.builders.items(), self.parts.values(), strict=True)
+        }
 
 
 def plan_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **keys: Any) -> WorldPlan:
@@ -98,17 +192,16 @@ def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **key
         >>> mimoc.write_bundle(bundle, "out/two").name, sorted(bundle.infants)
         ('two', ['anna', 'ben'])
     """
-    plan = plan_world(source, **keys)
-    built = _built(plan)
-    files = {**_mjcf(built), **_texts(built)}
-    _check(built, files)
-    return world_bundle(
-        with_lock(files, {"mimoc": __version__}, load_tables().files), _world_manifest(built), _manifests(built)
-    )
+    return assemble_world(plan_world(source, **keys)).to_bundle(check=True)
 
 
-def _built(plan: WorldPlan) -> BuiltWorld:
-    builders = {name: _builder(plan, name) for name in plan.infants}
+def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = None) -> BuiltWorld:
+    """Return the infants of a world in it, before anything is written; *builders* are those of its infants, if known.
+
+    Raises:
+        SpecError: If they cannot be built, or not in the same world.
+    """
+    builders = builders or {name: _builder(plan, name) for name in plan.infants}
     _check_options(plan, builders)
     relative, scene = places_of(plan, builders), plan.spec.scene
     assets = assets_of_scene(scene, plan.written)
@@ -117,13 +210,18 @@ def _built(plan: WorldPlan) -> BuiltWorld:
     build = function_of(SCENES[scene.kind].build, "build")
     around: BuiltScene = build(scene, Occupant(largest.tree, discs), assets.wallpapers)
     places = {name: within(around.start, place) for name, place in relative.items()}
+    objects = scene.objects
+    for name, item in zip(builders, plan.spec.placed, strict=True):
+        with_item = scene.model_copy(update={"objects": objects, "start_at": item.start_at})
+        objects, places[name] = place_furniture(with_item, places[name], builders[name].task_setup.ahead_m)
     parts = {name: part_of(builders[name], place, f"{name}_") for name, place in places.items()}
-    things = _objects(plan, around, parts, builders, places)
+    things = _objects(plan, objects, around, parts, builders, places)
     toys = _toys(plan, around, parts, builders, assets, things)
     weightless = any(one.task_setup.weightless for one in builders.values())
     world = _world(around, parts, toys, things, weightless)
     origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {}), **trace_objects(things)}
-    return BuiltWorld(plan, builders, parts, around, world, toys, things, origins)
+    built = BuiltWorld(plan, builders, parts, around, world, toys, things, origins, None)
+    return _without_bad_poses(_with_caregiver(built))
 
 
 def _builder(plan: WorldPlan, name: str) -> Builder:
@@ -148,7 +246,7 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
     first_name, first = next(iter(builders.items()))
     problems = []
     for index, (name, one) in enumerate(builders.items()):
-        if one.infant.solver != first.infant.solver:
+        if one.infant.solver.integrator != first.infant.solver.integrator:
             models = one.spec.actuation.model, first.spec.actuation.model
             message = (
                 f"'{name}' has '{models[0]}' actuators and '{first_name}' '{models[1]}' ones, which need another "
@@ -162,29 +260,74 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
         raise SpecError(problems)
 
 
+def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
+    """Return a world with the caregiver of its scene, if there is one, where it is within no other infant.
+
+    Raises:
+        SpecError: If there is no such place, or its script offers what is not there.
+    """
+    scene, written = built.plan.spec.scene, built.plan.written
+    if scene.caregiver is None:
+        return built
+    if missing := missing_offers(scene.caregiver, built.toys, built.things):
+        script = "scene", "caregiver", "script"
+        raise SpecError(written.problem((*script, number, "object"), text) for number, text in missing.items())
+    inside = ""
+    for company in caregivers(scene.caregiver, built.builders, built.parts):
+        world = replace(built.world, persona=company.persona)
+        beside = replace(built, world=world, company=company)
+        if not (inside := company.in_the_way(beside.mjcf, built.parts)):
+            return beside
+    message = f"'{inside}' would be within it, or in its way; give another place or distance_cm, or move the infants"
+    raise SpecError([written.problem(("scene", "caregiver"), message)])
+
+
+def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
+    """Return a world without the poses in which an object is inside of something, or a ribbon is too short.
+
+    Raises:
+        SpecError: If that in which all start is one of them.
+    """
+    if not built.things:
+        return built
+    model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
+    try:
+        free = {state.name for state in free_keyframes(model, built.states, START, specs, built.things)}
+    except ObjectError as error:
+        path = "scene", "objects", error.number, error.key
+        raise SpecError([built.plan.written.problem(path, str(error))]) from None
+    parts = {
+        name: replace(part, poses={pose: state for pose, state in part.poses.items() if part.prefix + pose in free})
+        for name, part in built.parts.items()
+    }
+    return replace(built, parts=parts)
+
+
 def _objects(
     plan: WorldPlan,
+    objects: Sequence[ObjectSpec],
     around: BuiltScene,
     parts: Mapping[str, InfantPart],
     builders: Mapping[str, Builder],
     places: Mapping[str, Placement],
 ) -> tuple[PlacedThing, ...]:
-    """Return the objects of the scene; where their places name a part of an infant, it is the first infant's."""
-    scene, (name, part) = plan.spec.scene, next(iter(parts.items()))
-    pose, folder = part.poses[part.start], plan.written.folder
-    among = surroundings(scene, around, builders[name].tree, pose, places[name], folder)
+    """Return the objects of the scene, with places about the infants that they name, or the first."""
+    scene, folder = plan.spec.scene, plan.written.folder
+    starts = {name: part.poses[part.start] for name, part in parts.items()}
+    floors = {name: footprint(builders[name].tree, [start.qpos]) for name, start in starts.items()}
+    among = {
+        name: replace(
+            surroundings(scene, around, builders[name].tree, start, places[name], folder),
+            prefix=parts[name].prefix,
+            taken=tuple(tuple(disc) for other in floors if other != name for disc in floors[other].tolist()),
+        )
+        for name, start in starts.items()
+    }
     try:
-        things = place_objects(scene.objects, among)
+        return place_objects(objects, among)
     except ObjectError as error:
         path = "scene", "objects", error.number, error.key
         raise SpecError([plan.written.problem(path, str(error))]) from None
-    if tied := [number for number, thing in enumerate(things) if thing.built.tie]:
-        message = "nothing can be tied to one of several infants yet; leave out what ties it"
-        raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in tied)
-    if wet := [number for number, thing in enumerate(things) if thing.built.water]:
-        message = "only a single infant can be in water yet; leave it out"
-        raise SpecError(plan.written.problem(("scene", "objects", number), message) for number in wet)
-    return things
 
 
 def _toys(
@@ -195,8 +338,9 @@ def _toys(
     assets: SceneAssets,
     things: Sequence[PlacedThing],
 ) -> tuple[FreeObject, ...]:
-    """Return the toys, around the first infant and outside of what all cover."""
-    name, part = next(iter(parts.items()))
+    """Return the toys, around the infant that they name or the first, and outside of what all cover."""
+    name = (plan.spec.scene.toys and plan.spec.scene.toys.infant) or next(iter(parts))
+    part = parts[name]
     taken = np.concatenate([*(other.taken for other in parts.values()), discs_of(things)])
     try:
         return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)
@@ -228,17 +372,9 @@ def _world(
     return replace(world, pairs=barrier_pairs(world, roots))
 
 
-def _mjcf(built: BuiltWorld) -> dict[str, bytes]:
-    parts, spec = list(built.parts.values()), built.plan.spec
-    states = states_of(START, parts, built.world.resting)
-    solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
-    infants = [replace(part.tree, solver=solver) for part in parts]
-    return printing.render_infants(spec.name, infants, built.world, states)
-
-
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
     """Return all files but MJCF and what it refers to."""
-    plan, manifest, manifests = built.plan, _world_manifest(built), _manifests(built)
+    plan, manifest, manifests = built.plan, built.manifest, built.manifests
     files = {
         SPEC_FILE: plan.written.text.encode(),
         RESOLVED: dump(_resolved(built)).encode(),
@@ -266,50 +402,18 @@ def _readme(manifest: WorldManifest, manifests: Mapping[str, Manifest]) -> bytes
 def _resolved(built: BuiltWorld) -> dict[str, Any]:
     """Return the file of a world with all that it leaves open, which names the files of the infants in the bundle."""
     data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
-    relative = places_of(built.plan, built.builders)
     data["infants"] = [
-        {
-            "name": name,
-            "spec": file_of(name, RESOLVED),
-            "x_cm": rounded(100 * relative[name].x_m),
-            "y_cm": rounded(100 * relative[name].y_m),
-            "yaw_deg": item.yaw_deg,
-        }
-        for name, item in zip(built.builders, built.plan.spec.placed, strict=True)
+        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
     ]
     data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
     return data
 
 
-def _world_manifest(built: BuiltWorld) -> WorldManifest:
-    first = next(iter(built.builders.values())).manifest
-    manifest = WorldManifest(
-        name=built.plan.spec.name,
-        timestep_ms=first.timestep_ms,
-        step_ms=first.step_ms,
-        infants=tuple(built.builders),
-        seed=built.plan.spec.scene.seed,
-        toys=describe_toys(built.toys),
-        objects=describe_objects(built.things),
-        notes=tuple(_notes(built)),
-    )
-    return WorldManifest.model_validate(rounded(manifest.model_dump()))
-
-
-def _manifests(built: BuiltWorld) -> dict[str, Manifest]:
-    """Return the manifests of infants; names of what they share have no prefix."""
-    toys, objects = describe_toys(built.toys), describe_objects(built.things)
-    shared = {"seed": built.plan.spec.scene.seed, "toys": toys, "objects": objects}
-    return {
-        name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(update=shared)
-        for name, one in built.builders.items()
-    }
-
-
 def _notes(built: BuiltWorld) -> Iterator[str]:
     """Yield what of the infants' own scenes has no effect."""
     for name, spec in built.plan.infants.items():
-        if ignored := sorted(spec.scene.model_fields_set - {"pose", "held"}):
+        given, around = spec.scene.model_fields_set - {"pose", "held"}, built.plan.spec.scene
+        if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(around, key)):
             keys = " and ".join(f"scene.{key}" for key in ignored)
             yield f"'{keys}' of '{name}' has no effect: it is in the scene of this world"
     yield from notes_on_shapes(built.toys, built.things)
@@ -323,6 +427,8 @@ def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
     yield from of_spec.items()
     yield from trace_around(built.origins, shared, first)
     yield from trace_around(built.around.origins, shared, largest)
+    if built.company:
+        yield from trace_around(built.company.origins, shared, built.company.infant)
     for name, one in built.builders.items():
         part = built.parts[name]
         placed = replace(one.infant, world=replace(built.world, objects=part.objects))

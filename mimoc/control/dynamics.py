@@ -152,6 +152,8 @@ _FIRST_CONTACT = int(_TYPES.mjCNSTR_CONTACT_FRICTIONLESS)
 """First of MuJoCo's constraint types that are contacts."""
 MOST_PLAY_RAD = 0.05
 """Range below which a tendon couples its joints, as in the spine (0.02 rad); with a wider one, it only limits them."""
+ON_CONE = 1.0 - 1e-6
+"""Share of the largest friction from which on a contact counts as sliding."""
 _STICKING = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
 
 
@@ -173,7 +175,7 @@ class ContactConstraints:
             effectors: The bodies that objectives control.
             loose: Bodies that, with their descendants, may slide on the ground that they touch.
         """
-        self._model, self._couplings = model, _couplings(model)
+        self._model, self._couplings, self._has_others = model, _couplings(model), bool(manifest.prefix)
         bearing = model.body_rootid == model.body(manifest.root_body).id
         trunk = trunk_of(manifest.anatomy, model)
         busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}
@@ -188,9 +190,10 @@ class ContactConstraints:
     def rows(self, data: mujoco.MjData) -> IntArray:
         """Return the constraints that hold the infant, shape (m,); *data* must have the solver's forces."""
         kinds = data.efc_type
+        is_sticking = _sticking_by_force(data) if self._has_others else data.efc_state == _STICKING
         holding = kinds == _EQUALITY
-        holding |= (kinds == _TENDON_END) & (data.efc_state == _STICKING)
-        contacts = np.flatnonzero((kinds >= _FIRST_CONTACT) & (data.efc_state == _STICKING))
+        holding |= (kinds == _TENDON_END) & is_sticking
+        contacts = np.flatnonzero((kinds >= _FIRST_CONTACT) & is_sticking)
         if len(contacts):
             geoms = data.contact.geom[data.efc_id[contacts]]
             holding[contacts] = self._on_static(self._bearing, geoms)
@@ -224,6 +227,21 @@ class ContactConstraints:
     def _on_static(self, ours: npt.NDArray[np.bool_], geoms: IntArray) -> npt.NDArray[np.bool_]:
         """Return which contacts of geoms, shape (m, 2), are between one of ours and a static one, shape (m,)."""
         return np.logical_or.reduce(ours[geoms] & self._still[geoms[:, ::-1]], axis=1)
+
+
+def _sticking_by_force(data: mujoco.MjData) -> npt.NDArray[np.bool_]:
+    """Return which constraints act and are not those of sliding contacts, whose forces f are on the cone |f_t/μ| = f_n.
+
+    It is what `efc_state` says, but where MuJoCo solves for several islands, as with several infants: then, that does
+    not stand in the order of the constraints (MuJoCo 3.17).
+    """
+    contacts, force = data.contact, data.efc_force
+    is_sticking = force != 0.0
+    for first, size, friction in zip(contacts.efc_address, contacts.dim, contacts.friction, strict=True):
+        if first >= 0:
+            across = np.linalg.norm(force[first + 1 : first + size] / friction[: size - 1])
+            is_sticking[first : first + size] = across < ON_CONE * force[first]
+    return is_sticking
 
 
 def _couplings(model: mujoco.MjModel) -> FloatArray:

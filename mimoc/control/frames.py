@@ -73,16 +73,22 @@ class Frame:
         )
 
 
-def find_frame(name: str, model: mujoco.MjModel) -> Frame:
+def find_frame(name: str, model: mujoco.MjModel, prefix: str = "") -> Frame:
     """Return the site, camera or body of this name, in this order of precedence.
+
+    Args:
+        name: Its name in the model, or, of a part of the infant, that without the prefix.
+        model: The infant and its world.
+        prefix: What the names of the infant's parts begin with; they come before others of the same name.
 
     Raises:
         UnknownNameError: If none has this name.
     """
-    for kind, (object_type, bodies, *_) in KINDS.items():
-        index = mujoco.mj_name2id(model, object_type, name)
-        if index >= 0:
-            return Frame(kind, index, int(getattr(model, bodies)[index]) if bodies else index)
+    for full_name in dict.fromkeys((prefix + name, name)):
+        for kind, (object_type, bodies, *_) in KINDS.items():
+            index = mujoco.mj_name2id(model, object_type, full_name)
+            if index >= 0:
+                return Frame(kind, index, int(getattr(model, bodies)[index]) if bodies else index)
     sites = [model.site(index).name for index in range(model.nsite)]
     cameras = [model.camera(index).name for index in range(model.ncam)]
     names = [*sites, *cameras, *(model.body(index).name for index in range(1, model.nbody))]

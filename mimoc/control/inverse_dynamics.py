@@ -29,10 +29,10 @@ MARGIN_RAD = 0.02
 class Joints:
     """The n hinges that a controller moves."""
 
-    def __init__(self, names: Sequence[str], model: mujoco.MjModel):
-        """Find hinges by their names in the model."""
+    def __init__(self, names: Sequence[str], model: mujoco.MjModel, prefix: str = ""):
+        """Find hinges by their names, which have a prefix in the model."""
         self.names = tuple(names)
-        self.indices: IntArray = np.array([model.joint(name).id for name in names], np.intp)
+        self.indices: IntArray = np.array([model.joint(prefix + name).id for name in names], np.intp)
         """In the model, shape (n,)."""
         self.angles = model.jnt_qposadr[self.indices].astype(np.intp)
         """Where their angles stand in the state, shape (n,)."""
@@ -97,7 +97,8 @@ class InverseDynamics:
             manifest: Manifest of its bundle, such as `env.unwrapped.manifest`; it must have motors or muscles.
             objectives: `Reach`, `Align`, `LookAt`, or the `Posture` of some joints, the most important first; those in
                 a list or tuple share one priority. A `Posture` of all joints must be last, and is added if missing.
-            joints: Joints that are controlled; all others stay at rest. None means all commanded joints.
+            joints: Joints that are controlled; all others stay at rest. None means all commanded joints. In a world
+                with others, they are named as those of an infant that is alone, also in a `Posture`.
             loose: Bodies that may slide on the ground, such as the feet of a sitting infant.
 
         Raises:
@@ -137,15 +138,15 @@ class InverseDynamics:
         self._model, self._data = model, mujoco.MjData(model)
         self._state = np.empty(mujoco.mj_stateSize(model, STATE))
         actuation = bind_actuation(manifest.actuation, model)
-        self._joints = _find_allowed(self._chosen, actuation, model)
+        self._joints = _find_allowed(self._chosen, actuation, model, manifest)
         mapping, step_s = find_mapping(manifest.actuation.model), ms_to_s(manifest.step_ms)
         self._torques = mapping(actuation, self._joints.indices, model, step_s)
         self._present_rad = data.qpos[self._joints.angles]
         postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
         objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
-        self._frames = {objective: find_frame(objective.site, model) for objective in objectives}
+        self._frames = {objective: find_frame(objective.site, model, manifest.prefix) for objective in objectives}
         self._members = {posture: posture.members(self.joints) for posture in postures}
-        loose = [find_frame(name, model).body for name in self._loose]
+        loose = [find_frame(name, model, manifest.prefix).body for name in self._loose]
         self._supports = ContactConstraints(model, manifest, [frame.body for frame in self._frames.values()], loose)
 
     def errors(self) -> tuple[float, ...]:
@@ -215,10 +216,18 @@ def _is_whole(level: object) -> bool:
     return isinstance(level, Posture) and level.joints is None
 
 
-def _find_allowed(chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel) -> Joints:
-    """Return the joints that may move, of those that actuators move; each once."""
-    moved = list(dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0]))
+def driven_joints(actuation: Actuation, model: mujoco.MjModel, manifest: Manifest) -> tuple[str, ...]:
+    """Return the joints that the commanded actuators of an infant move, each once, as if it were alone."""
+    moved = model.actuator_trnid[actuation.actuators, 0].tolist()
+    return tuple(dict.fromkeys(manifest.of_infant(model.joint(joint).name) for joint in moved))
+
+
+def _find_allowed(
+    chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel, manifest: Manifest
+) -> Joints:
+    """Return the joints that may move, of those that actuators move."""
+    moved = driven_joints(actuation, model, manifest)
     for name in chosen or ():
         if name not in moved:
             raise UnknownNameError("joint with an actuator", name, moved)
-    return Joints(moved if chosen is None else chosen, model)
+    return Joints(moved if chosen is None else chosen, model, manifest.prefix)

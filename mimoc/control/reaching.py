@@ -185,7 +185,9 @@ class ReachController:
         legs = self._joints_on(np.flatnonzero(in_subtrees(self._model, roots)))
         if self.lies:
             return [Posture(joints=[*legs, *self._joints_on(self._trunk)])]
-        chest, gains = self._data.body(self._trunk[-1]), LAGGING if self._model.na else BALANCING
+        actuators = [self._model.actuator(actuator.name) for actuator in self._manifest.actuation.actuators]
+        is_late = any(actuator.actadr >= 0 for actuator in actuators)
+        chest, gains = self._data.body(self._trunk[-1]), LAGGING if is_late else BALANCING
         wanted = chest.xmat.reshape(3, 3)
         wanted = _half_upright(wanted) if self.sits_freely else wanted
         return [Posture(joints=legs), OrientationTask(chest.name, wanted, gains=gains)]
@@ -204,7 +206,8 @@ class ReachController:
         """Return the commanded joints of some bodies, each once."""
         actuators = [actuator for actuator in self._manifest.actuation.actuators if actuator.commanded]
         joints = [self._model.joint(actuator.joint) for actuator in actuators]
-        return list(dict.fromkeys(joint.name for joint in joints if self._model.jnt_bodyid[joint.id] in bodies))
+        names = (joint.name for joint in joints if self._model.jnt_bodyid[joint.id] in bodies)
+        return list(dict.fromkeys(map(self._manifest.of_infant, names)))
 
 
 def _half_upright(orientation: FloatArray) -> FloatArray:

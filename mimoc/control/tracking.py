@@ -23,7 +23,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.ground_support import unsupported, with_margin
-from mimoc.control.inverse_dynamics import STATE, Joints
+from mimoc.control.inverse_dynamics import STATE, Joints, driven_joints
 from mimoc.control.late_commands import LateCommands
 from mimoc.control.torque_mapping import TorqueMapping, find_mapping
 from mimoc.delays.timing import timing_of
@@ -57,8 +57,8 @@ class Body:
             ControlError: If the infant has servos.
         """
         mapping, actuation = find_mapping(manifest.actuation.model), bind_actuation(manifest.actuation, model)
-        names = dict.fromkeys(model.joint(joint).name for joint in model.actuator_trnid[actuation.actuators, 0])
-        self.model, self.data, self.joints = model, mujoco.MjData(model), Joints([*names], model)
+        joints = Joints(driven_joints(actuation, model, manifest), model, manifest.prefix)
+        self.model, self.data, self.joints = model, mujoco.MjData(model), joints
         self.actuators: IntArray = actuation.actuators
         self.torques: TorqueMapping = mapping(actuation, self.joints.indices, model, ms_to_s(manifest.step_ms))
         limbs = {"arms": manifest.anatomy.arms, "legs": manifest.anatomy.legs}

@@ -117,19 +117,34 @@ class JointMotion:
         qpos, qvel, qacc = (np.concatenate(parts, axis=1) for parts in orders)
         return States(qpos, qvel * moving, qacc * moving)
 
+    def moved_to(self, start: FloatArray) -> Self:
+        """Return the same motion elsewhere on the floor: it begins where a configuration of its joints is, (nq,).
+
+        The first joint, which must be free, begins above the same point and faces the same way about the vertical.
+        """
+        from_rad, to_rad = _heading_rad(self.qpos[0, TURN]), _heading_rad(start[TURN])
+        turn, qpos = Rotation.from_rotvec([0.0, 0.0, to_rad - from_rad]), self.qpos.copy()
+        ways_m = (self.qpos[:, :3] - self.qpos[0, :3]) * [1.0, 1.0, 0.0]
+        qpos[:, :2] = start[:2] + turn.apply(ways_m)[:, :2]
+        turned = turn * Rotation.from_quat(self.qpos[:, TURN][:, FIXED_ORDER])
+        qpos[:, TURN] = turned.as_quat()[:, [3, 0, 1, 2]]
+        return type(self)(self.rate_hz, self.joints, qpos, self.free)
+
     def part(self, stop: int) -> Self:
         """Return the first frames of it."""
         return type(self)(self.rate_hz, self.joints, self.qpos[:stop], self.free)
 
-    def places(self, model: mujoco.MjModel) -> tuple[IntArray, IntArray]:
+    def places(self, model: mujoco.MjModel, prefix: str = "") -> tuple[IntArray, IntArray]:
         """Return where its numbers belong in the configuration and in the velocity of an infant, shape (nq,) and (nv,).
+
+        The names of the infant's joints begin with a *prefix* in a model that has others as well.
 
         Raises:
             MimocError: If the infant lacks one of the joints, or has it of another type.
         """
         qpos, speeds = list[int](), list[int]()
         for name in self.joints:
-            joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+            joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, prefix + name)
             is_free = name in self.free
             wanted = mujoco.mjtJoint.mjJNT_FREE if is_free else mujoco.mjtJoint.mjJNT_HINGE
             if joint < 0 or model.jnt_type[joint] != wanted:
@@ -150,6 +165,12 @@ def motion_of(model: mujoco.MjModel, root_body: str, qpos: FloatArray, rate_hz: 
     names = tuple(model.joint(joint).name for joint in joints)
     motion = JointMotion(rate_hz, names, np.zeros((0, 0)), tuple(model.joint(joint).name for joint in free))
     return JointMotion(rate_hz, names, np.ascontiguousarray(qpos[:, motion.places(model)[0]]), motion.free)
+
+
+def _heading_rad(quaternion: FloatArray) -> float:
+    """Return which way a body faces about the vertical: by its leftward axis, horizontal however it is pitched."""
+    left = Rotation.from_quat(quaternion[FIXED_ORDER]).apply([0.0, 1.0, 0.0])
+    return float(np.arctan2(-left[0], left[1]))
 
 
 def _value(spline: Any, times_s: FloatArray, order: int) -> FloatArray:

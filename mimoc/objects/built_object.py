@@ -126,6 +126,10 @@ class Surroundings:
     """That paths in the spec are relative to."""
     things: tuple[PlacedThing, ...] = ()
     """The objects that are placed already."""
+    prefix: str = ""
+    """With which the names of the infant begin in the model."""
+    taken: tuple[Vec3, ...] = ()
+    """Floor that other infants cover, as discs by x, y and radius, in [m]."""
 
     @cached_property
     def posed(self) -> Posed:
@@ -141,8 +145,8 @@ class Surroundings:
 
     @cached_property
     def discs(self) -> FloatArray:
-        """The floor that the infant covers, as discs by x, y and radius, shape (n, 3), [m]."""
-        return footprint(self.tree, [self.qpos])
+        """The floor that the infant and others cover, as discs by x, y and radius, shape (n, 3), [m]."""
+        return np.concatenate([footprint(self.tree, [self.qpos]), np.reshape(self.taken, (-1, 3))])
 
     def part(self, name: str) -> Posed:
         """Return the geoms of a part of the infant in the world."""

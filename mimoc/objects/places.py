@@ -74,6 +74,10 @@ class Search:
             )
         return part
 
+    def named(self, name: str) -> str:
+        """Return the name of an object or a part of the infant in the model, in which infants have prefixes."""
+        return name if self.thing(name) else self.around.prefix + name
+
     def box(self, name: str, key: str) -> tuple[FloatArray, FloatArray]:
         """Return the lowest and the highest corner of the box around a part or an object, or refuse the name."""
         if (thing := self.thing(name)) is None:
@@ -136,7 +140,7 @@ def _above(search: Search, name: str) -> Spot:
     low, high = search.box(name, "above")
     height_cm = HEIGHT_CM if search.spec.height_cm is None else search.spec.height_cm
     (x_m, y_m, _), z_m = ((low + high) / 2).tolist(), float(high[2])
-    return Spot((x_m, y_m, z_m + cm_to_m(height_cm)), f"{height_cm:g} cm above {name}")
+    return Spot((x_m, y_m, z_m + cm_to_m(height_cm)), f"{height_cm:g} cm above {search.named(name)}")
 
 
 def _at_point(search: Search, point: PointSpec) -> Spot:
@@ -147,8 +151,9 @@ def _at_point(search: Search, point: PointSpec) -> Spot:
         cosine, sine, yaw_rad = math.cos(start.yaw_rad), math.sin(start.yaw_rad), start.yaw_rad
         x_m, y_m = start.x_m + cosine * x_m - sine * y_m, start.y_m + sine * x_m + cosine * y_m
     z_m = search.support_m(x_m, y_m, "at") if point.z_cm is None else cm_to_m(point.z_cm)
+    frame = search.named(WHOLE) if point.frame == "infant" else point.frame
     height = "" if point.z_cm is None else f", z {point.z_cm:g} cm"
-    return Spot((x_m, y_m, z_m), f"x {point.x_cm:g} cm, y {point.y_cm:g} cm{height} ({point.frame})", yaw_rad)
+    return Spot((x_m, y_m, z_m), f"x {point.x_cm:g} cm, y {point.y_cm:g} cm{height} ({frame})", yaw_rad)
 
 
 def _on(search: Search, name: str) -> Spot:
@@ -170,14 +175,14 @@ def _within_reach(search: Search, name: str) -> Spot:
     if not search.rests:
         ahead = search.around.frames[search.part(MIDDLE, "at")][1][:, 0]
         x_m, y_m, z_m = (arm.shoulder_m + STRETCHED * arm.length_m * ahead).tolist()
-        return Spot((x_m, y_m, z_m - search.built.height_m / 2), f"within reach of {name}")
+        return Spot((x_m, y_m, z_m - search.built.height_m / 2), f"within reach of {search.named(name)}")
     hand_m = search.around.part(name).centres.mean(axis=0)
     outwards = math.atan2(*(hand_m - search.around.posed.centre_of_mass)[1::-1])
     for across_m in places_around(outwards, 2 * arm.length_m, STEP_M, DIRECTIONS):
         x_m, y_m = (hand_m[:2] + across_m).tolist()
         is_near = math.hypot(x_m - arm.shoulder_m[0], y_m - arm.shoulder_m[1]) <= arm.on_floor_m
         if is_near and search.is_free(x_m, y_m):
-            return Spot((x_m, y_m, search.support_m(x_m, y_m, "at")), f"within reach of {name}")
+            return Spot((x_m, y_m, search.support_m(x_m, y_m, "at")), f"within reach of {search.named(name)}")
     raise search.refusal(
         "at", f"there is no free place on the floor within reach of {name}; give coordinates, or hang it"
     )
@@ -188,7 +193,7 @@ def _in_front(search: Search, name: str) -> Spot:
     part = search.part(name, "at")
     towards, words = (
         search.around.frames[search.around.tree.home(_facing(search, part))][1][:, 0],
-        f"in front of {name}",
+        f"in front of {search.named(name)}",
     )
     distance_cm = DISTANCE_CM if search.spec.distance_cm is None else search.spec.distance_cm
     if not search.rests:
@@ -213,7 +218,7 @@ def _beside(search: Search, name: str) -> Spot:
     leftwards = search.around.frames[search.around.tree.home(MIDDLE)][1][:, 1]
     outwards = -leftwards if part.startswith("right_") else leftwards
     distance_cm = DISTANCE_CM if search.spec.distance_cm is None else search.spec.distance_cm
-    return _along(search, part, outwards, distance_cm, f"beside {name}")
+    return _along(search, part, outwards, distance_cm, f"beside {search.named(name)}")
 
 
 def _along(search: Search, part: str, towards: FloatArray, distance_cm: float, words: str) -> Spot:

@@ -18,24 +18,30 @@ from mimoc.objects.spec_base import ObjectEntry, ObjectSpec
 UP = (0.0, 0.0, 1.0)
 
 
-def place_objects(objects: Sequence[ObjectSpec], surroundings: Surroundings) -> tuple[PlacedThing, ...]:
+def place_objects(objects: Sequence[ObjectSpec], infants: Mapping[str, Surroundings]) -> tuple[PlacedThing, ...]:
     """Return the objects of a scene at their places.
+
+    Args:
+        objects: The objects; each may name the infant that its place is about, otherwise it is the first.
+        infants: By name, the surroundings of each infant.
 
     Raises:
         ObjectError: If one cannot be built or placed.
     """
-    taken = {*(body.name for body in surroundings.tree.bodies), WHOLE}
+    first, things = next(iter(infants)), tuple[PlacedThing, ...]()
+    taken = {*(body.name for around in infants.values() for body in around.tree.bodies), WHOLE}
     for number, spec in enumerate(objects):
         if spec.name in taken:
             raise ObjectError("name", f"'{spec.name}' is a part of the infant; give the object another name", number)
+        surroundings = replace(infants[spec.infant or first], things=things)
         try:
             built: BuiltObject = function_of(OBJECTS[spec.kind].build, "build")(spec, surroundings)
             place = find_place(spec, built, surroundings)
             thing = _placed(spec, built, place, surroundings)
         except ObjectError as error:
             raise ObjectError(error.key, str(error), number) from None
-        surroundings = replace(surroundings, things=(*surroundings.things, thing))
-    return surroundings.things
+        things = (*things, thing)
+    return things
 
 
 def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
@@ -59,7 +65,7 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
         where=spot.where,
         bells=built.bells,
         ribbon=ribbons[0].name if ribbons else None,
-        tied_to=built.tie.limb if built.tie else None,
+        tied_to=around.prefix + built.tie.limb if built.tie else None,
         slack_m=built.tie.slack_m if built.tie else 0.0,
         water=built.water,
     )

@@ -28,4 +28,4 @@ def tie_ribbon(tie: Tie, root: ObjectBody, around: Surroundings) -> Ribbon:
     (start,) = (mine for mine in root.sites if mine.name == tie.site)
     start_m = matrix_from_quaternion(root.quat) @ start.pos_m + root.pos_m
     way_m = float(np.linalg.norm(origin + turn @ site.pos_m - start_m))
-    return Ribbon(f"{root.name}_ribbon", (tie.site, name), (0.0, way_m + tie.slack_m), tie.rgba)
+    return Ribbon(f"{root.name}_ribbon", (tie.site, around.prefix + name), (0.0, way_m + tie.slack_m), tie.rgba)

@@ -97,6 +97,8 @@ class ObjectSpec(Model):
     cm."""
     yaw_deg: Annotated[Degrees, Field(ge=-360, le=360)] = 0.0
     """How far it is turned about the vertical, counterclockwise seen from above."""
+    infant: Identifier | None = None
+    """In a world with several infants, the one that its place and its ribbon are about; by default, the first."""
 
     @property
     def carries(self) -> bool:

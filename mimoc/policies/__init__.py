@@ -13,7 +13,7 @@ _BEHAVIOURS = (
     _behaviour("hands_and_knees", "keeps on hands and knees", f"{_IN}.hands_and_knees", "[OPTIONS]"),
     _behaviour("stand", "stands alone", f"{_IN}.stand", "[OPTIONS]"),
     _behaviour("kick", "kicks on its back", f"{_IN}.kick", "[LEG]"),
-    _behaviour("look_at", "looks at a toy, a part of its body or a place", f"{_IN}.look", "TARGET"),
+    _behaviour("look_at", "looks at a toy, a part of a body, another infant or a place", f"{_IN}.look", "TARGET"),
     _behaviour("reach_for", "reaches for one with a hand", f"{_IN}.reach", "TARGET[,HAND]"),
 )
 POLICIES: Kinds[PolicyKind] = Kinds(

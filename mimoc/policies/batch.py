@@ -9,7 +9,7 @@ import numpy as np
 from mimoc.base.classes import described
 from mimoc.base.errors import PolicyError
 from mimoc.runtime.array_library import NUMPY, torch_library
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import Put
 from mimoc.senses.sense import FloatArray
 
@@ -21,7 +21,7 @@ class Batch:
     What is bound to an age has to look again where infants grow: `infants[i].bundle` is another one then.
     """
 
-    infants: Sequence[InfantEnv]
+    infants: Sequence[Infant]
     """The environment of each; on a device, one of the same body that stands for it and is not stepped."""
     arousals: Callable[[], Any]
     """Returns the arousal of each now, shape (k, 1)."""
@@ -50,7 +50,7 @@ class Batch:
         return self.put(np.stack(draws))
 
 
-def batch_of_one(env: InfantEnv) -> Batch:
+def batch_of_one(env: Infant) -> Batch:
     """Return a batch of one infant."""
     return Batch((env,), lambda: np.array([[env.arousal]]))
 
@@ -76,7 +76,7 @@ def batch_of(envs: Any) -> Batch:
     return Batch(infants, lambda: envs.worlds.arousal.level[:, None], xp, put, is_on_device=True)
 
 
-class _Residents(Sequence[InfantEnv]):
+class _Residents(Sequence[Infant]):
     """The infants that stand for those in the worlds of a device now."""
 
     def __init__(self, envs: Any):

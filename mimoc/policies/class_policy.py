@@ -15,7 +15,7 @@ from mimoc.base.classes import import_class
 from mimoc.base.errors import PolicyError
 from mimoc.policies import POLICIES
 from mimoc.policies.policy import PolicyMaker
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 CLASS = re.compile(r"([A-Za-z_][\w.]*):[A-Za-z_]\w*")
@@ -47,7 +47,7 @@ class ClassPolicy:
     actions. `act(observation)` returns the action; `reset()`, if there is one, is called whenever an episode begins.
     """
 
-    def __init__(self, env: InfantEnv, name: str):
+    def __init__(self, env: Infant, name: str):
         """Make an object of the class; raise a PolicyError if that fails, or it cannot act."""
         made = import_class(name, EXAMPLE)
         self._name, self._shape = name, env.action_space.shape

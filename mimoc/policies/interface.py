@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.base.errors import PolicyError, UnknownNameError
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 
-def interface_of(env: InfantEnv) -> dict[str, Any]:
+def interface_of(env: Infant) -> dict[str, Any]:
     """Return shape and layout (empty for images) of each observation, and the actuators that the action commands."""
     spaces = spaces_of(env).items()
     observes = {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in spaces}
@@ -51,7 +51,7 @@ def differences(about: Mapping[str, Any], interface: Mapping[str, Any]) -> list[
     return [*sorted(result), *_first_difference("the action", commanded, commands)]
 
 
-def spaces_of(env: InfantEnv) -> Mapping[str, Any]:
+def spaces_of(env: Infant) -> Mapping[str, Any]:
     """Return the space of each observation of an infant, by name."""
     space: Any = env.observation_space
     return space.spaces
@@ -64,7 +64,7 @@ def _first_difference(what: str, trained: Sequence[str], current: Sequence[str])
     return []
 
 
-def _layout(env: InfantEnv, name: str) -> list[str]:
+def _layout(env: Infant, name: str) -> list[str]:
     try:
         return list(env.layout(name))
     except UnknownNameError:  # An image, or an observation of the task.

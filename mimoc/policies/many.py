@@ -5,21 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.base.errors import PolicyError, check_name
+from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
-from mimoc.policies.named import Loader, policy_of, summed
+from mimoc.policies.named import Loader, Policies, policies_of, policy_of, summed
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
 from mimoc.policies.silent import limits_of, with_silence
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import Observation
-
-Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
-"""A policy for all infants, as for `policy_of`, or policies by the name of an infant; all others command nothing."""
-AT_REST = "zero"
 
 
 def policy_vec(policy: Policies, envs: Any, load: Loader | None = None) -> Any:
@@ -62,12 +58,12 @@ def policy_vec(policy: Policies, envs: Any, load: Loader | None = None) -> Any:
         >>> envs.close()
     """
     inside = getattr(envs, "unwrapped", envs)
-    if isinstance(inside, (InfantEnv, SharedWorld)):
-        policies = bind_policies(infants_of("policy_vec", envs), policy, load)
-        return ByName(policies) if isinstance(inside, SharedWorld) else Single(policies[""])
+    if isinstance(inside, (InfantEnv, WorldEnv)):
+        policies = policies_of(infants_of("policy_vec", envs), policy, load)
+        return ByName(policies) if isinstance(inside, WorldEnv) else Single(policies[""])
     batch = batch_of(inside)
     if isinstance(policy, Mapping):
-        return OneByOne([*bind_policies(infants_of("policy_vec", envs), policy, load).values()])
+        return OneByOne([*policies_of(infants_of("policy_vec", envs), policy, load).values()])
     if not isinstance(policy, str):
         return SumOfMany(batch, [_one_by_one(batch, policy, "a function of your own")])
     together, others = told_apart(parse_policy(policy))
@@ -76,25 +72,6 @@ def policy_vec(policy: Policies, envs: Any, load: Loader | None = None) -> Any:
         text = "+".join(part.text for part in together)
         policies.insert(0, _one_by_one(batch, lambda env: policy_of(env, text), f"'{text}'"))
     return SumOfMany(batch, policies)
-
-
-def bind_policies(infants: Mapping[str, Any], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
-    """Return the policy of each infant of an environment, by name.
-
-    Raises:
-        UnknownNameError: If there is no such policy or infant.
-        PolicyError: If a policy lacks something, or does not fit its infant.
-    """
-    return {name: policy_of(infants[name], chosen, load) for name, chosen in by_infant(policy, infants).items()}
-
-
-def by_infant(policy: Policies, infants: Mapping[str, Any]) -> dict[str, str | PolicyMaker]:
-    """Return which policy each infant has, by name, or raise an UnknownNameError if there is no such infant."""
-    if not isinstance(policy, Mapping):
-        return dict.fromkeys(infants, policy)
-    for name in policy:
-        check_name("name of an infant", name, infants)
-    return {**dict.fromkeys(infants, AT_REST), **policy}
 
 
 class Single:

@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import ms_to_s
+from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.control.tracking import Body, Demand, Tracker, Wanted
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.motion_report import Followed
 from mimoc.policies.starting import begin_here
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.simulation_state import physics_of, set_physics
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 
 Root = Literal["free", "assisted"]
@@ -23,9 +23,12 @@ Root = Literal["free", "assisted"]
 
 
 class MotionPolicy:
-    """Follows a motion from its first frame on, until it ends."""
+    """Follows a motion from its first frame on, until it ends.
 
-    def __init__(self, env: InfantEnv, motion: JointMotion, root: Root = "free"):
+    The motion takes place where it was recorded; in a world with others, where the infant is, and faces as it does.
+    """
+
+    def __init__(self, env: Infant, motion: JointMotion, root: Root = "free"):
         """Bind it to an infant.
 
         Args:
@@ -45,6 +48,8 @@ class MotionPolicy:
         if not self.whole_steps:
             raise MimocError("the motion is shorter than a control step; take a longer recording")
         self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+        if env.manifest.prefix and motion.free:
+            self._motion = motion.moved_to(env.data.qpos[motion.places(env.model, env.manifest.prefix)[0]])
         self._bind()
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> npt.NDArray[np.float32]:
@@ -77,7 +82,7 @@ class MotionPolicy:
     def _bind(self) -> None:
         env = self._env
         self._model, self._step_s = env.model, ms_to_s(env.manifest.step_ms)
-        self._places = self._motion.places(env.model)
+        self._places = self._motion.places(env.model, env.manifest.prefix)
         self._tracker = Tracker(env.model, env.data, env.manifest)
         self._body = Body(env.model, env.manifest)
         self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
@@ -112,17 +117,22 @@ class MotionPolicy:
     def _begin(self) -> None:
         """Put the infant where the motion begins, lifted out of the ground, and let it sense that."""
         self._tracker.begin()
-        env, first = self._env, self._at(self._present, 0)
-        env.data.qpos[:], env.data.qvel[:] = first.qpos, first.qvel
-        mujoco.mj_forward(env.model, env.data)
-        env.data.qpos[self._places[0]] += self._lift()
+        env, model, data = self._env, self._model, self._env.data
+        self._rest = data.qpos.copy()
+        first, (angles, _) = self._at(self._present, 0), self._places
+        data.qpos[angles] = first.qpos[angles]
+        is_own = self._body.is_own[model.dof_bodyid]
+        data.qvel[is_own] = first.qvel[is_own]
+        mujoco.mj_forward(model, data)
+        data.qpos[angles] += self._lift()
         begin_here(env)
 
     def _lift(self) -> FloatArray:
         """Return what to add to the configuration so that nothing is deeper in what does not move than it touches."""
         model, data, lift = self._model, self._env.data, np.zeros(len(self._places[0]))
-        is_still = model.body_weldid[model.geom_bodyid[data.contact.geom]] == 0
-        depths_m = -data.contact.dist[is_still.any(axis=1)]
+        bodies = model.geom_bodyid[data.contact.geom]
+        is_still, is_own = model.body_weldid[bodies] == 0, self._body.is_own[bodies]
+        depths_m = -data.contact.dist[is_still.any(axis=1) & is_own.any(axis=1)]
         if self._motion.free and depths_m.size:
             lift[2] = max(float(depths_m.max()), 0.0)
         return lift
@@ -142,7 +152,7 @@ class MotionPolicy:
         applied.append(self._env.data.qfrc_applied[self._body.root_speeds].copy())
 
 
-def bind(env: InfantEnv, text: str, root: Root = "free") -> MotionPolicy:
+def bind(env: Infant, text: str, root: Root = "free") -> MotionPolicy:
     """Return the policy for an environment and a motion, which *text* is the path of; see `MotionPolicy`.
 
     Raises:

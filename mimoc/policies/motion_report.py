@@ -61,7 +61,8 @@ class Followed:
         yield from self.body.of_limbs.items()
         is_limbs = np.any([*self.body.of_limbs.values()], axis=0)
         for group, joints in self.manifest.anatomy.groups.items():
-            members = np.array([name in joints for name in self.body.joints.names], bool)
+            own = [*map(self.manifest.of_infant, joints)]
+            members = np.array([name in own for name in self.body.joints.names], bool)
             if not (members & is_limbs).any():
                 yield group, members
 

@@ -1,11 +1,11 @@
 """From the name of a policy, or a sum of names, to the policy of an infant."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import function_of
 from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
 from mimoc.policies.policy import (
@@ -19,15 +19,18 @@ from mimoc.policies.policy import (
     start_again,
 )
 from mimoc.policies.silent import Silent, limits_of
-from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
-from mimoc.runtime.env import InfantEnv
+from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 Loader = Callable[[str], PolicyMaker]
 """Loads the trained policy in a file, as `mimoc.load_policy` does."""
+Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
+"""A policy of all infants of an environment, or policies by infant; see `policies_of`."""
+AT_REST = "zero"
 
 
-def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
+def policy_of(env: Infant, policy: str | PolicyMaker, load: Loader | None = None) -> Policy:
     """Return a policy for an environment, by its name or from what makes one.
 
     Args:
@@ -53,6 +56,33 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker, load: Loader | None = N
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
 
 
+def policies_of(infants: Mapping[str, Infant], policy: Policies, load: Loader | None = None) -> dict[str, Policy]:
+    """Return the policy of each infant of an environment, by name: each is an object of its own.
+
+    Args:
+        infants: The infants by name.
+        policy: What `policy_of` takes, for all of them, or by infant; or a text such as `anna=sit,ben=look_at(anna)`.
+            Infants without a policy command nothing.
+        load: Loads trained policies; see `policy_of`.
+
+    Raises:
+        UnknownNameError: If there is no such policy or infant.
+        PolicyError: If the text is no policy otherwise, or a policy does not fit its infant.
+    """
+    return {name: policy_of(infants[name], chosen, load) for name, chosen in by_infant(policy, infants).items()}
+
+
+def by_infant(policy: Policies, names: Collection[str]) -> dict[str, str | PolicyMaker]:
+    """Return which policy each infant has, by name, or raise an UnknownNameError; see `policies_of`."""
+    if isinstance(policy, str):
+        policy = parse_policies(policy, names)
+    if not isinstance(policy, Mapping):
+        return dict.fromkeys(names, policy)
+    for name in policy:
+        check_name("name of an infant of this world", name, names)
+    return {name: policy.get(name, AT_REST) for name in names}
+
+
 class Sum:
     """Several policies at once: their commands are added as differences from the command at rest.
 
@@ -64,7 +94,7 @@ class Sum:
     in the order of the sum. An episode ends after the fewest steps that any of them asks for.
     """
 
-    def __init__(self, env: InfantEnv, policies: Sequence[Policy], labels: Sequence[str]):
+    def __init__(self, env: Infant, policies: Sequence[Policy], labels: Sequence[str]):
         """Add policies of one infant, each with what it is called where metrics have the same name."""
         self._env, self._policies, self._labels = env, tuple(policies), numbered(labels)
         self.steps_per_episode = min(map(episode_limit_of, policies))
@@ -98,7 +128,7 @@ def summed(xp, actions, low, high):
     return xp.clip(total, low, high)
 
 
-def _bound(env: InfantEnv, part: PolicyPart, load: Loader | None) -> Policy:
+def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
     """Return one policy for an environment."""
     if part.kind is None:
         if load is None:

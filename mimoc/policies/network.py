@@ -18,7 +18,7 @@ from mimoc.policies.archive import DAMAGED
 from mimoc.policies.interface import check_fits, interface_of
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_NETWORK, WEIGHTS, PolicyFile
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 FloatArray = npt.NDArray[np.float32]
 
@@ -151,7 +151,7 @@ def load_network(file: PolicyFile) -> PolicyMaker | None:
     return lambda env: _bind(path, about, network, env)
 
 
-def _bind(path: Path, about: Mapping[str, Any], network: Network, env: InfantEnv) -> Policy:
+def _bind(path: Path, about: Mapping[str, Any], network: Network, env: Infant) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit.
 
     An infant may sense more than the one in training: what that one sensed is picked by its names.

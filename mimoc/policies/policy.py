@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 Policy = Callable[[np.random.Generator, Observation], np.ndarray]
@@ -24,7 +24,7 @@ BatchPolicy = Callable[[Sequence[np.random.Generator], Any], Any]
 
 It can have a method `reset(rows)`, a boolean array of shape (k,): the episodes of these infants begin anew.
 """
-PolicyMaker = Callable[[InfantEnv], Policy]
+PolicyMaker = Callable[[Infant], Policy]
 """Returns the policy for an environment."""
 
 

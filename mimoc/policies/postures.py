@@ -16,7 +16,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError, read_json_file
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Label, Number
 from mimoc.senses.sense import FloatArray, Observation
@@ -98,7 +98,7 @@ def _other_side(joint: str) -> str:
 class PosturePolicy:
     """Follows a movement through postures, by what the infant senses of its joints and of its balance."""
 
-    def __init__(self, env: InfantEnv, movement: Postures):
+    def __init__(self, env: Infant, movement: Postures):
         """Bind it to an infant.
 
         Raises:
@@ -118,7 +118,7 @@ class PosturePolicy:
         self._speeds = np.array([names.index(f"{joint} velocity [rad/s]") for joint in movement.joints])
         if movement.sway and not _sensed(env, "vestibular"):
             raise PolicyError("this movement needs the sense of balance; add senses.vestibular: {}")
-        low, high = np.array([env.model.joint(joint).range for joint in movement.joints]).T
+        low, high = np.array([env.model.joint(env.manifest.prefix + joint).range for joint in movement.joints]).T
         self._middle, self._half = (low + high) / 2, (high - low) / 2
         self._sway = np.array(movement.sway) if movement.sway else None
         self._matrix, self._is_servo = _commands(env, movement.joints)
@@ -155,11 +155,11 @@ class PosturePolicy:
         return np.array([acceleration[0], acceleration[1], turning[1], turning[0]], float)
 
 
-def _sensed(env: InfantEnv, sense: str) -> tuple[str, ...]:
+def _sensed(env: Infant, sense: str) -> tuple[str, ...]:
     return env.layout(sense) if sense in env.senses else ()
 
 
-def _commands(env: InfantEnv, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
+def _commands(env: Infant, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
     """Return what turns shares of joints into commands, shape (commands, joints), and whether these are of servos.
 
     A motor takes the share itself. Of two muscles at a joint, that which pulls the wanted way, against the sign of its
@@ -170,9 +170,9 @@ def _commands(env: InfantEnv, joints: tuple[str, ...]) -> tuple[FloatArray, bool
     column = {joint: place for place, joint in enumerate(joints)}
     are_muscles = env.manifest.actuation.model == "muscle"
     for row, actuator in enumerate(commanded):
-        if actuator.joint in column:
+        if (joint := env.manifest.of_infant(actuator.joint)) in column:
             gear = env.model.actuator(actuator.name).gear[0]
-            matrix[row, column[actuator.joint]] = -np.sign(gear) if are_muscles else 1.0
+            matrix[row, column[joint]] = -np.sign(gear) if are_muscles else 1.0
     return matrix, env.manifest.actuation.model == "position"
 
 

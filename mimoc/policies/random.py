@@ -7,10 +7,10 @@ import numpy as np
 
 from mimoc.policies.batch import Batch
 from mimoc.policies.policy import BatchPolicy, Policy
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 
-def bind(env: InfantEnv) -> Policy:
+def bind(env: Infant) -> Policy:
     """Return the policy for an environment."""
     low, high = env.actuation.low, env.actuation.high
     return lambda generator, observation: generator.uniform(low, high).astype(np.float32)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from mimoc.base.units import ms_to_s
 from mimoc.control.reaching import ReachController, ReachGains
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 
 NEXT_TARGETS_S = 1.5
@@ -24,7 +25,7 @@ class ReachPolicy:
     Hands and eyes that take no commands are left out.
     """
 
-    def __init__(self, env: InfantEnv, gains: ReachGains | None = None, next_targets_s: float = NEXT_TARGETS_S):
+    def __init__(self, env: Infant, gains: ReachGains | None = None, next_targets_s: float = NEXT_TARGETS_S):
         """Bind it to an infant.
 
         Args:
@@ -81,6 +82,7 @@ class ReachPolicy:
             errors_m, least_m = np.array(self._errors_m), np.array(self._least_m[: len(self._errors_m)])
             metrics = {"hand_error_m": float(np.median(errors_m)), "hand_targets": len(errors_m)}
             for number, hand in enumerate(self._control.hands):
+                hand = self._env.manifest.of_infant(hand)
                 metrics[f"{hand}_error_m"] = float(np.median(errors_m[:, number]))
                 metrics[f"{hand}_reached_share"] = float(np.mean(least_m[:, number] <= REACHED_M))
         if self._fell_after_s is not None:
@@ -95,7 +97,7 @@ class ReachPolicy:
         self._ball = env.model.body(task.ball.body).id if task.kind == "reach" else None
 
 
-def bind(env: InfantEnv) -> ReachPolicy:
+def bind(env: Infant) -> ReachPolicy:
     """Return the policy for an environment; see `ReachPolicy`."""
     return ReachPolicy(env)
 

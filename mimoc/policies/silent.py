@@ -6,7 +6,7 @@ import numpy as np
 
 from mimoc.actuation.voice import HIGH, LOW
 from mimoc.policies.policy import Policy
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 
 
@@ -35,7 +35,7 @@ def with_silence(actions: Any, joints: int) -> Any:
     return np.concatenate([actions, np.zeros((*actions.shape[:-1], len(LOW)), actions.dtype)], axis=-1)
 
 
-def limits_of(env: InfantEnv) -> tuple[FloatArray, FloatArray]:
+def limits_of(env: Infant) -> tuple[FloatArray, FloatArray]:
     """Return the smallest and the largest commands of an infant, those of its voice included."""
     low, high = env.actuation.low, env.actuation.high
     if env.manifest.actuation.voice is None:

@@ -7,7 +7,7 @@ from mimoc.policies.network import load_network
 from mimoc.policies.policy import Policy
 from mimoc.policies.policy_file import read_policy
 from mimoc.policies.postures import PosturePolicy, read_postures
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 SHIPPED = Path(__file__).with_name("skills")
 """What comes with mimoc, one file for a skill and an age: a movement (.json) or a trained policy (.zip)."""
@@ -23,7 +23,7 @@ def shipped() -> dict[tuple[str, float], Path]:
     return files
 
 
-def bind(env: InfantEnv, text: str) -> Policy:
+def bind(env: Infant, text: str) -> Policy:
     """Return the policy of a skill for an environment.
 
     Args:

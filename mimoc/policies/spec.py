@@ -1,10 +1,10 @@
 """What the text that chooses a policy can say: a name, a name with an argument, a trained policy, or a sum of these."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import PolicyKind
 from mimoc.policies import POLICIES
 
@@ -15,6 +15,8 @@ CALLED = re.compile(r"([a-z][a-z0-9_]*)\((.*)\)", re.DOTALL)
 """A name with its argument in parentheses, which means the same as after a colon."""
 APART = re.compile(r"\+(?![^(]*\))")
 """A plus outside of parentheses."""
+FOR_INFANT = re.compile(r"(?:^|,)\s*([a-z][a-z0-9_]*)\s*=(?![^(]*\))")
+"""The name of an infant and an equals sign, outside of parentheses, at the beginning or after a comma."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,34 @@ def parse_policy(text: str) -> tuple[PolicyPart, ...]:
     if "+" in text and not all(text.split("+")):
         raise PolicyError(f"'{text}': a policy is missing beside a '+'; write NAME+NAME, such as random+zero")
     return tuple(_part(piece) for piece in _pieces(text))
+
+
+def parse_policies(text: str, names: Collection[str]) -> dict[str, str]:
+    """Return the policies of the infants of a world in a text such as `anna=sit,ben=look_at(anna)+kick`, by infant.
+
+    A text that begins with no name is the policy of all. A setting of a behaviour that has the name of an infant has to
+    be in parentheses: `anna=sit(lean=0.4),lean=zero`.
+
+    Raises:
+        UnknownNameError: If there is no such infant.
+        PolicyError: If no policy stands behind a name, or an infant has two.
+    """
+    found = list[re.Match[str]]()
+    for match in FOR_INFANT.finditer(text):
+        may_be_setting = found and ":" in text[found[-1].end() : match.start()]
+        if match[1] in names or not may_be_setting:
+            found.append(match)
+    if not found or found[0].start():
+        return dict.fromkeys(names, text)
+    policies = dict[str, str]()
+    for match, end in zip(found, [*(item.start() for item in found[1:]), len(text)], strict=True):
+        check_name("name of an infant of this world", match[1], names)
+        if match[1] in policies:
+            raise PolicyError(f"'{text}': '{match[1]}' has two policies; write one, or their sum with a '+'")
+        policies[match[1]] = policy = text[match.end() : end].strip()
+        if not policy:
+            raise PolicyError(f"'{text}': there is no policy behind '{match[0]}'; write {match[1]}=NAME, such as sit")
+    return policies
 
 
 def told_apart(parts: Sequence[PolicyPart]) -> tuple[tuple[PolicyPart, ...], tuple[PolicyPart, ...]]:

@@ -4,10 +4,10 @@ import numpy as np
 
 from mimoc.policies.batch import Batch
 from mimoc.policies.policy import BatchPolicy, Policy
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 
-def bind(env: InfantEnv) -> Policy:
+def bind(env: Infant) -> Policy:
     """Return the policy for an environment."""
     action = np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
     return lambda generator, observation: action

@@ -10,7 +10,7 @@ from mimoc.base.errors import KindError
 from mimoc.base.kinds import function_of
 from mimoc.quantities import measured_in
 from mimoc.quantities.quantity import Quantity
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import stack_terms
 from mimoc.runtime.worlds import worlds_of_one
 
@@ -52,7 +52,7 @@ def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:
 class StepMeasures:
     """Values of the quantities over control steps of one infant, which may grow meanwhile."""
 
-    def __init__(self, env: InfantView, step: str):
+    def __init__(self, env: Infant, step: str):
         """Bind the quantities of a step; raise a KindError if one does not measure a number."""
         self._env, self._data = env, env.data
         self._quantities = [

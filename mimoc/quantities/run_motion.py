@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
@@ -67,7 +67,7 @@ def head_height_m(model: mujoco.MjModel, manifest: Manifest) -> Term:
 head_lowest_m = head_height_m
 
 
-def contacts_self(env: InfantView) -> Callable[[], float]:
+def contacts_self(env: Infant) -> Callable[[], float]:
     """Return a function that counts the contacts of this moment between parts of the infant's own body."""
 
     def count() -> float:

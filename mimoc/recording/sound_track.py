@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.files import write_file
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.senses.hearing.run import Hearing
 
 LOUDEST = 32_000
@@ -21,7 +21,7 @@ def sound_file(video: str | Path) -> Path:
     return Path(video).expanduser().with_suffix(SUFFIX)
 
 
-def hears(env: InfantView) -> bool:
+def hears(env: Infant) -> bool:
     """Return whether the infant of an environment has ears."""
     return isinstance(env.senses.get("hearing"), Hearing)
 
@@ -29,15 +29,15 @@ def hears(env: InfantView) -> bool:
 class SoundTrack:
     """What reaches an infant's ears, from the first time that it is asked, whatever its age hears of it."""
 
-    def __init__(self, env: InfantView):
+    def __init__(self, infant: Infant):
         """Begin with an infant that hears."""
-        listener = _hearing(env).listener
+        self._infant, listener = infant, _hearing(infant).listener
         self.rate_hz = round(listener.rate_hz)
         self._index, self._blocks = listener.index, list[npt.NDArray[np.float32]]()
 
-    def hear(self, env: InfantView) -> None:
+    def hear(self) -> None:
         """Take what has reached the ears since the last time; call this after each control step."""
-        listener = _hearing(env).listener
+        listener = _hearing(self._infant).listener
         count = listener.index - (self._index if listener.index >= self._index else 0)  # Else an episode began.
         self._index = listener.index
         if count:
@@ -65,7 +65,7 @@ class SoundTrack:
         return write_file(file, content.getvalue())
 
 
-def _hearing(env: InfantView) -> Hearing:
+def _hearing(env: Infant) -> Hearing:
     hearing = env.senses["hearing"]
     assert isinstance(hearing, Hearing)
     return hearing

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
-from mimoc.bundle.manifest import CaregiverEntry, Manifest
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.world import WorldManifest
 from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, leave_out_walls
 from mimoc.render.camera import (
@@ -46,19 +46,15 @@ def company(manifest: Manifest | WorldManifest, roots: Sequence[str], data: mujo
     places_m = np.array([data.body(root).xpos for root in roots])
     middles_m = {item.body: data.body(item.body).subtree_com for item in manifest.objects}
     near = [name for name, at in middles_m.items() if (np.linalg.norm(places_m - at, axis=1) < NEAR_M).any()]
-    adult = _adult(manifest)
+    adult = manifest.caregiver
     return [*near, adult.head, *(body for arm in adult.arms for body in arm.bodies)] if adult else near
 
 
 def view_of_scene(view: View, manifest: Manifest | WorldManifest, roots: Sequence[str], data: mujoco.MjData) -> View:
     """Return a view of infants, see `view_of_bodies`; with an adult by them, across the line between both."""
-    if (adult := _adult(manifest)) is None:
+    if (adult := manifest.caregiver) is None:
         return view_of_bodies(view, data, roots)
     return view_of_bodies(view, data, [*roots, adult.trunk])[0], view[1]
-
-
-def _adult(manifest: Manifest | WorldManifest) -> CaregiverEntry | None:
-    return manifest.caregiver if isinstance(manifest, Manifest) else None
 
 
 class BodyCamera:

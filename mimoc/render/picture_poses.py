@@ -7,10 +7,11 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.errors import UnknownNameError
+from mimoc.base.errors import UnknownNameError, check_name
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin, bounded, in_subtrees, load_model, pose_of
+from mimoc.bundle.world import WorldBundle, load_world_model, take_pose
 from mimoc.geometry.rotations import matrix_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.render.extents import lowest_m
@@ -98,6 +99,25 @@ def load_in_pose(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjMode
     pose_in_picture(bundle.manifest, pose)
     model = load_model(bundle)
     return model, state_in_pose(bundle, model, pose)
+
+
+def load_world_in_pose(bundle: WorldBundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Return the model of a world and its state with all infants in a start pose, or as each starts.
+
+    Raises:
+        ModelError: If MuJoCo rejects the model.
+        UnknownNameError: If an infant has no such pose.
+    """
+    model = load_world_model(bundle)
+    with bounded():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(bundle.manifest.pose).id)
+        for name, infant in bundle.infants.items() if pose is not None else ():
+            poses = {infant.manifest.of_infant(keyframe): keyframe for keyframe in infant.manifest.poses}
+            check_name(f"pose of '{name}'", pose, poses)
+            take_pose(infant.manifest.root_body, poses[str(pose)], data)
+        begin(model, data)
+    return model, data
 
 
 def state_in_pose(bundle: Bundle, model: mujoco.MjModel, pose: str | None = None) -> mujoco.MjData:

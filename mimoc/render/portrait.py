@@ -11,13 +11,13 @@ from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import load_model, load_posed
-from mimoc.bundle.world import WorldBundle, load_world_model
+from mimoc.bundle.world import WorldBundle
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, MARGIN, View, view_of_body
 from mimoc.render.framing import FILLED, FILLED_BY_HEAD, portrait_view, view_of_head
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.picture_files import with_scale_bar
-from mimoc.render.picture_poses import state_in_pose
+from mimoc.render.picture_poses import load_world_in_pose, state_in_pose
 from mimoc.render.renderer import Picture, Shown
 from mimoc.render.row import row_of
 from mimoc.render.soft_light import ROW, STILL
@@ -128,20 +128,20 @@ def _subject(manifest: Manifest, framing: Framing) -> str:
 
 def world_portrait(
     bundle: WorldBundle,
+    pose: str | None = None,
     width: int = 640,
     height: int = 480,
+    markers: Markers | None = None,
     shown: Shown = "skin",
     framing: Framing = Framing(),
 ) -> Picture:
-    """Return a picture of several infants in their world as they start; see `portrait`.
+    """Return a picture of several infants in their world, by default as they start; see `portrait`.
 
     Raises:
+        UnknownNameError: If an infant cannot have the pose, a start pose of all.
         RenderingError: If there is no OpenGL here.
     """
-    model = load_world_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(bundle.manifest.pose).id)
-    mujoco.mj_forward(model, data)
+    model, data = load_world_in_pose(bundle, pose)
     roots = [infant.manifest.root_body for infant in bundle.infants.values()]
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
     view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, roots, data), front_deg)
@@ -151,7 +151,7 @@ def world_portrait(
         exposure=STILL, shown=shown, cut_out=framing.transparent, beside=beside, as_it_is=True,
     )  # fmt: skip
     with closing(camera):
-        return _picture(camera, data, roots, FOVY_DEG, None, framing)
+        return _picture(camera, data, roots, FOVY_DEG, markers, framing)
 
 
 def lineup(

@@ -81,7 +81,7 @@ def introduce_world(world: WorldBundle) -> tuple[tuple[str, ...], tuple[Picture,
     ]
     lead = f"{words.listed(ages)} share one world: they touch, push, see and hear each other."
     try:
-        picture = world_portrait(world, WIDTH_PX, HEIGHT_PX)
+        picture = world_portrait(world, None, WIDTH_PX, HEIGHT_PX)
     except RenderingError:
         return (lead, "There is no picture, because there is no OpenGL on the machine that made this page."), ()
     return (lead,), (picture_of(picture, f"{world.manifest.name}, as it starts"),)

@@ -17,7 +17,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.joint_motion import JointMotion
 from mimoc.recording.recorder import Recording
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.simulation_state import STATE, physics_of, set_physics
+from mimoc.runtime.simulation import STATE, physics_of, set_physics
 from mimoc.senses.sense import FloatArray
 
 CORRECTIONS, CLOSE = 6, 2e-3

@@ -1,46 +1,34 @@
 """The Gymnasium environment around a compiled infant."""
 
-import copy
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
 import gymnasium
-import mujoco
 import numpy as np
 import numpy.typing as npt
 from gymnasium.envs.registration import EnvSpec
 
-from mimoc.actuation.binding import bind_actuation
-from mimoc.actuation.voice import Voice
 from mimoc.base.classes import described
-from mimoc.base.random_streams import checked_seed
+from mimoc.base.state_form import demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import bounded, is_unstable
 from mimoc.bundle.variants import Variant, Variants, open_variant
-from mimoc.companions.binding import bind_companions
-from mimoc.delays.schedule import Schedule
-from mimoc.delays.timing import timing_of
 from mimoc.noise.noise import NoiseStreams
-from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
+from mimoc.render.environment import MODES, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.observer import NO_OBSERVER
-from mimoc.runtime.simulation_state import SimulationState
-from mimoc.runtime.spaces import action_space, check_same_space, observation_space, with_limit
-from mimoc.senses.binding import bind_senses
-from mimoc.senses.custom import by_name
-from mimoc.senses.sense import Observation, Sense
-from mimoc.tasks.task import bind_task
+from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.infant import PHYSICS, Custom, Infant
+from mimoc.runtime.simulation import BEFORE, INFANTS, Pictures, Simulation
+from mimoc.runtime.spaces import with_limit
+from mimoc.senses.sense import Observation
 
 
 @closable()
-class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
-    """An infant in its scene.
+class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
+    """An infant that is alone in its scene, as an environment of Gymnasium: a world of one.
 
     Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch, and one
     uint8 image, shape (H, W, 3), for each eye; an infant without senses observes `nothing`, a single zero.
@@ -86,18 +74,24 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             KindError: If the task, a sense or a companion is no such object, or has the name of an existing one.
         """
         check_rendering(render_mode, width, height)
-        self.render_mode, self._picture_size, self._infant = render_mode, (width, height), open_variant(bundle)
-        self.bundle = self._infant.bundle
-        self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
-        self._draws = bool(render_mode or senses or companions) or task is not None or growing.sees_skin(self.manifest)
-        self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
-        self._custom_companions = by_name(companions, "companions", "name")
-        self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
-        self._bind()
-        self._start(self.manifest.pose, chance=np.random.default_rng(0))  # Recordings keep what the first reset ends.
-        self._renderer = self._open_renderer()
-        self.action_space = action_space(self._act, self.manifest.actuation.voice is not None)
-        self.observation_space = observation_space(self._senses, self._task)
+        self.render_mode, self._custom = render_mode, Custom.checked(task, senses, companions)
+        variant = open_variant(bundle)
+        manifest = variant.bundle.manifest
+        self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(manifest.step_ms))}
+        self.noise = NoiseStreams(self.np_random_seed)
+        draws = bool(render_mode) or self._custom.is_any or growing.sees_skin(manifest)
+        pictures = Pictures(render_mode, width, height)
+        self.simulation = Simulation(variant, {"": self}, variants, pictures, draws=draws)
+
+    @property
+    def random(self) -> np.random.Generator:  # pyright: ignore[reportIncompatibleVariableOverride] - Gymnasium's.
+        """Random numbers of its task: those of Gymnasium's environments."""
+        return self.np_random
+
+    def draw_from(self, seed: int) -> None:
+        """Draw random numbers from this seed on."""
+        super().reset(seed=seed)
+        self.noise.restart(seed)
 
     def _limited_spec(self) -> EnvSpec | None:
         """What Gymnasium says of it, if that has made it; `max_episode_steps` is what the task limits episodes to."""
@@ -120,24 +114,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
             MimocError: If there is no such infant; nothing has changed then.
         """
-        options = growing.checked_options(options, self._variants, self.manifest)
-        seed = None if seed is None else checked_seed(seed)
-        variant = growing.find_variant(self._variants, self.manifest, options)
-        pose, elsewhere = growing.find_start(options, variant or self._infant, self._living, is_new=bool(variant))
-        self.observer.resetting()
-        super().reset(seed=seed)
-        if seed is not None:
-            self._noise.restart(seed)
-        if variant:
-            self._become(variant)
-        self._living.arousal.level = options.get(growing.AROUSAL, self.manifest.actuation.arousal)
-        observation = self._start(pose, elsewhere)
-        if variant:
-            self._renderer.start_again(self._infant.bare, self.data)
-        self._renderer.show()
-        info = {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
-        self.observer.was_reset(seed, options, observation, info)
-        return observation, info
+        return self.simulation.reset({"": seed}, {"": growing.options_given(options)})[""]
 
     def grow(self, to: float) -> Observation:
         """Let the infant have another age from now on, in the midst of its episode; return the observation.
@@ -153,17 +130,8 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If this is not such an age.
             MimocError: If there is no such infant, or this environment cannot make it; nothing has changed then.
         """
-        variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
-        if variant:
-            growing.check_same_body(self._infant.bare, variant.bare)
-            former, remembered = self._living, copy.deepcopy(self.companions.state)
-            self._become(variant)
-            growing.carry_on(former, self._living)
-            self.companions.state = remembered
-            self._renderer.set_model(self._infant.bare, self.data)
-            self._renderer.show()
-            self.observer.grew(self.age_months)
-        return self._observe()
+        self.simulation.grow({"": to})
+        return self.observe()
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for one control step; values outside the action space are clipped.
@@ -171,25 +139,15 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             ValueError: If the action has the wrong shape or is not finite.
         """
-        self.observer.stepping()
-        self._schedule.step(action, self.data)
-        judged = self.judge(action, unstable=is_unstable(self.data))
-        observation = self._observe()
-        if judged[-1]["unstable"]:
-            for reading in observation.values():
-                np.nan_to_num(reading, copy=False)
-        self.observer.stepped(action, observation, judged)
-        self._renderer.show()
-        return observation, *judged
+        return self.simulation.step({"": action})[""]
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state: physics, delayed signals, noise, arousal, task and random generator.
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
-        counters = {"steps": self._steps, "random": self.np_random.bit_generator.state}
-        infant = {growing.SEED: self.manifest.seed, growing.AGE: self.age_months}
-        return copy.deepcopy({**self._living.state, **counters, **infant})
+        state = self.simulation.get_state()
+        return state | state.pop(INFANTS)[""]
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Restore a state of this environment, or of another one of the same bundle; return the observation.
@@ -203,17 +161,10 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If it is no state of this infant, or one that cannot be restored here; nothing has changed then.
             MimocError: If there is no such infant.
         """
-        variant = growing.variant_of_state(self._variants, self.manifest, state)
-        with self._undone_on_failure() as before:
-            if variant:
-                self._become(variant)
-                self._start(self.manifest.pose)
-            with self._living.checked(state, self.get_state() if variant else before):
-                self._restore(copy.deepcopy(state))
-        if variant:
-            self._renderer.start_again(self._infant.bare, self.data)
-        self.observer.restored()
-        return self._observe()
+        demand(isinstance(state, Mapping) and {AGE, SEED, PHYSICS} <= state.keys(), "", state)
+        whole = {name: state[name] for name in (PHYSICS, BEFORE, SEED) if name in state}
+        self.simulation.set_state({**whole, INFANTS: {"": state}})
+        return self.observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """Return an image of the infant, shape (height, width, 3), in render mode `rgb_array`, otherwise None.
@@ -221,7 +172,7 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             RenderingError: If OpenGL is not available.
         """
-        return self._renderer.render()
+        return self.simulation.render()
 
     def close(self) -> None:
         """Free the OpenGL contexts and close the window, if there are any; closing twice is fine.
@@ -229,81 +180,19 @@ class InfantEnv(InfantView, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Its attributes, `layout` and `get_state` can still be read then, and a copy or a pickle gives an open one; all
         other methods raise Gymnasium's `ClosedEnvironmentError`.
         """
-        for sense in self._senses.values():
-            sense.close()
-        self._renderer.close()
+        self.simulation.close()
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
-        rebuilt = {"_infant": self._infant.again(self._living.model_as_built()), "state": self.get_state()}
-        return {name: value for name, value in self.__dict__.items() if name not in BOUND} | rebuilt
+        kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
+        return {**kept, "kept": self.simulation.kept()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""
-        state = kept.pop("state")
+        simulation = kept.pop("kept")
         self.__dict__.update(kept)
-        self._noise, self.observer = NoiseStreams(self.np_random_seed), NO_OBSERVER
-        self._bind()
-        self._restore(state)
-        self._renderer = self._open_renderer()
-
-    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
-        """Look up in the model everything the manifest names, reusing resources of *former* senses, and reset."""
-        model = self._infant.model if self._draws else self._infant.bare
-        self.data = mujoco.MjData(model)
-        self._act = bind_actuation(self.manifest.actuation, model)
-        self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
-        self._task = bind_task(self.bundle, model, self._custom_task)
-        timing = timing_of(self.manifest, self._senses)
-        voice = Voice(self.manifest.actuation.voice) if self.manifest.actuation.voice else None
-        companions = bind_companions(model, self.bundle, self._noise, self._custom_companions, self._senses, voice)
-        self._schedule = Schedule(self._senses, self._act, model, timing, self._noise, companions, voice)
-        self._living = SimulationState.bound(self.bundle, model, self.data, self._task, self._schedule, self._noise)
-
-    def _open_renderer(self) -> EnvRenderer:
-        manifest, model = self.manifest, self._infant.bare
-        return EnvRenderer(self.render_mode, model, self.data, manifest, [manifest.root_body], self._picture_size)
-
-    def _become(self, variant: Variant) -> None:
-        """Bind to the infant at another age or in another scene, where nothing is started yet."""
-        with self._undone_on_failure():
-            self.bundle, self._infant = variant.bundle, variant
-            self._bind(self._senses)
-            check_same_space(self.observation_space, observation_space(self._senses, self._task))
-
-    @contextmanager
-    def _undone_on_failure(self) -> Iterator[dict[str, Any]]:
-        """Yield the state; let the infant go on in it if anything fails, be it in a sense of the caller's own."""
-        former, living, state = self._infant, self._living, self.get_state()
-        try:
-            yield state
-        except Exception:
-            if self._infant is not former:
-                self.bundle, self._infant = former.bundle, former.again(living.model_as_built())
-                self._bind(self._senses)
-                self._renderer.set_model(self._infant.bare, self.data)
-            self._restore(state)
-            raise
-
-    def _restore(self, state: dict[str, Any]) -> None:
-        """Restore a state of the infant that is bound."""
-        self._living.restore(state)
-        self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
-
-    @bounded()
-    def _start(
-        self,
-        pose: str,
-        elsewhere: Mapping[str, Any] = MappingProxyType({}),
-        chance: np.random.Generator | None = None,
-    ) -> Observation:
-        """Put the infant into a pose, at rest, and objects elsewhere, start its task, and return the observation.
-
-        The task draws from *chance*, by default from the random numbers of this environment.
-        """
-        self._steps = 0
-        self._living.start(pose, chance or self.np_random, elsewhere)
-        return self._observe()
+        self.noise = NoiseStreams(self.np_random_seed)
+        self.simulation = Simulation.again(simulation, {"": self})
 
 
 def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make") -> InfantEnv:
@@ -318,5 +207,5 @@ def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make")
     return inside
 
 
-BOUND = {"data", "_act", "_senses", "_task", "_schedule", "_renderer", "_living", "_noise", "observer", "closed"}
+BOUND = {"simulation", "bundle", "_binding", "_judged", "noise", "observer", "closed"}
 """Attributes that are not copied but bound anew."""

@@ -1,7 +1,7 @@
 """An infant that gets another age while it lives: what of its present it takes along."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -16,17 +16,18 @@ from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.physics_state import STATE, physics_of
-from mimoc.bundle.variants import Variant, Variants
+from mimoc.bundle.variants import Variant
+from mimoc.bundle.world import manifests_of as manifests_of, take_pose
 from mimoc.objects.spec_base import names_of
 from mimoc.objects.spec_move import checked_moves
-from mimoc.runtime.objects import NOWHERE, Objects, Pose
+from mimoc.runtime.infant import AGE as AGE, Binding, Infant
+from mimoc.runtime.objects import Objects, Pose
 from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
-from mimoc.runtime.simulation_state import SimulationState
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
-AGE, SEED, POSE, AROUSAL, OBJECTS = "age_months", "scene_seed", "pose", "arousal", "objects"
-"""Options of a reset."""
+SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"
+"""Options of a reset, besides `AGE`."""
 
 
 def options_given(options: Any) -> dict[str, Any]:
@@ -40,93 +41,122 @@ def options_given(options: Any) -> dict[str, Any]:
     return dict(options or {})
 
 
-def checked_options(options: Any, variants: Variants | None, manifest: Manifest) -> dict[str, Any]:
-    """Return the options of a reset, none for None.
+def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
+    """Return the options of a reset for an infant, none for None.
 
     Raises:
         TypeError: If they are no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
         ValueError: If the arousal is not a number from 0 to 2, or a place of an object is none.
     """
-    options = options_given(options)
-    known = [POSE, AROUSAL, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
-    known += [OBJECTS] if manifest.objects else []
+    options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
+    known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
+    known += [SEED] if is_alone and variants and variants.has_other_scenes else []
     for key in options.keys() - known:
-        raise UnknownNameError("reset option", str(key), known)
+        raise UnknownNameError("reset option" if is_alone else "reset option of an infant in a world", str(key), known)
     if AROUSAL in options:
         options[AROUSAL] = checked_arousal(options[AROUSAL])
-    checked_moves(options.get(OBJECTS, {}), names_of(manifest.objects))
+    checked_moves(options.get(OBJECTS, {}), names_of(objects))
     return options
 
 
 def find_start(
-    options: Mapping[str, Any], infant: Variant, present: SimulationState, *, is_new: bool
-) -> tuple[str, Mapping[str, Pose]]:
-    """Return the pose that an infant starts in, and where the objects are put that the options of a reset move.
+    options: Mapping[str, Mapping[str, Any]], variant: Variant, infants: Mapping[str, Infant], *, is_new: bool
+) -> tuple[dict[str, str], dict[str, Pose]]:
+    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move.
 
     Args:
-        options: Of the reset.
-        infant: The infant that is reset.
-        present: What lives now.
-        is_new: Whether that is another infant.
+        options: Of the reset, by infant.
+        variant: What is reset.
+        infants: The infants as they live now.
+        is_new: Whether the variant is another one than theirs.
 
     Raises:
         UnknownNameError: If there is no such pose or object.
         ValueError: If an object would be inside of anything, or there is no such place; nothing has changed then.
     """
-    manifest = infant.bundle.manifest
-    pose = pose_of(manifest, options.get(POSE))
-    if not options.get(OBJECTS):
-        return pose, NOWHERE
-    objects = Objects(manifest, infant.bare) if is_new else present.objects
-    return pose, objects.find_poses(pose, checked_moves(options[OBJECTS], names_of(manifest.objects)))
+    manifests = manifests_of(variant.bundle)
+    poses = {
+        name: _keyframe_of(manifest, options[name].get(POSE))
+        for name, manifest in manifests.items()
+        if not name or options[name].get(POSE) is not None
+    }
+    elsewhere: dict[str, Pose] = {}
+
+    def start(data: mujoco.MjData) -> None:
+        put(poses, variant, data)
+
+    for name, manifest in manifests.items():
+        if moves := options[name].get(OBJECTS):
+            objects = Objects(manifest, variant.bare) if is_new else infants[name].binding.objects
+            elsewhere |= objects.find_poses(start, checked_moves(moves, names_of(manifest.objects)), elsewhere)
+    return poses, elsewhere
 
 
-def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[str, Any]) -> Variant | None:
-    """Return the infant with the age or the scene that is wanted, or None if it has these already.
+def put(poses: Mapping[str, str], variant: Variant, data: mujoco.MjData) -> None:
+    """Put a state of a variant's model into its default keyframe, and infants into the poses of others, at rest."""
+    model, default = variant.bare, variant.bundle.manifest.pose
+    mujoco.mj_resetDataKeyframe(model, data, model.key(poses.get("", default)).id)
+    manifests = manifests_of(variant.bundle)
+    for name in poses.keys() - {""}:
+        take_pose(manifests[name].root_body, poses[name], data)
+
+
+def _keyframe_of(manifest: Manifest, pose: str | None) -> str:
+    """Return the keyframe of a pose, which may be named as that of an infant that is alone."""
+    known = {manifest.of_infant(keyframe): keyframe for keyframe in manifest.poses}
+    return known[pose] if pose in known else pose_of(manifest, pose)
+
+
+def find_variant(
+    variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: int | None = None
+) -> Variant | None:
+    """Return infants with the ages and the scene that are wanted, or None if they have these already.
 
     Args:
-        variants: What makes it, if anything does.
-        manifest: The infant now.
-        wanted: `age_months` and `scene_seed`; those that are missing stay as they are.
+        variants: What makes them, if anything does.
+        manifest: That of the infant or the world now.
+        ages_months: Their ages now.
+        wanted: Their ages then.
+        seed: The seed of the scene then; None is that of now.
 
     Raises:
-        ValueError: If the age is not one from 0 to 24 months, or the seed is not a non-negative integer.
-        MimocError: If there is no such infant.
+        ValueError: If an age is not one from 0 to 24 months, or the seed is not a non-negative integer.
+        MimocError: If there are no such infants.
     """
-    age_months = manifest.child.age_months
-    age_months, seed = _age(wanted.get(AGE, age_months)), checked_seed(wanted.get(SEED, manifest.seed), SEED)
-    if (age_months, seed) == (manifest.child.age_months, manifest.seed):
+    ages = {name: _age(age_months) for name, age_months in wanted.items()}
+    seed = checked_seed(manifest.seed if seed is None else seed, SEED)
+    if (ages, seed) == (ages_months, manifest.seed):
         return None
     if variants is None:
         raise MimocError(
             "this environment can change neither the infant's age nor its scene, as it was opened by its class;"
             " open it with mimoc.make"
         )
-    return variants(age_months, seed)
+    return variants(ages.get("", ages), seed)
 
 
-def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mapping[str, Any]) -> Variant | None:
-    """Return the infant that a state is of, or None if it is of the present one.
+def variant_of_state(
+    variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: Any
+) -> Variant | None:
+    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`.
 
     Raises:
-        ValueError: If this is not a state, or this environment cannot make that infant.
-        MimocError: If there is no such infant.
+        ValueError: If this environment cannot make them.
+        MimocError: If there are no such infants.
     """
-    if not isinstance(state, Mapping) or not {AGE, SEED} <= state.keys():
-        raise ValueError("this is not a state of an environment; give one that get_state returned")
-    age_months, seed = manifest.child.age_months, manifest.seed
-    if checked_seed(state[SEED], SEED) != seed and not (variants and variants.has_other_scenes):
+    if checked_seed(seed, SEED) != manifest.seed and not (variants and variants.has_other_scenes):
         raise ValueError(
-            f"state has scene_seed {state[SEED]}, but this environment has {seed} and was not made from a spec, so it"
+            f"state has scene_seed {seed}, but this environment has {manifest.seed} and was not made from a spec, so it"
             " cannot change its scene"
         )
-    if _age(state[AGE]) != age_months and variants is None:
-        raise ValueError(
-            f"state has age_months {state[AGE]:g}, but this environment has {age_months:g} and cannot change it; open"
-            " it with mimoc.make"
-        )
-    return find_variant(variants, manifest, state)
+    for name, age_months in wanted.items():
+        if _age(age_months) != ages_months[name] and variants is None:
+            raise ValueError(
+                f"state has age_months {age_months:g}, but this environment has {ages_months[name]:g} and cannot change"
+                " it; open it with mimoc.make"
+            )
+    return find_variant(variants, manifest, ages_months, wanted, seed)
 
 
 def sees_skin(manifest: Manifest) -> bool:
@@ -147,32 +177,36 @@ def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
         )
 
 
-def carry_on(former: SimulationState, now: SimulationState) -> None:
-    """Let an infant that has just been bound go on where it was at another age, with the signals on their way.
+def carry_on(former: Sequence[Binding], now: Sequence[Binding]) -> None:
+    """Let infants that have just been bound go on where they were at other ages, with the signals on their way.
 
     Args:
-        former: The infant at the age before.
-        now: The same infant at the new age, which has not been started.
+        former: The infants at the ages before.
+        now: The same infants at their new ages, which have not been started.
     """
     carry_body(former, now)
-    now.schedule.carry_on(former.schedule, now.data)
+    for before, after in zip(former, now, strict=True):
+        after.schedule.carry_on(before.schedule, after.data)
 
 
-def carry_body(former: SimulationState, now: SimulationState) -> None:
-    """Let the body, the task and what lies around go on as in `carry_on`."""
-    mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
-    now.fields.inherit(former.fields)
-    now.objects.stay(former.objects)
-    now.arousal.level = former.arousal.level
-    now.task.state = copy.deepcopy(former.task.state)
-    clip_angles(now.model, now.data)
-    mujoco.mj_fwdPosition(former.model, former.data)
-    resolve_penetrations(
-        now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs, depths_of(former.model, former.data)
-    )
-    mujoco.mj_kinematics(now.model, now.data)
-    now.constraints.carry_on(former.constraints, former.data, now.data)
-    mujoco.mj_forward(now.model, now.data)
+def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
+    """Let the bodies, the tasks and what lies around go on as in `carry_on`."""
+    model, data, old = now[0].model, now[0].data, former[0]
+    mujoco.mj_setState(model, data, physics_of(old.model, old.data), STATE)
+    pairs = list(zip(former, now, strict=True))
+    for before, after in pairs:
+        after.fields.inherit(before.fields)
+        after.arousal.level = before.arousal.level
+        after.task.state = copy.deepcopy(before.task.state)
+    now[0].objects.stay(old.objects)
+    clip_angles(model, data)
+    mujoco.mj_fwdPosition(old.model, old.data)
+    depths, fixed = depths_of(old.model, old.data), np.concatenate([after.constraints.fixed_dofs for after in now])
+    resolve_penetrations(model, data, [after.manifest.root_body for after in now], fixed, depths)
+    mujoco.mj_kinematics(model, data)
+    for before, after in pairs:
+        after.constraints.carry_on(before.constraints, before.data, data)
+    mujoco.mj_forward(model, data)
 
 
 def _age(age_months: Any) -> float:

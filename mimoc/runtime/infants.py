@@ -5,11 +5,11 @@ from typing import Any
 from mimoc.base.classes import described
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infant_view import InfantView
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.world_env import WorldEnv
 
 
-def infants_of(function: str, env: Any) -> dict[str, InfantView]:
+def infants_of(function: str, env: Any) -> dict[str, Infant]:
     """Return the infants of an environment, by name.
 
     The name of the only infant is empty; infants of a world have their own names, and those of a vector environment
@@ -21,8 +21,11 @@ def infants_of(function: str, env: Any) -> dict[str, InfantView]:
     inside = getattr(env, "unwrapped", env)
     if isinstance(inside, InfantEnv):
         return {"": inside}
-    if isinstance(inside, SharedWorld):
+    if isinstance(inside, WorldEnv):
         return dict(inside.infants)
     if isinstance(inside, BatchEnv):
         return {str(number): infant for number, infant in enumerate(inside.infants)}
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(infant, InfantEnv) for infant in several):
+        return {str(number): infant for number, infant in enumerate(several)}
     raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")

@@ -1,7 +1,7 @@
 """Objects that a reset puts elsewhere: the option `objects`."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import mujoco
 import numpy as np
@@ -71,8 +71,15 @@ class Objects:
         """Be where they are for the same infant at another age; of free ones, that is a part of the state."""
         self._write({name: getattr(former._model, name)[rows] for name, rows in former._rows.items()})
 
-    def find_poses(self, keyframe: str, moves: Mapping[str, Move]) -> dict[str, Pose]:
-        """Return where objects are put that are moved, one after another, as the infant starts; nothing changes.
+    def find_poses(
+        self, start: Callable[[mujoco.MjData], None], moves: Mapping[str, Move], earlier: Mapping[str, Pose] = NOWHERE
+    ) -> dict[str, Pose]:
+        """Return where objects are put that are moved, one after another; nothing changes.
+
+        Args:
+            start: Puts a state into the keyframe and the poses that the episode starts from.
+            moves: Where they are to be.
+            earlier: Where others have been put before.
 
         Raises:
             ValueError: If one would be inside of anything, or there is no such place.
@@ -83,8 +90,10 @@ class Objects:
         before = {name: getattr(model, name)[rows].copy() for name, rows in self._rows.items()}
         poses = dict[str, Pose]()
         try:
-            mujoco.mj_resetDataKeyframe(model, data, model.key(keyframe).id)
+            start(data)
             self._write(self._built)
+            for name, pose in earlier.items():
+                self._put(name, pose, data)
             for name, move in moves.items():
                 mujoco.mj_kinematics(model, data)
                 poses[name] = self._pose(name, move, data)
@@ -134,6 +143,7 @@ class Objects:
     def _within_reach(self, name: str, hand: str, data: mujoco.MjData) -> FloatArray:
         """Return the free place on the floor nearest to a hand that it reaches; in the air for what does not lie."""
         arms = {arm.end: arm for arm in self._manifest.anatomy.arms if arm.end}
+        hand = hand if hand in arms else self._manifest.prefix + hand
         if hand not in arms:
             raise ValueError(f"object '{name}': '{hand}' is no hand of this infant")
         model, entry = self._model, self._entries[name]

@@ -4,8 +4,8 @@ from typing import Any
 
 from pettingzoo import ParallelEnv
 
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 
-class InfantsParallelEnv(SharedWorld, ParallelEnv[str, Any, Any]):
-    """Several infants in one world, as a PettingZoo `ParallelEnv`; see `SharedWorld`."""
+class InfantsParallelEnv(WorldEnv, ParallelEnv[str, Any, Any]):
+    """Several infants in one world, as a PettingZoo `ParallelEnv`; see `WorldEnv`."""

@@ -10,11 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from mimoc.base.units import ms_to_s
-from mimoc.policies.many import Policies, by_infant
-from mimoc.policies.named import Loader, policy_of
+from mimoc.policies.named import Loader, Policies, by_infant, policy_of
 from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.starting import check_apart
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
-from mimoc.runtime.infant_view import InfantView
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.infants import infants_of
 from mimoc.senses.sense import Observation
 
@@ -107,7 +107,7 @@ class Rollout:
         function: str = "rollout",
     ):
         """Reset the environment; *function* is what a TypeError names."""
-        self.infants: dict[str, InfantView] = infants_of(function, env)
+        self.infants: dict[str, Infant] = infants_of(function, env)
         self.env: Any = getattr(env, "unwrapped", env)
         self._stage = _stage_of(self.env, self.infants)
         self._seed, self._episodes = seed, episodes
@@ -133,8 +133,12 @@ class Rollout:
         """The starts of the first episodes."""
 
     def _bound(self, name: str) -> Policy:
-        infant: Any = self.infants[name]
-        return policy_of(infant, self._chosen[name], self._load)
+        return policy_of(self.infants[name], self._chosen[name], self._load)
+
+    def name_of(self, name: str) -> str:
+        """Return what an infant is called in its own world; empty for one that is alone there."""
+        infant = self.infants[name]
+        return next(called for called, other in infant.simulation.infants.items() if other is infant)
 
     def ends(self, name: str) -> bool:
         """Return whether something ends the episodes of an infant."""
@@ -201,9 +205,15 @@ class Rollout:
                 if self._episodes is not None or name not in self._generators:
                     self._generators[name] = np.random.default_rng(seed + number)
                 start_again(self.policies[name])
-                observation, info = observed[name]
-                self.observations[name] = observation = begin(self.policies[name]) or observation
-                steps.append(Step(name, group.episode, 0, observation, None, 0.0, info, ended=False))
+        begun = [begin(self.policies[name]) for group in groups for name in group.names]
+        if any(observation is not None for observation in begun):
+            for group in groups:
+                check_apart({name: self.infants[name] for name in group.names})
+            observed = {name: (self.infants[name].observe(), info) for name, (_, info) in observed.items()}
+        for group in groups:
+            for name in group.names:
+                self.observations[name], info = observed[name]
+                steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, ended=False))
         return steps
 
 
@@ -267,18 +277,15 @@ class Summary:
 class Tally:
     """What one infant did and earned in a run."""
 
-    def __init__(self, infant: InfantView):
+    def __init__(self, infant: Infant):
         """Begin with an infant that has been reset."""
         self._infant, self._measures, self._outcomes = infant, StepMeasures(infant, "run"), list[Outcome]()
         self._reward, self._steps, self._earned = 0.0, 0, 0.0
 
     def add(self, step: Step) -> None:
         """Count a control step."""
-        self._reward, self._steps, self._earned = (
-            self._reward + step.reward,
-            self._steps + 1,
-            self._earned + step.reward,
-        )
+        self._reward, self._earned = self._reward + step.reward, self._earned + step.reward
+        self._steps += 1
         self._measures.add(step.info)
         if step.ended:
             time_s = ms_to_s(step.number * self._infant.manifest.step_ms)
@@ -406,16 +413,23 @@ class _World:
 
 
 class _Rows:
-    """Infants side by side, each in a world of its own."""
+    """Infants side by side, each in a world of its own, or several in each world."""
 
-    def __init__(self, envs: Any, infants: Mapping[str, InfantView]):
+    def __init__(self, envs: Any, infants: Mapping[str, Infant]):
         self._envs, self._names = envs, tuple(infants)
-        self.groups = tuple((name,) for name in infants)
+        worlds = dict[int, tuple[str, ...]]()
+        for name, infant in infants.items():
+            worlds[id(infant.simulation)] = (*worlds.get(id(infant.simulation), ()), name)
+        self.groups = tuple(worlds.values())
         self._rest = np.clip(0.0, envs.action_space.low, envs.action_space.high).astype(np.float32)
 
     def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
-        rows = [seeds.get((name,)) for name in self._names]
-        mask = np.array([(name,) in seeds for name in self._names])
+        by_row = {
+            name: None if seed is None else seed + number
+            for names, seed in seeds.items()
+            for number, name in enumerate(names)
+        }
+        rows, mask = [by_row.get(name) for name in self._names], np.array([name in by_row for name in self._names])
         observations, infos = self._envs.reset(seed=rows, options={"reset_mask": mask})
         return {
             name: ({sense: readings[row] for sense, readings in observations.items()}, info_of(infos, row))
@@ -438,7 +452,7 @@ class _Rows:
         return stepped
 
 
-def _stage_of(env: Any, infants: Mapping[str, InfantView]) -> _Stage:
+def _stage_of(env: Any, infants: Mapping[str, Infant]) -> _Stage:
     if "" in infants:
         return _Alone(env)
     return _Rows(env, infants) if hasattr(env, "num_envs") else _World(env)

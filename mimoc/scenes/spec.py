@@ -1,6 +1,7 @@
 """The `scene` of a spec: the world around the infant."""
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
@@ -9,7 +10,7 @@ from mimoc.companions.caregiver.spec import CaregiverSpec
 from mimoc.objects.spec import check_names, check_start, objects_field
 from mimoc.objects.spec_base import ObjectSpec
 from mimoc.scenes import SCENES
-from mimoc.schema.base import KeyedError, Model, omitting
+from mimoc.schema.base import KeyedError, KeyPath, Model, omitting
 from mimoc.schema.body import PartName
 from mimoc.schema.composition import ComposedModel, choice_field, composed, own_sections
 from mimoc.schema.quantities import Distinct, Identifier, PathText, Whole
@@ -28,6 +29,17 @@ class TexturesSpec(Model):
     """Textures for the ceiling."""
     wall: PathText | None = None
     """Textures for the walls."""
+
+
+def infants_named(scene: "SceneSpec") -> Iterator[tuple[KeyPath, str]]:
+    """Yield the keys of a scene that name one of several infants, relative to the scene, and the names."""
+    sections: list[tuple[KeyPath, Any]] = [(("objects", number), item) for number, item in enumerate(scene.objects)]
+    sections += [(("toys",), scene.toys), (("caregiver",), scene.caregiver)]
+    acts = scene.caregiver.script if scene.caregiver else ()
+    sections += [(("caregiver", "script", number), act) for number, act in enumerate(acts)]
+    for path, section in sections:
+        if section and section.infant is not None:
+            yield (*path, "infant"), section.infant
 
 
 def _fields() -> dict[str, FieldInfo]:

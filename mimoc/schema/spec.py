@@ -15,7 +15,7 @@ from mimoc.body.anatomy import assemble
 from mimoc.companions.caregiver.spec import check_times
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
-from mimoc.scenes.spec import SceneSpec
+from mimoc.scenes.spec import SceneSpec, infants_named
 from mimoc.schema.base import KeyedError, KeyPath, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
@@ -200,6 +200,14 @@ class InfantKeys(FileModel):
             if touch.regions is not None and groups[name] not in single_groups(touch.regions):
                 message = f"'{name}' is moved by '{groups[name]}', which is none of the regions; add it, or remove this"
                 raise KeyedError((*key, name), message, against=("senses", "touch", "regions"))
+        return self
+
+    @model_validator(mode="after")
+    def _names_no_other_infants(self) -> Self:
+        for key, name in infants_named(self.scene):
+            raise KeyedError(
+                ("scene", *key), f"'{name}' is another infant, and only a world has several; leave this out"
+            )
         return self
 
     @model_validator(mode="after")

@@ -1,14 +1,16 @@
 """A world with several infants: the files of their specs, where they are, and what is around them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StringConstraints, Tag, model_validator
 
-from mimoc.base.errors import Problem, SpecError
-from mimoc.scenes.spec import SceneSpec
+from mimoc.base.errors import Problem, SpecError, suggestion
+from mimoc.companions.caregiver.spec import check_times
+from mimoc.objects.spec import check_start
+from mimoc.scenes.spec import SceneSpec, infants_named
 from mimoc.schema import source as sources
 from mimoc.schema.base import KeyedError, Model, given
 from mimoc.schema.cohort_steps import by_shape
@@ -16,6 +18,7 @@ from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.quantities import Degrees, Identifier, PathText, Real, version_one
 from mimoc.schema.reading import FileModel, read_keys
 from mimoc.schema.source import FileKind, Source, in_memory_as_text
+from mimoc.schema.spec import parts_left
 
 WORLD = FileKind("world file", "mimoc, name and infants", "infants: [anna.yaml, ben.yaml]")
 MOST_INFANTS = 8
@@ -39,14 +42,16 @@ class PlacedInfantSpec(Model):
     """Where its hip is; by default, infants are side by side along y."""
     yaw_deg: Annotated[Degrees, Field(ge=-360, le=360)] = 0.0
     """By how much it is turned to its left about the vertical; at 0 it faces along x."""
+    start_at: Identifier | None = None
+    """The object of the world's scene that it starts on, in or at. With coordinates, that takes the infant there;
+    without a place of its own, it is where the infant is."""
 
 
 OF_EACH = "each infant of a world has its own; write this in the scene of its spec"
 NOT_OF_ALL = {
     "pose": OF_EACH,
     "held": OF_EACH,
-    "start_at": "only a single infant can start at furniture; leave this out, and give places of infants",
-    "caregiver": "only a single infant can have a caregiver; leave this out",
+    "start_at": "each infant of a world starts in its own place; write {spec: anna.yaml, start_at: ...} in infants",
 }
 """Keys of a scene that a world does not have, and why."""
 
@@ -71,11 +76,29 @@ class WorldSpec(FileModel):
     scene: SceneSpec = Field(default_factory=SceneSpec)
     """The scene around all of them; what is an infant's own, `pose` and `held`, is in the scene of its spec."""
 
-    @model_validator(mode="after")
-    def _scene_is_for_all(self) -> Self:
+    @model_validator(mode="before")
+    @classmethod
+    def _scene_is_for_all(cls, data: Any) -> Any:
+        scene = data.get("scene") if isinstance(data, Mapping) else None
         for key, message in NOT_OF_ALL.items():
-            if key in self.scene.model_fields_set:
+            if isinstance(scene, Mapping) and key in scene:
                 raise KeyedError(("scene", key), message)
+        return data
+
+    @model_validator(mode="after")
+    def _furniture_has_one_infant_and_one_place(self) -> Self:
+        at, places = dict[str, Any](), {item.name: item.at for item in self.scene.objects}
+        for index, item in enumerate(self.placed):
+            if item.start_at is None:
+                continue
+            if item.start_at in at:
+                message = f"another infant starts at '{item.start_at}'; give each an object of its own"
+                raise KeyedError((INFANTS, index, "start_at"), message)
+            at[item.start_at] = item
+            key = next((key for key in ("x_cm", "y_cm", "yaw_deg") if key in item.model_fields_set), None)
+            if key and places.get(item.start_at) is not None:
+                message = f"'{item.start_at}' has a place of its own and takes the infant there; leave this out"
+                raise KeyedError((INFANTS, index, key), message, against=("scene", "objects"))
         return self
 
     @property
@@ -140,11 +163,6 @@ def plan_of(infants: Mapping[str, InfantSpec], name: str = "world", **keys: Any)
     return checked_plan(spec, list(infants.values()))
 
 
-def with_seed(plan: WorldPlan, seed: int) -> WorldPlan:
-    """Return a world with the scene of another seed."""
-    return replace(plan, spec=plan.spec.model_copy(update={"scene": plan.spec.scene.model_copy(update={"seed": seed})}))
-
-
 def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
     """Return a world whose infants can be told apart and live by the same clock, each with its spec in order.
 
@@ -155,7 +173,23 @@ def checked_plan(spec: WorldSpec, specs: list[InfantSpec]) -> WorldPlan:
     assert spec.source
     if problems := [*_clashes(names, spec.source), *_clocks(names, specs, spec.source)]:
         raise SpecError(problems)
-    return WorldPlan(spec, dict(zip(names, specs, strict=True)))
+    plan = WorldPlan(spec, dict(zip(names, specs, strict=True)))
+    if problems := [*_unknown(plan), *_starts(plan), *_caregiver(plan)]:
+        raise SpecError(problems)
+    return plan
+
+
+def with_keys(plan: WorldPlan, **keys: Any) -> WorldPlan:
+    """Return a world with other keys than its file, written anew; its infants are the same."""
+    data = {**plan.written.data, **keys}
+    written = in_memory_as_text(data, f"<{plan.spec.name}>", plan.written.folder)
+    return WorldPlan(read_keys(WorldSpec, written), plan.infants)
+
+
+def in_scene(plan: WorldPlan, seed: int) -> WorldPlan:
+    """Return a world in the scene of a seed."""
+    scene = plan.written.data.get("scene", {})
+    return plan if seed == plan.spec.scene.seed else with_keys(plan, scene={**scene, "seed": seed})
 
 
 def in_world(plan: WorldPlan, name: str) -> InfantSpec:
@@ -164,13 +198,15 @@ def in_world(plan: WorldPlan, name: str) -> InfantSpec:
     Raises:
         SpecError: If it cannot be there.
     """
-    infant, around = plan.infants[name], given(plan.spec.scene)
-    kept = {key: value for key, value in around.items() if key not in ("toys", "textures", "objects")}
+    infant, around, index = plan.infants[name], given(plan.spec.scene), list(plan.infants).index(name)
+    kept = {key: value for key, value in around.items() if key not in ("toys", "textures", "objects", "caregiver")}
+    if start_at := plan.spec.placed[index].start_at:
+        (item,) = (item for item in around["objects"] if item["name"] == start_at)
+        kept |= {"start_at": start_at, "objects": [{key: value for key, value in item.items() if key != "infant"}]}
     scene = SceneSpec.model_validate({**kept, "pose": infant.scene.pose, "held": infant.scene.held})
     try:
         return infant.with_(name=name, scene=scene)
     except SpecError as error:
-        index = list(plan.infants).index(name)
         reasons = (f"in the scene of this world, {problem.key}: {problem.message}" for problem in error.problems)
         raise SpecError(plan.problem(index, reason) for reason in reasons) from None
 
@@ -194,6 +230,40 @@ def _clashes(names: list[str], source: Source) -> Iterator[Problem]:
                 same = "is the name of another infant as well" if name == other else f"and '{other}' are too alike"
                 message = f"'{name}' {same}; give this one another with {{name: ..., spec: ...}}"
                 yield source.problem((INFANTS, index), message)
+
+
+def _unknown(plan: WorldPlan) -> Iterator[Problem]:
+    """Yield where the scene names an infant that is not there."""
+    for key, name in infants_named(plan.spec.scene):
+        if name not in plan.infants:
+            message = f"there is no infant '{name}'; {suggestion(name, plan.infants)}"
+            yield plan.written.problem(("scene", *key), message)
+
+
+def _starts(plan: WorldPlan) -> Iterator[Problem]:
+    """Yield where infants cannot start at the furniture that is named."""
+    for index, (item, infant) in enumerate(zip(plan.spec.placed, plan.infants.values(), strict=True)):
+        try:
+            if item.start_at is not None:
+                check_start(plan.spec.scene.objects, item.start_at, infant.scene.pose)
+        except KeyedError as error:
+            yield plan.written.problem((INFANTS, index, "start_at"), str(error))
+
+
+def _caregiver(plan: WorldPlan) -> Iterator[Problem]:
+    """Yield where a caregiver would act between physics steps, or hold a part that an infant lacks."""
+    adult, infants = plan.spec.scene.caregiver, plan.infants
+    if adult is None:
+        return
+    try:
+        check_times(adult, next(iter(infants.values())).control.timestep_ms)
+    except KeyedError as error:
+        yield plan.written.problem(error.key, str(error))
+    for number, act in enumerate(adult.script):
+        for name in infants if (about := act.infant or adult.infant) is None else [about]:
+            if act.part is not None and name in infants and act.part not in (left := parts_left(infants[name].body)):
+                message = f"'{name}' has no '{act.part}'; {suggestion(act.part, sorted(left))}"
+                yield plan.written.problem(("scene", "caregiver", "script", number, "part"), message)
 
 
 def _clocks(names: list[str], specs: list[InfantSpec], source: Source) -> Iterator[Problem]:

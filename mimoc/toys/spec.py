@@ -7,7 +7,7 @@ from pydantic.fields import FieldInfo
 
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import choice_field, composed, own_sections
-from mimoc.schema.quantities import Centimetres, Distinct, PathText, Rising, Whole
+from mimoc.schema.quantities import Centimetres, Distinct, Identifier, PathText, Rising, Whole
 from mimoc.toys import TOY_SOURCES
 
 ToyCount = Annotated[Whole, Field(ge=0, le=50)]
@@ -36,6 +36,8 @@ class ToysSpec(Model):
     """Range of the number of toys."""
     size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
     """Range of the length of a toy's longest side."""
+    infant: Identifier | None = None
+    """In a world with several infants, the one that they are around; by default, the first."""
 
     @model_validator(mode="after")
     def _has_a_root(self) -> Self:

@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from mimoc.training.loading import load_policy as load_policy
     from mimoc.training.policies import TrainedPolicy as TrainedPolicy, load_agent as load_agent
     from mimoc.training.trainer import Training as Training, train as train
-    from mimoc.training.vector_env import growth_settings as growth_settings, monitored as monitored
-    from mimoc.training.world_vec_env import WorldVecEnv as WorldVecEnv
+    from mimoc.training.vector_env import (
+        InfantVecEnv as InfantVecEnv,
+        growth_settings as growth_settings,
+        monitored as monitored,
+    )
 
 _get, __dir__, __all__ = names_of(__name__)
 

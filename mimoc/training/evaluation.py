@@ -9,10 +9,9 @@ import numpy as np
 
 from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
-from mimoc.policies.many import Policies
-from mimoc.runtime.infant_view import InfantView
+from mimoc.policies.named import Policies
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.rollout import Rollout
-from mimoc.runtime.shared_world import SharedWorld
 from mimoc.senses.sense import FloatArray
 from mimoc.training.loading import load_policy
 
@@ -56,7 +55,7 @@ def evaluate(
     Args:
         env: An environment from `mimoc.make`, `make_parallel` or, on the CPU, `make_vec`; it is not closed. A vector
             environment runs its episodes side by side, episode i with infant i % n. If its infants are alike, the
-            result is the same, to the bit, as of one infant.
+            result is the same, to the bit, as of one infant; in worlds of several, episode i is of world i % n.
         policy: Name of a policy, such as `random`, the path of a trained one, a sum of these
             (`policy.zip+reflexes`), or a trained policy from `load_policy`; in a world also a policy for each infant by
             name, where those that are not named command nothing.
@@ -68,7 +67,7 @@ def evaluate(
         progress: Called with the number of episodes done, and of all.
 
     Returns:
-        A list of `Episode`, one for each seed; of a world, a dictionary with the list of each infant, by its name.
+        A list of `Episode`, one for each seed; of worlds, a dictionary with the list of each infant, by its name.
 
     Raises:
         UnknownNameError: If there is no such policy, infant or body.
@@ -92,7 +91,7 @@ def evaluate(
                 f"the episodes of '{infant.manifest.name}' do not end; give steps_per_episode, or set task.steps in "
                 "its spec"
             )
-    is_world = isinstance(run.env, SharedWorld)
+    names = {name: run.name_of(name) for name in run.infants}
     gathered, done = defaultdict[tuple[int, str], _Gathered](_Gathered), 0
     for step in run.go():
         course = gathered[step.episode, step.infant]
@@ -101,15 +100,14 @@ def evaluate(
             course.path_m.append(run.infants[step.infant].data.body(body).xpos.copy())
         if step.ended:
             done += 1
-            progress(done, episodes * len(run.env.infants) if is_world else episodes)
+            progress(done, episodes * len(set(names.values())))
     outcomes = dict[str, list[Episode]]()
     for (number, name), course in sorted(gathered.items(), key=lambda item: item[0][0]):
-        infant = name if is_world else ""
         duration_s = ms_to_s(course.steps * run.infants[name].manifest.step_ms)
         path_m = np.array(course.path_m) if follow else None
         episode = Episode(seed + number, course.steps, duration_s, course.total_reward, course.success, path_m)
-        outcomes.setdefault(infant, []).append(episode)
-    return outcomes if is_world else outcomes.get("", [])
+        outcomes.setdefault(names[name], []).append(episode)
+    return outcomes.get("", []) if "" in names.values() else outcomes
 
 
 @dataclass(slots=True)
@@ -122,7 +120,7 @@ class _Gathered:
     path_m: list[FloatArray] = field(default_factory=list)
 
 
-def _body(infant: InfantView, name: str) -> str:
+def _body(infant: Infant, name: str) -> str:
     """Return the name in the model of a body of an infant, or of what is around it."""
     model, of_infant = infant.model, infant.manifest.of_infant
     names = [model.body(index).name for index in range(model.nbody)]

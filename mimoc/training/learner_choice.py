@@ -39,10 +39,11 @@ def choose_learner(
 
         check_on_device(settings.device, infant)
         return partial(device_learner, settings, infant, open_one)
+    growth = growth_of(bundle, settings)
     if isinstance(bundle, WorldBundle):
-        open_rows: Any = partial(worlds_together, open_one, settings)
+        open_rows: Any = partial(worlds_together, open_one, settings, len(bundle.infants), growth, threads)
     else:
-        open_rows = partial(infants_together, open_one, settings, growth_of(bundle, settings), threads, processes)
+        open_rows = partial(infants_together, open_one, settings, growth, threads, processes)
     open_envs = partial(normalized, open_rows, settings)
     return partial(sb3_learner, settings, infant, open_envs, record)
 
@@ -55,15 +56,7 @@ ONLY_ON_CPU = {
 }
 
 
-NOT_IN_WORLDS = {
-    "grow": "infants of a world do not grow in a training; leave out --grow",
-    "record": "a training on worlds is not recorded; leave out --record",
-    "threads": "worlds of a training are not shared among threads; leave out --threads",
-    "processes": "worlds of a training are in one process; leave out --processes and --one-process",
-}
-
-
-def refuse_in_world(device: str, **options: Any) -> None:
+def refuse_in_world(device: str, processes: bool | None) -> None:
     """Check that nothing is asked for that worlds of several infants cannot have in a training.
 
     Raises:
@@ -71,9 +64,8 @@ def refuse_in_world(device: str, **options: Any) -> None:
     """
     if device != CPU:
         raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
-    for name, value in options.items():
-        if value is not None:
-            raise TrainingError(NOT_IN_WORLDS[name])
+    if processes is not None:
+        raise TrainingError("worlds of a training are in one process; leave out --processes and --one-process")
 
 
 def refuse_on_device(device: str, **options: Any) -> None:

@@ -20,7 +20,7 @@ from mimoc.policies.archive import DAMAGED
 from mimoc.policies.interface import check_fits, interface_of, spaces_of
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
 from mimoc.training.settings import TrainingSettings, complete
@@ -60,7 +60,7 @@ class TrainedPolicy:
         return action
 
 
-def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: InfantEnv) -> bytes:
+def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: Infant) -> bytes:
     """Return the content of an agent's policy file, for `load_policy`."""
     content = io.BytesIO()
     agent.save(content)
@@ -104,7 +104,7 @@ def _bind(
     hyper: Mapping[str, Any],
     known: Mapping[str, np.ndarray],
     weights: Mapping[str, np.ndarray],
-    env: InfantEnv,
+    env: Infant,
 ) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit."""
     check_fits(path, about, interface_of(env))
@@ -126,7 +126,7 @@ def _bind(
     return TrainedPolicy(network, scale, float(hyper["observation_clip"]), limit)
 
 
-def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: InfantEnv) -> bool:
+def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: Infant) -> bool:
     """Return whether there are as many weights as the layers of a network have at least, before it is made."""
     width, layers = int(hyper["width"]), int(hyper["layers"])
     inputs = sum(math.prod(space.shape) for space in spaces_of(env).values() if len(space.shape) == 1)

@@ -15,7 +15,7 @@ import torch
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.variants import Variant, Variants, open_variant
+from mimoc.bundle.variants import Variant, Variants, WorldMaker, open_variant
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler import pipeline
 from mimoc.compiler.world_sources import world_of
@@ -25,7 +25,7 @@ from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.batch.gymnasium_forms import check_mixture
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.world import WorldPlan
 from mimoc.training.checkpoint import Progress, read_progress
@@ -156,7 +156,7 @@ def train(
     known = checkpoint_every, hyper or {}, custom, growth
     choose = partial(TrainingSettings.choose, algo, steps, seed)
     if world := world_of(source):
-        refuse_in_world(device, grow=grow, record=record, threads=threads, processes=processes)
+        refuse_in_world(device, processes)
         envs = -(-envs // len(world.infants)) * len(world.infants)
     choose(envs, *known, steps_per_episode, device)  # Fails now if a setting is out of range.
     bundle = world or pipeline.compiled(cast("Bundle", source))
@@ -172,7 +172,7 @@ def train(
         check_mixture(infants)
         infant = min(infants, key=lambda one: one.max_steps or math.inf)
         settings = choose(envs, *known, episode_limit(infant, steps_per_episode), device)
-        _check_recordable(record, processes, [bundle] * settings.envs)
+        _check_recordable(record, processes, [bundle] * (settings.envs // len(infants)))
         open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
         session = Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder, one_thread():
@@ -212,11 +212,12 @@ def open_copy(
 
 
 def open_world_copy(
-    world: WorldBundle, task: Any = None, senses: Mapping[str, Any] = MappingProxyType({})
-) -> SharedWorld:
+    world: WorldBundle, task: Any, senses: Mapping[str, Any], variants: WorldMaker | None = None
+) -> WorldEnv:
     """Open one of the worlds, in which each infant has copies of a script's objects of its own."""
     tasks = {name: deepcopy(task) for name in world.infants} if task is not None else {}
-    return SharedWorld(world, tasks=tasks, senses={name: deepcopy(dict(senses)) for name in world.infants})
+    of_infants = {name: deepcopy(dict(senses)) for name in world.infants}
+    return WorldEnv(world, tasks=tasks, senses=of_infants, variants=variants)
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:

@@ -19,19 +19,20 @@ from stable_baselines3.common.vec_env import (
     VecNormalize,
     VecTransposeImage,
 )
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
+from mimoc.compiler.world_variants import WorldBundleVariants
 from mimoc.environments import BundleVariants
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.runtime.growth_wrapper import GrowthWrapper
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.training.settings import TrainingSettings
-from mimoc.training.world_vec_env import WorldVecEnv
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
 """What Stable-Baselines3 expects of its environments."""
@@ -47,7 +48,7 @@ class InfantVecEnv(DummyVecEnv):
     def __init__(self, infants: BatchEnv):
         """Give infants that are reset in the same step to Stable-Baselines3, which closes them."""
         assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
-        self.infants, self.envs = infants, list[gymnasium.Env](infants.infants)
+        self.infants = infants
         VecEnv.__init__(self, infants.num_envs, infants.single_observation_space, infants.single_action_space)
 
     def reset(self) -> VecEnvObs:
@@ -72,6 +73,25 @@ class InfantVecEnv(DummyVecEnv):
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
             last_infos.append(info)
         return observation, rewards.astype(np.float32), done, last_infos
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """Return an attribute of each infant."""
+        return [getattr(self.infants.infants[index], attr_name) for index in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Set an attribute of each infant."""
+        for index in self._get_indices(indices):
+            setattr(self.infants.infants[index], attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **kwargs: Any
+    ) -> list[Any]:
+        """Call a method of each infant."""
+        return [method(*method_args, **kwargs) for method in self.get_attr(method_name, indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
+        """Return that no infant is wrapped."""
+        return [False for _ in self._get_indices(indices)]
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""
@@ -113,17 +133,22 @@ class Growth:
 
     schedule: GrowthSchedule
     """Their age by the control steps that each has taken."""
-    variants: BundleVariants
-    """The infant at each age."""
+    variants: BundleVariants | WorldBundleVariants
+    """The infant, or all of a world, at each age."""
 
 
-def growth_of(bundle: Bundle, settings: TrainingSettings) -> Growth | None:
+def growth_of(bundle: Bundle | WorldBundle, settings: TrainingSettings) -> Growth | None:
     """Return how the infants of a training grow, if they do, or raise a MimocError if an age cannot be built."""
     if not settings.growth:
         return None
-    growth, variants = settings.growth, BundleVariants(bundle)
+    growth, seed = settings.growth, bundle.manifest.seed
     ages_months = read_ages(growth["grow"])
-    youngest, oldest = (variants(age_months, bundle.manifest.seed) for age_months in ages_months)
+    if isinstance(bundle, WorldBundle):
+        variants: Any = WorldBundleVariants(bundle)
+        youngest, oldest = (variants(dict.fromkeys(bundle.infants, age), seed) for age in ages_months)
+    else:
+        variants = BundleVariants(bundle)
+        youngest, oldest = (variants(age_months, seed) for age_months in ages_months)
     check_same_body(youngest.model, oldest.model)
     steps = max(growth["grow_steps"] // settings.envs, 1)
     return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
@@ -156,11 +181,17 @@ def infants_together(
     return SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
 
 
-def worlds_together(open_world: Callable[[], SharedWorld], settings: TrainingSettings) -> VecEnv:
-    """Return the infants of all worlds of a training run, a row each."""
-    worlds = [open_world()]
-    worlds += [open_world() for _ in range(settings.envs // len(worlds[0].infants) - 1)]
-    return WorldVecEnv(worlds, settings.steps_per_episode)
+def worlds_together(
+    open_world: Callable[..., WorldEnv],
+    settings: TrainingSettings,
+    infants: int,
+    growth: Growth | None,
+    threads: int | None,
+) -> VecEnv:
+    """Return the infants of all worlds of a training run, a row each; each world has so many."""
+    openers = [partial(open_world, variants=growth.variants) if growth else open_world] * (settings.envs // infants)
+    schedule = growth and growth.schedule
+    return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, settings.steps_per_episode, schedule))
 
 
 def normalized(open_rows: Callable[[], VecEnv], settings: TrainingSettings) -> VecNormalize:

@@ -16,7 +16,7 @@ from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.compiler.world_sources import world_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
@@ -75,7 +75,7 @@ class View:
 
 
 def view(
-    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | gymnasium.Env | SharedWorld | Any",
+    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | gymnasium.Env | WorldEnv | Any",
     path: str | Path | None = None,
     *,
     physics: bool = False,
@@ -119,10 +119,10 @@ def view(
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         made = View(_page_of_env(shown.unwrapped, physics))
-    elif (world := shown.bundle if isinstance(shown, SharedWorld) else world_of(shown)) is not None:
+    elif (world := shown.bundle if isinstance(shown, WorldEnv) else world_of(shown)) is not None:
         if physics:
             raise MimocError("physics on a page is that of a single infant, and this is a world with several")
-        made = View(page_of_world(world, shown if isinstance(shown, SharedWorld) else None, progress))
+        made = View(page_of_world(world, shown if isinstance(shown, WorldEnv) else None, progress))
     elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
         source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
         made = View(page_of(compiled(source), physics, progress))

@@ -12,7 +12,7 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.viewer.appearance import describe_materials, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
@@ -27,7 +27,7 @@ Place = tuple[FloatArray, FloatArray]
 
 
 def page_of_world(
-    world: WorldBundle, env: SharedWorld | None = None, progress: Progress = lambda done, total: None
+    world: WorldBundle, env: WorldEnv | None = None, progress: Progress = lambda done, total: None
 ) -> str:
     """Return the page of a world as all start there, or as they are now in an environment of it.
 

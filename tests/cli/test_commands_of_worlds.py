@@ -62,6 +62,35 @@ def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
         assert getattr(filmed, "n_frames", 1) >= 2
 
 
+def test_it_is_drawn_in_another_pose_with_the_points_of_all_skins(invoke, folder, tmp_path):
+    pictures = {}
+    for name, options in {"as it is": [], "standing": ["--pose", "standing"], "skin": ["--skin"]}.items():
+        picture = tmp_path / f"{name}.png"
+        sized = ["--width", "64", "--height", "48", *options]
+        assert invoke("render", str(folder / "out"), "-o", str(picture), *sized).code == 0
+        pictures[name] = picture.read_bytes()
+    assert len(set(pictures.values())) == 3
+
+
+def test_it_is_built_in_the_scene_of_another_seed(invoke, folder, tmp_path):
+    text = PAIR + "scene: {kind: room, toys: {count: [2, 2]}}\n"
+    path = written(tmp_path, text, anna=ANNA, ben=BEN)
+    assert invoke("build", str(path), "-o", str(tmp_path / "out"), "--seed", "3").code == 0
+    bundle = mimoc.read_world_bundle(tmp_path / "out")
+    assert bundle.manifest.seed == 3
+    assert bundle.manifest.toys != mimoc.build_world(path).manifest.toys
+    again = mimoc.build_world(bundle.path / "resolved.yaml")
+    assert again.files["scene.xml"] == bundle.files["scene.xml"]
+
+
+def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
+    done = invoke(
+        "run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3"
+    )
+    assert done.code == 0
+    assert "Error of the gaze" in done.out
+
+
 def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own_task.py").write_text(
@@ -87,12 +116,14 @@ def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke,
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--record", "recording"], "--record is for a single infant, and this is a world with several"),
-        (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
+        (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
-        (["render", "-o", "a.png", "--pose", "sitting"], "--pose is for a single infant"),
-        (["view", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
-        (["report", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
+        (["render", "-o", "a.png", "--pose", "crawling"], "'crawling' is not a pose of 'anna'"),
+        (["render", "-o", "a.png", "--crop", "head"], "--crop head draws the head of one infant"),
+        (["view", "-o", "a.html", "--physics"], "--physics is for a single infant"),
+        (["see", "-o", "a.png", "--infant", "bob"], "'bob' is not a name of an infant of this world"),
+        (["rooms", "-o", "a.png"], "'flat' without toys is the same for every seed"),
+        (["train", "-o", "out", "--device", "warp:cpu"], "worlds with several infants are simulated on the CPU"),
     ],
 )
 def test_what_is_for_single_infants_is_refused_in_one_line(invoke, folder, tmp_path, monkeypatch, arguments, message):

@@ -14,7 +14,7 @@ from mimoc.bundle.face import MOVING, array_of
 from mimoc.geometry.face_steps import STEP_M
 from mimoc.looks.skin.head import deform_head
 from mimoc.looks.skin.template_mesh import template_mesh
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.expressions import ADULT_EXPRESSIONS, EXPRESSIONS
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
@@ -177,7 +177,7 @@ def test_infants_that_share_a_world_have_faces_of_their_own():
     world = mimoc.build_world(
         {"anna": spec(name="anna", body={"skin": True}), "ben": spec(name="ben", body={"skin": True})}
     )
-    with closing(SharedWorld(world)) as shared:
+    with closing(WorldEnv(world)) as shared:
         shared.reset(seed=0)
         anna, ben = shared.infants["anna"], shared.infants["ben"]
         model = anna.model

@@ -16,6 +16,7 @@ import mimoc
 from mimoc.base.errors import MimocError, SpecError
 from mimoc.bundle.model import load_model
 from mimoc.objects.water.run import Water
+from mimoc.parallel import shared_world
 
 FAR = {"x_cm": 150, "y_cm": 0}
 """A place that the infant, which lies at the origin, does not reach."""
@@ -233,12 +234,15 @@ def test_what_water_cannot_be_is_one_line(changes, message, tmp_path):
     assert ":6:" in str(refusal.value)
 
 
-def test_a_world_of_several_infants_has_no_water(tmp_path):
-    (tmp_path / "a.yaml").write_text("mimoc: 1\nname: a\nage_months: 6\nbody: {skin: false}\n")
-    world = tmp_path / "world.yaml"
-    world.write_text(
-        "mimoc: 1\nname: w\ninfants: [{name: b, spec: a.yaml, x_cm: 0, y_cm: 0}, {name: c, spec: a.yaml, y_cm: 90}]\n"
-        "scene:\n  objects:\n    - {name: bath, kind: water, at: {x_cm: 0}}\n"
-    )
-    with pytest.raises(SpecError, match="only a single infant can be in water yet"):
-        mimoc.build_world(world)
+def test_water_lifts_all_infants_of_a_world_by_what_they_displace():
+    plain = mimoc.InfantSpec(mimoc=1, name="a", age_months=6, body={"skin": False})
+    bath = {**BATH, "sides_cm": [300, 300], "depth_cm": 200, "at": {"x_cm": 0}}
+    env = shared_world(mimoc.build_world({"a": plain, "b": plain.with_(age_months=12)}, scene={"objects": [bath]}))
+    model, water = env.model, env.infants["a"].companions["water"]
+    water.before_step(env.data)
+    for infant in env.infants.values():
+        root = model.body(infant.manifest.root_body).id
+        lift_n = env.data.xfrc_applied[model.body_rootid == root, 2].sum()
+        assert lift_n == pytest.approx(9.81 * model.body_subtreemass[root] * 1000 / 980, rel=1e-3)
+    assert "water" not in env.infants["b"].companions
+    env.close()

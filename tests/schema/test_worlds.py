@@ -80,3 +80,11 @@ def test_where_one_infant_is_wanted_a_world_is_refused_in_one_line(tmp_path):
     for read in (mimoc.load_spec, mimoc.build, mimoc.make):
         with pytest.raises(SpecError, match=r"world.yaml:3:1: infants: this file describes a world with several"):
             read(path)
+
+
+def test_where_infants_start_is_said_of_each():
+    scene = {"start_at": "rail", "objects": [{"kind": "rail", "name": "rail"}]}
+    with pytest.raises(
+        SpecError, match=r"scene\.start_at: each infant of a world starts in its own place; write \{spec"
+    ):
+        plan_of({"kim": mimoc.InfantSpec(mimoc=1, name="kim", age_months=9)}, scene=scene)

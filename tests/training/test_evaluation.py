@@ -6,7 +6,7 @@ from support.worlds import ANNA, world
 
 import mimoc
 from mimoc.base.errors import TrainingError, UnknownNameError
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_episodes_side_by_side_are_those_one_after_another(env, built, mode):
 
 def test_infants_of_a_world_have_their_own_episodes():
     """Infant i draws what it does alone with the seed of the episode + i; a policy can be for one of them."""
-    shared = SharedWorld(world(anna=ANNA, ben=ANNA))
+    shared = WorldEnv(world(anna=ANNA, ben=ANNA))
     both = mimoc.evaluate(shared, "random", episodes=2, seed=4, follow="left_hand", steps_per_episode=3)
     assert [one.seed for one in both["anna"]] == [4, 5] == [one.seed for one in both["ben"]]
     one = mimoc.evaluate(shared, {"ben": "random"}, episodes=1, seed=5, follow="left_hand", steps_per_episode=3)

@@ -10,7 +10,7 @@ from support.worlds import ANNA, BEN, world
 import mimoc
 from mimoc.base.errors import TrainingError
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 ARM = {
     "mimoc": 1,
@@ -91,16 +91,24 @@ def test_all_infants_of_a_world_learn_one_policy_which_is_resumed_to_the_bit(lea
     resumed = learn("halves", source=tmp_path / "halves" / "bundle", envs=4, **limit)
     assert resumed.resumed_at == 128
     assert same(learned(training.policy), learned(resumed.policy))
-    both = mimoc.evaluate(SharedWorld(source), mimoc.load_policy(resumed.policy), episodes=1)
+    both = mimoc.evaluate(WorldEnv(source), mimoc.load_policy(resumed.policy), episodes=1)
     assert [(name, one.steps) for name, (one,) in both.items()] == [("anna", 9), ("ben", 9)]
 
 
+def test_a_world_of_a_training_grows_and_is_recorded(learn, tmp_path):
+    options = {"task": LiftHand(), "steps_per_episode": 9, "grow": "9:9.5", "record": tmp_path / "recording"}
+    learn("grown", 128, source=world(anna=ARM, ben=ARM), threads=1, **options)
+    recording = mimoc.read_recording(tmp_path / "recording")
+    assert recording.infants == 2
+    ages = {episode.column("age_months")[-1] for episode in recording}
+    assert min(ages) == 9 < max(ages) <= 9.5
+
+
 def test_a_training_on_worlds_says_in_one_line_what_it_cannot(learn, tmp_path):
-    with pytest.raises(BatchMismatchError, match="infants 0 .* and 1 .* cannot share a batch, because they differ in"):
-        learn(
-            source={"anna": mimoc.InfantSpec(**ANNA), "ben": mimoc.InfantSpec(**{**BEN, "senses": {"vestibular": {}}})}
-        )
-    for option, value in {"grow": "6:12", "record": tmp_path / "recording", "threads": 2, "processes": True}.items():
+    balanced = mimoc.InfantSpec(**{**BEN, "senses": {"vestibular": {}}})
+    with pytest.raises(BatchMismatchError, match=r"infants 0 .* and 1 .* cannot share a batch, because they differ in"):
+        learn(source={"anna": mimoc.InfantSpec(**ANNA), "ben": balanced})
+    for option, value in {"processes": True, "device": "warp:cpu"}.items():
         with pytest.raises(TrainingError, match=f"leave out --{option}"):
             learn(source=world(anna=ARM, ben=ARM), **{option: value})
     assert list(tmp_path.iterdir()) == []

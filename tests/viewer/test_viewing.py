@@ -15,7 +15,7 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.viewer.growth import own_parts
 
 SPEC = {"mimoc": 1, "name": "shown", "age_months": 9, "scene": {"pose": "supine"}, "body": {"skin": False}}
@@ -56,12 +56,12 @@ def test_a_world_is_shown_by_infant_with_the_others_around_as_they_are():
     """Each is where it is alone, so that its poses suit; from there the others are as far as in the world."""
     near, skinned = {**SPEC, "name": "near"}, {**SPEC, "name": "skinned", "age_months": 0, "body": {"skin": True}}
     world = placed({"anna": near, "ben": skinned}, {"y_cm": 20, "yaw_deg": 90}, {"y_cm": -50})
-    env = SharedWorld(world)
+    env = WorldEnv(world)
     env.reset(seed=0)
     for _ in range(5):
         env.step({name: env.action_space(name).sample() for name in env.agents})
     for view, pose, state in (
-        (mimoc.view(world), "supine", SharedWorld(world).data),
+        (mimoc.view(world), "supine", WorldEnv(world).data),
         (mimoc.view(env), "now", env.data),
     ):
         infants = read_page(view.html)["infants"]

@@ -40,15 +40,20 @@ class BuiltCaregiver:
     """Where its numbers come from, by key in `provenance.json`."""
 
 
-def place_caregiver(spec: CaregiverSpec | None, tree: BodyTree, qpos: Sequence[float]) -> BuiltCaregiver | None:
-    """Return the caregiver of a scene, if there is one, by an infant that starts in a state."""
+def place_caregiver(
+    spec: CaregiverSpec | None, tree: BodyTree, qpos: Sequence[float], prefix: str = ""
+) -> BuiltCaregiver | None:
+    """Return the caregiver of a scene, if there is one, by an infant that starts in a state.
+
+    The *prefix* is that of the infant's names.
+    """
     if spec is None:
         return None
     scale = cm_to_m(spec.stature_cm) / STATURE_M
     entry = _entry(spec, tree, scale)
     placed = _frames(entry, frames_in_world(tree, qpos)[HEAD])
     bodies = tuple(_body(name, placed[name], geoms) for name, geoms in figure(scale).items())
-    grips = tuple(Grip(arm.grip, arm.bodies[-1], tree.bodies[0].name) for arm in entry.arms)
+    grips = tuple(Grip(arm.grip, arm.bodies[-1], prefix + tree.bodies[0].name) for arm in entry.arms)
     return BuiltCaregiver(Persona(bodies, materials(), faces(), grips), entry, _origins(spec, entry))
 
 
@@ -113,7 +118,7 @@ def _act(act: ActSpec, tree: BodyTree) -> ActEntry:
     about = act.about
     what = about.pop(ACTS[act.do].what or "", None)
     what = tree.home(what) if act.part is not None else what
-    return ActEntry(at_ms=1000 * act.at_s, do=act.do, what=what, details=about)
+    return ActEntry(at_ms=1000 * act.at_s, do=act.do, what=what, details=about, infant=act.infant)
 
 
 def _answers(spec: AnswersSpec, tree: BodyTree) -> AnswersEntry:

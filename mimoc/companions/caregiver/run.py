@@ -11,6 +11,7 @@ from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.base.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
 from mimoc.base.units import to_steps
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.world import WorldManifest, manifests_of
 from mimoc.companions.caregiver.run_body import CaregiverBody
 from mimoc.companions.caregiver.run_hands import Hands, Offered
 from mimoc.companions.caregiver.run_infant import Infant, Onsets
@@ -25,6 +26,8 @@ PITCH_HZ, LEVEL_DB = 260.0, 60.0
 """Fundamental frequency of its voice: about the mean of mothers who speak to infants (Fernald et al. 1989, J Child Lang
 16: 477; from memory); and its level at 1 m, that of conversation (from memory)."""
 HAPPY, NEUTRAL = "happy", "neutral"
+Noted = tuple[int, str]
+"""A physics step, and the infant that it is about."""
 
 
 class Caregiver(Companion):
@@ -52,42 +55,59 @@ class Caregiver(Companion):
         Raises:
             MimocError: If there is no caregiver in the bundle.
         """
-        manifest: Manifest = bundle.manifest
+        manifest: Manifest | WorldManifest = bundle.manifest
         if manifest.caregiver is None:
             raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
         self.entry: CaregiverEntry = manifest.caregiver
         self._generator, self._timestep_ms = generator, manifest.timestep_ms
-        self.infant = Infant(manifest, model)
-        self.body = CaregiverBody(self.entry, model)
+        manifests = manifests_of(bundle)
+        self._first = self.entry.infant or next(iter(manifests))
+        self.infants: Mapping[str, Infant] = {name: Infant(one, model) for name, one in manifests.items()}
+        self.body = CaregiverBody(self.entry, model, self.infants.values())
         self.model_fields = self.body.model_fields
         self._objects = offered_objects(manifest, model)
-        self._parts = {model.body(index).name: index for index in range(model.nbody) if self._is_part(model, index)}
-        self.hands = Hands(self.body, self.infant, self._objects, model)
+        self._parts = {name: _parts(manifests[name], infant, model) for name, infant in self.infants.items()}
+        self.hands = Hands(self.body, self.infants, self._objects, model)
         self._script = [(self._steps(act.at_ms), act) for act in self.entry.script]
         for _, act in self._script:
-            self._check(act.do, act.what, act.details)
+            self._check(act.do, act.what, act.infant, act.details)
         answers = self.entry.answers
-        self._onsets = Onsets(answers.to, self.infant, answers.kick_m, model.opt.timestep) if answers else None
+        self._onsets = {
+            name: Onsets(answers.to, self.infants[name], one.caregiver.answers.kick_m, model.opt.timestep)
+            for name, one in manifests.items()
+            if answers and one.caregiver and one.caregiver.answers and (self.entry.answers_all or name == self._first)
+        }
         self._yoked = [self._steps(at_ms) for at_ms in answers.yoked_ms] if answers else []
         self._forget()
 
     def decide(self, data: mujoco.MjData) -> None:
         """Decide what to do before each physics step; this does nothing, a class of a script's own calls `do`."""
 
-    def do(self, act: str, what: str | None = None, **details: float) -> None:
+    @property
+    def infant(self) -> Infant:
+        """The infant that it attends to."""
+        return self.infants[self._attended]
+
+    @property
+    def attends_to(self) -> str:
+        """The name of the infant that it attends to; an infant that is alone has the name ""."""
+        return self._attended
+
+    def do(self, act: str, what: str | None = None, infant: str | None = None, **details: float) -> None:
         """Do something from the next physics step on; see `caregiver.script` in the spec language.
 
         Args:
             act: What to do, such as `offer` or `look_away`.
             what: The face, the object or the part of the infant that it is about.
+            infant: In a world with several infants, the one that it attends to from then on.
             details: Its numbers, by the keys of the spec, such as `weight_share`.
 
         Raises:
-            UnknownNameError: If there is no such act, face, object, part or number.
+            UnknownNameError: If there is no such act, face, object, part, infant or number.
             MimocError: If the act is about something, and that is missing.
         """
-        self._check(act, what, details)
-        self.orders = [*self.orders, {"act": act, "what": what, **details}]
+        self._check(act, what, infant, details)
+        self.orders = [*self.orders, {"act": act, "what": what, **({"infant": infant} if infant else {}), **details}]
 
     def obey(self, order: Mapping[str, Any]) -> None:
         """Do what was recorded; see `do`."""
@@ -106,25 +126,40 @@ class Caregiver(Companion):
     @property
     def answered(self) -> list[int]:
         """The physics steps of this episode in which answers began."""
-        return list(self._answered)
+        return [step for step, _ in self._answered]
+
+    @property
+    def answered_to(self) -> list[str]:
+        """The names of the infants whom these answers were to."""
+        return [name for _, name in self._answered]
 
     @property
     def noticed(self) -> list[int]:
-        """The physics steps after which the infant had just done what can be answered, answered or not."""
-        return list(self._noticed)
+        """The physics steps after which an infant had just done what can be answered, answered or not."""
+        return [step for step, _ in self._noticed]
+
+    @property
+    def noticed_of(self) -> list[str]:
+        """The names of the infants who had done it."""
+        return [name for _, name in self._noticed]
 
     def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
-        """Hear the infant's voice."""
-        if self._onsets:
-            self._onsets.listen_to(sources, voice)
+        """Hear the voice of an infant that is alone."""
+        self.listen_to_infants({self._first: (sources, voice)})
+
+    def listen_to_infants(self, voices: Mapping[str, tuple[SoundSources, Voice | None]]) -> None:
+        """Hear what sounds about each infant, and its voice, by its name."""
+        for name, (sources, voice) in voices.items():
+            if name in self._onsets:
+                self._onsets[name].listen_to(sources, voice)
 
     def reset(self, data: mujoco.MjData) -> None:
         """Start an episode."""
         self._forget()
         self.body.start(data, self.infant)
         self.hands.reset()
-        if self._onsets:
-            self._onsets.reset()
+        for onsets in self._onsets.values():
+            onsets.reset()
         self._show(self.entry.expression)
 
     def before_step(self, data: mujoco.MjData) -> None:
@@ -133,7 +168,7 @@ class Caregiver(Companion):
         while self._next < len(self._script) and self._script[self._next][0] <= step:
             act = self._script[self._next][1]
             self._next += 1
-            self._begin(step, act.do, act.what, act.details, data)
+            self._begin(step, act.do, act.what, act.infant, act.details, data)
         self._answer(step, data)
         self.decide(data)
         for order in self.orders:
@@ -146,16 +181,19 @@ class Caregiver(Companion):
         self.body.advance(data, self.infant, self.hands.carried)
 
     def after_step(self, data: mujoco.MjData) -> None:
-        """Notice what the infant has done."""
-        if self._onsets and self._onsets(data, self.body.face_m(data), self._is_touched(data)):
+        """Notice what infants have done."""
+        for name, onsets in self._onsets.items():
+            if not onsets(data, self.body.face_m(data), self._is_touched(name, data)):
+                continue
             step, answers = step_of(data.time, self.body.timestep_s), self.entry.answers
             assert answers
-            self._noticed.append(step)
+            self._noticed.append((step, name))
             if self._yoked or not self._is_answering or step < self._pauses_until:
-                return
+                continue
             if self._generator.random() < answers.probability:
-                self._due.append(step + self._steps(answers.delay_ms))
-                self._pauses_until = self._due[-1] + self._steps(answers.pause_ms)
+                due = step + self._steps(answers.delay_ms)
+                self._due.append((due, name))
+                self._pauses_until = due + self._steps(answers.pause_ms)
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
         """Return what it has said and can still be heard."""
@@ -167,20 +205,21 @@ class Caregiver(Companion):
     def state(self) -> dict[str, Any]:
         """All that it remembers within an episode."""
         kept = {name: getattr(self, f"_{name}") for name in REMEMBERED}
-        onsets = {"onsets": self._onsets.state} if self._onsets else {}
+        onsets = {"onsets": {name: one.state for name, one in self._onsets.items()}} if self._onsets else {}
         return {**kept, **onsets, "orders": self.orders, "body": self.body.state, "hands": self.hands.state}
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
         for name in REMEMBERED:
             setattr(self, f"_{name}", state[name])
-        if self._onsets:
-            self._onsets.state = state["onsets"]
+        for name, onsets in self._onsets.items():
+            onsets.state = state["onsets"][name]
         self.orders, self.body.state, self.hands.state = state["orders"], state["body"], state["hands"]
 
     def _forget(self) -> None:
         self._next, self._acts, self._said = 0, list[tuple[int, str, str | None]](), list[tuple[Any, ...]]()
-        self._due, self._answered, self._noticed = list[int](), list[int](), list[int]()
+        self._due, self._answered, self._noticed = list[Noted](), list[Noted](), list[Noted]()
+        self._attended = self._first
         self._pauses_until, self._is_answering, self._shown = 0, True, self.entry.expression
         self._smiles_until: int | None = None
         self._yoked_next, self.orders = 0, []
@@ -190,17 +229,34 @@ class Caregiver(Companion):
         answers = self.entry.answers
         while self._yoked_next < len(self._yoked) and self._yoked[self._yoked_next] <= step:
             self._yoked_next += 1
-            self._due.append(step)
-        for due in [due for due in self._due if due <= step]:
-            self._due.remove(due)
+            self._due.append((step, self._attended))
+        for due, name in [due for due in self._due if due[0] <= step]:
+            self._due.remove((due, name))
             if answers and self._is_answering:
-                self._answered.append(step)
+                self._answered.append((step, name))
+                self._attend(name, data)
                 for act in answers.by:
-                    self._begin(step, act, None, {}, data)
+                    self._begin(step, act, None, None, {}, data)
 
-    def _begin(self, step: int, act: str, what: str | None, details: Mapping[str, float], data: mujoco.MjData) -> None:
+    def _attend(self, infant: str, data: mujoco.MjData) -> None:
+        """Attend to an infant from now on; if it is another one, turn to it."""
+        if infant != self._attended:
+            self._attended = infant
+            self.body.look(True, data, self.infant)
+
+    def _begin(
+        self,
+        step: int,
+        act: str,
+        what: str | None,
+        infant: str | None,
+        details: Mapping[str, float],
+        data: mujoco.MjData,
+    ) -> None:
         """Begin an act."""
         self._acts.append((step, act, what))
+        if infant is not None:
+            self._attend(infant, data)
         match act, what:
             case "show_face", str():
                 self._show(what)
@@ -213,9 +269,9 @@ class Caregiver(Companion):
                 numbers = (("duration_ms", VOICE_MS), ("pitch_hz", PITCH_HZ), ("level_db", LEVEL_DB))
                 self._said.append((step, *(float(details.get(key, usual)) for key, usual in numbers)))
             case "offer", str():
-                self.hands.offer(what, data)
+                self.hands.offer(what, self._attended, data)
             case "hold", str():
-                self.hands.hold(self._parts[what], details.get("weight_share"), data)
+                self.hands.hold(self._parts[self._attended][what], self._attended, details.get("weight_share"), data)
             case "release", _:
                 self.hands.release(data)
             case _:
@@ -228,7 +284,7 @@ class Caregiver(Companion):
         self._shown, self._smiles_until = expression, None
         self.body.show(expression)
 
-    def _check(self, act: str, what: str | None, details: Mapping[str, float]) -> None:
+    def _check(self, act: str, what: str | None, infant: str | None, details: Mapping[str, float]) -> None:
         check_name("act of a caregiver", act, ACTS)
         about, numbers = ACTS[act]
         for key in details:
@@ -236,16 +292,17 @@ class Caregiver(Companion):
                 raise UnknownNameError(f"number of '{act}'", key, numbers)
         if about and what is None:
             raise MimocError(f"'{act}' needs the name of the {about}: do('{act}', ...)")
-        known = {"face": self.entry.materials, "object": self._objects, "part": self._parts}
+        if infant is not None:
+            check_name("name of an infant of this world", infant, self.infants)
+        whose = [infant] if infant is not None else [*self.infants]
+        parts = set.intersection(*(set(self._parts[name]) for name in whose))
+        known = {"face": self.entry.materials, "object": self._objects, "part": parts}
         if about:
             check_name(f"{about} for '{act}'", str(what), known[about])
 
-    def _is_touched(self, data: mujoco.MjData) -> bool:
-        return bool(self.entry.answers and self.entry.answers.to == "touch" and self.body.touches(data, self.infant))
-
-    def _is_part(self, model: mujoco.MjModel, body: int) -> bool:
-        """Return whether a body is one of the infant's."""
-        return bool(model.body_rootid[body] == self.infant.root)
+    def _is_touched(self, infant: str, data: mujoco.MjData) -> bool:
+        answers = self.entry.answers
+        return bool(answers and answers.to == "touch" and self.body.touches(data, self.infants[infant]))
 
     def _steps(self, time_ms: float) -> int:
         return to_steps(time_ms, self._timestep_ms)
@@ -259,18 +316,24 @@ class Caregiver(Companion):
 
 REMEMBERED = (
     *("next", "acts", "said", "due", "answered", "noticed", "pauses_until", "is_answering", "shown", "smiles_until"),
-    "yoked_next",
+    *("yoked_next", "attended"),
 )
 """What a caregiver remembers besides what its body and hands do, by the names of its attributes."""
 
 
 def _split(order: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of an act from what was asked."""
-    numbers = {key: value for key, value in order.items() if key not in ("act", "what")}
-    return {"act": order["act"], "what": order["what"], "details": numbers}
+    numbers = {key: value for key, value in order.items() if key not in ("act", "what", "infant")}
+    return {"act": order["act"], "what": order["what"], "infant": order.get("infant"), "details": numbers}
 
 
-def offered_objects(manifest: Manifest, model: mujoco.MjModel) -> dict[str, Offered]:
+def _parts(manifest: Manifest, infant: Infant, model: mujoco.MjModel) -> dict[str, int]:
+    """Return the bodies of an infant, by their names as it has them alone."""
+    bodies = np.flatnonzero(model.body_rootid == infant.root).tolist()
+    return {manifest.of_infant(model.body(body).name): body for body in bodies}
+
+
+def offered_objects(manifest: Manifest | WorldManifest, model: mujoco.MjModel) -> dict[str, Offered]:
     """Return what a caregiver can offer, by name: objects of the spec that move freely, and toys.
 
     A toy has the name of its body, and, the first of them, that of its object and that of its category.

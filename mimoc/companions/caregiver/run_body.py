@@ -1,6 +1,7 @@
 """The body of a caregiver in a simulation: where head and hands are, how they move, and what they touch."""
 
 import math
+from collections.abc import Collection
 from itertools import chain
 from typing import Any
 
@@ -38,8 +39,12 @@ WIDER_M = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)
 class CaregiverBody:
     """The bodies of a caregiver, which MuJoCo's mocap moves."""
 
-    def __init__(self, entry: CaregiverEntry, model: mujoco.MjModel):
-        """Look up its parts in a model, of which it changes the material of its face and its grips."""
+    def __init__(self, entry: CaregiverEntry, model: mujoco.MjModel, infants: Collection[Infant]):
+        """Look up its parts in a model, of which it changes the material of its face and its grips.
+
+        It pushes into none of the infants.
+        """
+        self._is_infants_geom = np.any([infant.is_its_geom for infant in infants], axis=0)
         self._entry, self._model, self.timestep_s = entry, model, model.opt.timestep
         self.adult = Adult(entry.scale)
         self.head = model.body(entry.head).id
@@ -80,7 +85,7 @@ class CaregiverBody:
             self.palms = {side: self.adult.resting(self._trunk, side, wider_m) for side in SIDES}
             self._place(data)
             mujoco.mj_forward(self._model, data)
-            if not self.touches(data, infant):
+            if not self.touches(data):
                 break
         self.resting = dict(self.palms)
 
@@ -104,23 +109,23 @@ class CaregiverBody:
 
         Args:
             data: The state before it.
-            infant: The infant.
+            infant: The infant that it attends to.
             held: The body that each hand carries, if any.
         """
         self._turn_head(data, infant)
         for side, path in self.paths.items():
             if path and not path.is_done:
                 palm = path.at(path.done + 1)
-                if not self._would_push(side, palm.place_m - self.palms[side].place_m, data, infant, held):
+                if not self._would_push(side, palm.place_m - self.palms[side].place_m, data, held):
                     path.done = path.done + 1
                     self.put(side, palm, data)
 
-    def follow(self, side: Side, place_m: FloatArray, data: mujoco.MjData, infant: Infant) -> None:
+    def follow(self, side: Side, place_m: FloatArray, data: mujoco.MjData) -> None:
         """Bring a hand nearer to a place that moves, as fast as a hand moves, in a physics step."""
         palm = self.palms[side]
         way_m = place_m - palm.place_m
         way_m = way_m * min(1.0, PEAK_M_S * self.timestep_s / max(float(np.linalg.norm(way_m)), 1e-9))
-        if not self._would_push(side, way_m, data, infant, {}):
+        if not self._would_push(side, way_m, data, {}):
             self.put(side, Palm(palm.place_m + way_m, palm.normal), data)
 
     def put(self, side: Side, palm: Palm, data: mujoco.MjData) -> None:
@@ -145,13 +150,13 @@ class CaregiverBody:
         """Return the direction to its own side, a unit vector, shape (3,)."""
         return self._trunk[1][:, 1] * (1.0 if side == "left" else -1.0)
 
-    def touches(self, data: mujoco.MjData, infant: Infant) -> bool:
-        """Return whether anything of it touches the infant."""
+    def touches(self, data: mujoco.MjData, infant: Infant | None = None) -> bool:
+        """Return whether anything of it touches an infant, or any infant."""
         return bool(self._contacts(self.is_its_geom, data, infant).any())
 
-    def is_blocked(self, side: Side, data: mujoco.MjData, infant: Infant) -> bool:
-        """Return whether an arm is in contact with the infant."""
-        return bool(self._contacts(self._of_arm[side], data, infant).any())
+    def is_blocked(self, side: Side, data: mujoco.MjData) -> bool:
+        """Return whether an arm is in contact with an infant."""
+        return bool(self._contacts(self._of_arm[side], data).any())
 
     def grip(self, side: Side, body: int, data: mujoco.MjData) -> None:
         """Hold a body where it is relative to the hand; the body must be that of the state."""
@@ -228,20 +233,17 @@ class CaregiverBody:
         for side in SIDES:
             self.put(side, self.palms[side], data)
 
-    def _contacts(self, geoms: np.ndarray, data: mujoco.MjData, infant: Infant) -> np.ndarray:
-        """Return which contacts are of some geoms with the infant, with the sign of the geom's side: 1 is first."""
+    def _contacts(self, geoms: np.ndarray, data: mujoco.MjData, infant: Infant | None = None) -> np.ndarray:
+        """Return which contacts are of some geoms with an infant, or any, with the sign of their side: 1 is first."""
         first, second = data.contact.geom.T
-        signs = (geoms[first] & infant.is_its_geom[second]).astype(int) - (
-            geoms[second] & infant.is_its_geom[first]
-        ).astype(int)
+        is_infants = self._is_infants_geom if infant is None else infant.is_its_geom
+        signs = (geoms[first] & is_infants[second]).astype(int) - (geoms[second] & is_infants[first]).astype(int)
         return np.where(data.contact.dist < 0.0, signs, 0)
 
-    def _would_push(
-        self, side: Side, way_m: FloatArray, data: mujoco.MjData, infant: Infant, held: dict[Side, int]
-    ) -> bool:
-        """Return whether a hand, or what it carries, that moves some way would get deeper into the infant."""
+    def _would_push(self, side: Side, way_m: FloatArray, data: mujoco.MjData, held: dict[Side, int]) -> bool:
+        """Return whether a hand, or what it carries, that moves some way would get deeper into an infant."""
         geoms = self._of_arm[side] | (self._model.geom_bodyid == held[side] if side in held else False)
-        signs = self._contacts(geoms, data, infant)
+        signs = self._contacts(geoms, data)
         deep = (signs != 0) & (data.contact.dist < -TOUCHING_M)
         return bool((deep & (signs * (data.contact.frame[:, :3] @ way_m) > 0)).any())
 

@@ -46,9 +46,11 @@ class Hands:
     the part upwards with s W, and follow it.
     """
 
-    def __init__(self, body: CaregiverBody, infant: Infant, objects: Mapping[str, Offered], model: mujoco.MjModel):
+    def __init__(
+        self, body: CaregiverBody, infants: Mapping[str, Infant], objects: Mapping[str, Offered], model: mujoco.MjModel
+    ):
         """Let the hands of a body rest."""
-        self._body, self._infant, self._objects, self._model = body, infant, objects, model
+        self._body, self._infants, self._objects, self._model = body, infants, objects, model
         self.reset()
 
     def reset(self) -> None:
@@ -56,23 +58,29 @@ class Hands:
         self._tasks: dict[Side, dict[str, Any]] = {side: {"does": "rest"} for side in SIDES}
         self._pushed: tuple[int, float] | None = None
 
-    def offer(self, name: str, data: mujoco.MjData) -> None:
-        """Bring an object within reach of the infant's nearest hand."""
+    def offer(self, name: str, infant: str, data: mujoco.MjData) -> None:
+        """Bring an object within reach of an infant's nearest hand."""
         item = self._objects[name]
         place_m = data.xpos[item.body]
         side = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - place_m)))
         self._free(side, data)
-        self._tasks[side] = {"does": "fetch", "object": name, "waits": 0, "tries": 0}
+        self._tasks[side] = {"does": "fetch", "object": name, "infant": infant, "waits": 0, "tries": 0}
         palm = Palm(place_m + (item.radius_m + ABOVE_M) * UP, -UP)
         self._body.move(side, palm, palm.place_m + AROUND_M * UP)
 
-    def hold(self, body: int, weight_share: float | None, data: mujoco.MjData) -> None:
-        """Hold a part of the infant: with the nearest hand, or carry a share of its weight with both."""
+    def hold(self, body: int, infant: str, weight_share: float | None, data: mujoco.MjData) -> None:
+        """Hold a part of an infant: with the nearest hand, or carry a share of its weight with both."""
         middle_m = self._middle_m(body, data)
         near = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - middle_m)))
         for side in SIDES if weight_share is not None else (near,):
             self._free(side, data)
-            self._tasks[side] = {"does": "approach", "part": body, "share": weight_share, "waits": 0}
+            self._tasks[side] = {
+                "does": "approach",
+                "part": body,
+                "infant": infant,
+                "share": weight_share,
+                "waits": 0,
+            }
             out = self._body.outward(side) + (0.3 if weight_share is not None else 0.7) * UP
             out = out / np.linalg.norm(out)
             self._body.move(side, Palm(middle_m, -out), middle_m + 2 * AROUND_M * out)
@@ -99,13 +107,13 @@ class Hands:
                 self._go_on(side, task, data)
             elif task["does"] == "support":
                 place_m = data.xpos[task["part"]] + np.array(task["beside_m"])
-                self._body.follow(side, place_m, data, self._infant)
+                self._body.follow(side, place_m, data)
         self._carry(data)
 
     def _has_arrived(self, side: Side, task: dict[str, Any], data: mujoco.MjData) -> bool:
         path = self._body.paths[side]
         is_near = path is None or path.done > 0.5 * path.steps
-        waits = (is_near or task["does"] == "fetch") and self._body.is_blocked(side, data, self._infant)
+        waits = (is_near or task["does"] == "fetch") and self._body.is_blocked(side, data)
         task["waits"] = task["waits"] + 1 if waits else 0
         has_waited = task["waits"] * self._body.timestep_s >= WAITING_S
         if has_waited and path and task["does"] == "fetch":
@@ -130,7 +138,7 @@ class Hands:
             item = self._objects[task["object"]]
             self._body.grip(side, item.body, data)
             task |= {"does": "carry", "waits": 0}
-            palm = self._offering(item, data)
+            palm = self._offering(item, self._infants[task["infant"]], data)
             self._body.move(side, palm, (self._body.palms[side].place_m + palm.place_m) / 2 + AROUND_M * UP)
         elif task["does"] == "carry":
             task["does"] = "give"
@@ -141,9 +149,8 @@ class Hands:
             beside_m = self._body.palms[side].place_m - data.xpos[task["part"]]
             task |= {"does": "support", "beside_m": beside_m.tolist(), "since": data.time}
 
-    def _offering(self, item: Offered, data: mujoco.MjData) -> Palm:
+    def _offering(self, item: Offered, infant: Infant, data: mujoco.MjData) -> Palm:
         """Return where a palm holds an object within reach of the infant's nearest hand."""
-        infant = self._infant
         places_m = [data.xpos[hand] for hand in infant.hands] or [infant.face_m(data)]
         place_m = min(places_m, key=lambda one: float(np.linalg.norm(one - data.xpos[item.body])))
         way = self._body.face_m(data) - place_m
@@ -170,7 +177,7 @@ class Hands:
             newtons = 0.0
             for task in carrying:
                 ramp = min((data.time - task["since"]) / TAKING_OVER_S, 1.0)
-                newtons += ramp * task["share"] * self._infant.weight_n / len(SIDES)
+                newtons += ramp * task["share"] * self._infants[task["infant"]].weight_n / len(SIDES)
             self._pushed = carrying[0]["part"], newtons
             data.xfrc_applied[carrying[0]["part"], 2] += newtons
 

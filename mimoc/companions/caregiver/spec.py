@@ -9,7 +9,7 @@ from mimoc.companions.caregiver.spec_acts import ActName, ActSpec, check_acts
 from mimoc.schema.base import KeyedError, Model, omitting
 from mimoc.schema.entries import Amount, Body, Duration, Geom, Label, Length, Material, Number, WeldName
 from mimoc.schema.expressions import AdultExpression
-from mimoc.schema.quantities import Centimetres, Milliseconds, Real
+from mimoc.schema.quantities import Centimetres, Identifier, Milliseconds, Real
 
 Behaviour = Literal["kick", "gaze", "vocalisation", "touch"]
 """What an infant does that can be answered."""
@@ -51,8 +51,12 @@ ANSWERS = ("smile", "speak", "look_at", "look_away")
 class CaregiverSpec(Model):
     """A caregiver: a simple adult by the infant."""
 
+    infant: Identifier | None = None
+    """In a world with several infants, the one that it is by and attends to. By default, it is by the first, and
+    answers whoever does what can be answered."""
     place: Place = "in_front"
-    """Where its face is: where the infant's face looks to at the start, level to its side, or over it."""
+    """Where its face is: where the infant's face looks to at the start, level to its side, or over it. By
+    default, in a world with several infants, the first of these where it is within none of the others."""
     side: Side = "left"
     """The infant's side that `beside` means."""
     distance_cm: Annotated[Centimetres, Field(ge=20, le=200)] = 40.0
@@ -114,8 +118,10 @@ class ActEntry(Model):
     """The face, object or part of the infant that it is about."""
     details: dict[Label, Number] = Field(default_factory=dict)
     """Its numbers, by the keys of the spec."""
+    infant: Label | None = None
+    """The infant of a world that it attends to from then on."""
 
-    _serialized = omitting("what", "details")
+    _serialized = omitting("what", "details", "infant")
 
 
 class AnswersEntry(Model):
@@ -174,5 +180,9 @@ class CaregiverEntry(Model):
     """What it does in every episode."""
     answers: AnswersEntry | None = None
     """How it answers what the infant does."""
+    infant: Label | None = None
+    """The infant of a world that it is by."""
+    answers_all: bool = False
+    """Whether it answers the other infants of its world as well."""
 
-    _serialized = omitting("height_m", "script", "answers")
+    _serialized = omitting("height_m", "script", "answers", "infant", "answers_all")

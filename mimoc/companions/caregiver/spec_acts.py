@@ -8,7 +8,7 @@ from pydantic import Field, StringConstraints, model_validator
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import PartName
 from mimoc.schema.expressions import AdultExpression
-from mimoc.schema.quantities import Milliseconds, Real
+from mimoc.schema.quantities import Identifier, Milliseconds, Real
 
 ActName = Literal[
     "show_face",
@@ -71,6 +71,8 @@ class ActSpec(Model):
     """Fundamental frequency of the voice; by default, 260 Hz."""
     level_db: Annotated[Real, Field(ge=0, le=120, json_schema_extra={"unit": "db"})] | None = None
     """Sound pressure level of the voice 1 m from the mouth; by default, 60 dB."""
+    infant: Identifier | None = None
+    """In a world with several infants, the one that it attends to from then on."""
 
     @model_validator(mode="after")
     def _says_what_it_is_about(self) -> Self:
@@ -85,7 +87,7 @@ class ActSpec(Model):
     @property
     def about(self) -> dict[str, Any]:
         """What is said of it besides its name and time, by key."""
-        values = {key: getattr(self, key) for key in type(self).model_fields if key not in ("at_s", "do")}
+        values = {key: getattr(self, key) for key in type(self).model_fields if key not in ("at_s", "do", "infant")}
         return {key: value for key, value in values.items() if value is not None}
 
 

@@ -36,38 +36,37 @@ class DelayedMotors:
     """
 
     def __init__(self, infant: DrivenInfant, interval_s: float, bias: FloatArray | None = None):
-        """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval.
+        """Find the a actuators of the driven hinges of an infant, whose controls are kept for some interval.
 
-        Torques are those beside a *bias* of motors and servos, shape (nu, mjNBIAS); their whole bias unless given.
+        Torques are those beside a *bias* of motors and servos, shape (a, mjNBIAS); their whole bias unless given.
         """
-        model = infant.model
-        self._model, self._interval_s = model, interval_s
-        self._slot = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
-        self._count = len(infant.joints)
-        self._gear = model.actuator_gear[:, 0].copy()
-        self._low, self._high = model.actuator_ctrlrange.T
-        self._weakest_nm, self._strongest_nm = (model.actuator_forcerange * self._gear[:, None]).T
-        self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
-        self._full = model.actuator_gainprm[:, 0] * self._gear
+        model, own = infant.model, infant.actuators
+        self._model, self._own, self._interval_s = model, own, interval_s
+        self._slot, self._count = infant.slots_of(own), len(infant.joints)
+        self._gear = model.actuator_gear[own, 0].copy()
+        self._low, self._high = model.actuator_ctrlrange[own].T
+        self._weakest_nm, self._strongest_nm = (model.actuator_forcerange[own] * self._gear[:, None]).T
+        self._muscles = bool((model.actuator_gaintype[own] == mujoco.mjtGain.mjGAIN_MUSCLE).any())
+        self._full = model.actuator_gainprm[own, 0] * self._gear
         """Torque of each motor's or servo's activation."""
         self._able = np.abs(self._full) > LEAST_NM
         self._all_able = bool(self._able.all())
-        self.biases: Any = model.actuator_biasprm if bias is None else bias
-        """Bias parameters beside which torques are counted, shape (nu, mjNBIAS)."""
+        self.biases: Any = model.actuator_biasprm[own] if bias is None else bias
+        """Bias parameters beside which torques are counted, shape (a, mjNBIAS)."""
         self._bias = AffineBias(*(self.biases[:, column] for column in range(len(AffineBias._fields))))
-        filtered = np.flatnonzero(model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE)
-        self._filtered, self._states = filtered, model.actuator_actadr[filtered]
-        times_s = model.actuator_dynprm[filtered, TIME_CONSTANT]
+        filtered = np.flatnonzero(model.actuator_dyntype[own] != mujoco.mjtDyn.mjDYN_NONE)
+        self._filtered, self._states = filtered, model.actuator_actadr[own][filtered]
+        times_s = model.actuator_dynprm[own][filtered, TIME_CONSTANT]
         self._arriving = 1.0 - np.exp(-interval_s / times_s)
 
     def controls(
         self, scratch: mujoco.MjData, activations: FloatArray, torques_nm: FloatArray, speeds_rad_s: FloatArray
     ) -> FloatArray:
-        """Return the controls, shape (nu,), that give torques at the driven hinges, as far as strength allows.
+        """Return the controls, shape (a,), that give torques at the driven hinges, as far as strength allows.
 
         Args:
             scratch: State of the same model, its positions and speeds computed; its activations are overwritten.
-            activations: `act` of the infant now.
+            activations: `act` of the model now.
             torques_nm: Torque at each driven hinge, shape (n,).
             speeds_rad_s: Speed that each driven hinge will have at the end of the interval, shape (n,).
         """
@@ -97,7 +96,7 @@ class DelayedMotors:
         Servos are stiff: what counts is the angle and the speed at the end of the interval.
         """
         bias, speeds = self._bias, self._gear * speeds_rad_s[self._slot]
-        lengths = scratch.actuator_length + self._interval_s * speeds
+        lengths = scratch.actuator_length[self._own] + self._interval_s * speeds
         at_rest = bias.at_zero + bias.by_length * lengths + bias.by_velocity * speeds
         return at_rest * self._gear
 
@@ -107,7 +106,7 @@ class DelayedMotors:
         for level in (1.0, 0.0):
             scratch.act[:] = level
             mujoco.mj_fwdActuation(self._model, scratch)
-            torques.append(scratch.actuator_force * self._gear)
+            torques.append(scratch.actuator_force[self._own] * self._gear)
         at_rest = np.asarray(np.bincount(self._slot, torques[1], self._count), np.float64)
         return torques[0] - torques[1], at_rest[self._slot]
 
@@ -149,7 +148,7 @@ def servo(
 
 
 class Controller:
-    """Computes controls that keep the joints at target angles."""
+    """Computes controls that keep the joints of an infant at target angles."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, interval_s: float):
         """Prepare a twin of the model, whose inertia has the damping of one interval in it.
@@ -172,7 +171,7 @@ class Controller:
         self._loads = _loads(infant)
 
     def __call__(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
-        """Return the controls, shape (nu,), in a state.
+        """Return the controls in a state, shape (nu,); those of other infants are as they are.
 
         Args:
             data: The state, as it is after a physics step.
@@ -181,7 +180,9 @@ class Controller:
         torques_nm = self._torques(data, target_rad)
         dofs = self._infant.dofs
         speeds = data.qvel.take(dofs) + self._interval_s * self._acceleration[0].take(dofs)
-        return self._motors.controls(self._scratch, data.act, torques_nm, speeds)
+        controls = data.ctrl.copy()
+        controls[self._infant.actuators] = self._motors.controls(self._scratch, data.act, torques_nm, speeds)
+        return controls
 
     def _torques(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
         infant, gains, scratch = self._infant, self._gains, self._scratch
@@ -251,10 +252,10 @@ def _inertia(infant: DrivenInfant, data: mujoco.MjData, joint: int, bears: bool)
     body = int(model.jnt_bodyid[joint])
     outer = in_subtrees(model, [body])
     hanging = _about(model, data, joint, np.flatnonzero(outer))
-    if not bears or model.body(body).name.endswith("_eye"):
+    if not bears or infant.part(body).endswith("_eye"):
         return hanging
     bearing = _about(model, data, joint, np.flatnonzero(infant.is_own & ~outer))
-    return max(hanging, bearing / 2 if model.body(body).name.startswith(PAIRED) else 0.0)
+    return max(hanging, bearing / 2 if infant.part(body).startswith(PAIRED) else 0.0)
 
 
 def _about(model: mujoco.MjModel, data: mujoco.MjData, joint: int, bodies: np.ndarray) -> float:

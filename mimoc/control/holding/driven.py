@@ -1,7 +1,7 @@
-"""An infant's model with the hinges that its motors drive, and the postures that it can be placed in."""
+"""An infant in a model, with the hinges that its motors drive, and the postures that it can be placed in."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import mujoco
@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.units import GRAVITY_M_S2, deg_to_rad
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.primitives import solid_extents
 from mimoc.geometry.primitives import Extents
@@ -22,16 +23,24 @@ BISECTIONS = 12
 
 @dataclass(frozen=True)
 class DrivenInfant:
-    """A model, and the hinges that its motors drive."""
+    """An infant in a model that may have others as well, and the hinges that its motors drive.
+
+    Its body parts and joints are named as those of an infant that is alone: the `head` of Anna is `anna_head` in a
+    model with others.
+    """
 
     model: mujoco.MjModel
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
+    prefix: str = field(default="", kw_only=True)
+    """What the names of its parts begin with in the model; empty for an infant that is alone."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> "DrivenInfant":
-        """Return the infant of a model, whose actuators are all in it."""
-        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp))
+    def of(cls, model: mujoco.MjModel, manifest: Manifest) -> "DrivenInfant":
+        """Return the infant that a manifest describes, with all hinges that actuators of its body drive."""
+        driven = model.actuator_trnid[:, 0]
+        is_own = model.body_rootid[model.jnt_bodyid[driven]] == model.body(manifest.root_body).id
+        return cls(model, np.unique(driven[is_own]).astype(np.intp), prefix=manifest.prefix)
 
     @cached_property
     def root(self) -> int:
@@ -42,6 +51,29 @@ class DrivenInfant:
     def is_own(self) -> npt.NDArray[np.bool_]:
         """Which bodies of the model are the infant's, shape (nbody,)."""
         return np.asarray(self.model.body_rootid == self.root)
+
+    @cached_property
+    def is_other(self) -> npt.NDArray[np.bool_]:
+        """Which bodies of the model are those of other infants, shape (nbody,)."""
+        model = self.model
+        driven = model.body_rootid[model.jnt_bodyid[model.actuator_trnid[:, 0]]]
+        return np.isin(model.body_rootid, driven) & ~self.is_own
+
+    @cached_property
+    def actuators(self) -> slice:
+        """Where the a actuators of its hinges stand among those of the model; they follow one another."""
+        own = np.flatnonzero(np.isin(self.model.actuator_trnid[:, 0], self.joints))
+        return slice(int(own[0]), int(own[-1]) + 1)
+
+    def slots_of(self, actuators: IntArray | slice) -> IntArray:
+        """Return which of the driven hinges each of some of its actuators drives, shape (number of actuators,)."""
+        return np.searchsorted(self.joints, self.model.actuator_trnid[actuators, 0]).astype(np.intp)
+
+    @cached_property
+    def place(self) -> slice:
+        """Where place and orientation of its root body stand in `qpos`: [m] and a quaternion."""
+        start = int(self.model.jnt_qposadr[self.model.body_jntadr[self.root]])
+        return slice(start, start + 7)
 
     @cached_property
     def angles(self) -> IntArray:
@@ -56,7 +88,7 @@ class DrivenInfant:
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the driven hinges, without `robot:`."""
-        return tuple(self.model.joint(joint).name.removeprefix("robot:") for joint in self.joints)
+        return tuple(self._joint_name(joint) for joint in self.joints)
 
     @cached_property
     def weight_n(self) -> float:
@@ -72,15 +104,24 @@ class DrivenInfant:
     @cached_property
     def pushed(self) -> int:
         """Index of the body that pushes act on."""
-        return self.model.body("chest" if self.has("chest") else "upper_body").id
+        return self.body("chest" if self.has("chest") else "upper_body")
+
+    def body(self, part: str) -> int:
+        """Return the index of a body part."""
+        return self.model.body(self.prefix + part).id
+
+    def part(self, body: int) -> str:
+        """Return the name of one of its bodies."""
+        return self.model.body(body).name.removeprefix(self.prefix)
 
     def has(self, *bodies: str) -> bool:
         """Return whether the infant has all of some body parts."""
-        return all(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name) >= 0 for name in bodies)
+        kind = mujoco.mjtObj.mjOBJ_BODY
+        return all(mujoco.mj_name2id(self.model, kind, self.prefix + name) >= 0 for name in bodies)
 
     def parts_without(self, roots: Collection[str]) -> frozenset[int]:
         """Return its bodies that are not among *roots* nor below them: those that must not touch the floor."""
-        ids = [self.model.body(name).id for name in roots if self.has(name)]
+        ids = [self.body(name) for name in roots if self.has(name)]
         return frozenset(np.flatnonzero(~in_subtrees(self.model, ids) & self.is_own).tolist())
 
     def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
@@ -89,12 +130,12 @@ class DrivenInfant:
         is_still = self.model.body_weldid[pairs] == 0
         for body in pairs[is_still.any(axis=1)][~is_still[is_still.any(axis=1)]]:
             if int(body) in bodies:
-                return f"{self.model.body(body).name} touches the floor"
+                return f"{self.part(body)} touches the floor"
         return ""
 
     def range_deg(self, joint: str) -> tuple[float, float]:
         """Return the range of a hinge."""
-        low, high = np.degrees(self.model.joint(f"robot:{joint}").range)
+        low, high = np.degrees(self.model.joint(f"{self.prefix}robot:{joint}").range)
         return float(low), float(high)
 
     def placed(
@@ -119,9 +160,9 @@ class DrivenInfant:
         for joint, angle_rad in self._clipped(angles_deg):
             data.qpos[self.model.jnt_qposadr[joint]] = angle_rad
         half = deg_to_rad(pitch_deg) / 2
-        data.qpos[:7] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
+        data.qpos[self.place] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
         mujoco.mj_kinematics(self.model, data)
-        data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
+        data.qpos[self.place.start + 2] = above_m - self.lowest_m(data) - SMALL_GAP_M
         if into is None:
             mujoco.mj_forward(self.model, data)
         else:
@@ -149,15 +190,18 @@ class DrivenInfant:
 
     @cached_property
     def _limits(self) -> Mapping[str, tuple[int, float, float]]:
-        """Index and range in [rad] of each joint, by its name without `robot:`."""
-        names = (self.model.joint(joint).name.removeprefix("robot:") for joint in range(self.model.njnt))
+        """Index and range in [rad] of each joint of the infant, by its name without `robot:`."""
+        joints = np.flatnonzero(self.is_own[self.model.jnt_bodyid]).tolist()
         ranges = self.model.jnt_range.tolist()
-        return {name: (joint, *ranges[joint]) for joint, name in enumerate(names)}
+        return {self._joint_name(joint): (joint, *ranges[joint]) for joint in joints}
+
+    def _joint_name(self, joint: int) -> str:
+        return self.model.joint(joint).name.removeprefix(self.prefix).removeprefix("robot:")
 
     def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
         """Return the height of the lowest point of a body part, or of the whole infant."""
         if part not in self._extents:
-            of_part = self.model.geom_bodyid[self.solids] == self.model.body(part).id if part else slice(None)
+            of_part = self.model.geom_bodyid[self.solids] == self.body(part) if part else slice(None)
             self._extents[part] = self.solids[of_part], solid_extents(self.model, self.solids[of_part])
         geoms, extents = self._extents[part]
         up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]

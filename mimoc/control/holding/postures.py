@@ -37,7 +37,7 @@ def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
 
 def _lean_over_seat(infant: DrivenInfant, data: mujoco.MjData) -> float:
     """Return where the centre of mass stands: 0 over the middle of the pelvis, 1 over the ankles."""
-    seat_m, heels_m = data.body("hip").xpos[0], data.body("left_foot").xpos[0]
+    seat_m, heels_m = data.xpos[infant.body("hip"), 0], data.xpos[infant.body("left_foot"), 0]
     return float((data.subtree_com[infant.root, 0] - seat_m) / (heels_m - seat_m))
 
 
@@ -58,7 +58,7 @@ def slumped(infant: DrivenInfant, data: mujoco.MjData, forbidden: frozenset[int]
         return touching
     if tilt_deg(data, infant.pushed) > MOST_TILT_DEG:
         return "trunk tilted"
-    return "head tilted" if tilt_deg(data, infant.model.body("head").id) > MOST_TILT_DEG else ""
+    return "head tilted" if tilt_deg(data, infant.body("head")) > MOST_TILT_DEG else ""
 
 
 def stance(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
@@ -80,7 +80,9 @@ def stance(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
 
 def _lean_over_feet(infant: DrivenInfant, data: mujoco.MjData) -> float:
     """Return where the centre of mass stands over the feet: 0 over the ankles, 1 over the joints of the toes."""
-    ankle, toes = (np.mean([data.body(f"{side}_{part}").xpos[0] for side in SIDES]) for part in ("foot", "toes"))
+    ankle, toes = (
+        np.mean([data.xpos[infant.body(f"{side}_{part}"), 0] for side in SIDES]) for part in ("foot", "toes")
+    )
     return float((data.subtree_com[infant.root, 0] - ankle) / (toes - ankle))
 
 
@@ -128,7 +130,7 @@ def on_forearms(infant: DrivenInfant) -> mujoco.MjData:
 
 def drooped(infant: DrivenInfant, data: mujoco.MjData) -> str:
     """Return whether the head of an infant that lies prone touches the floor, or its face is not turned up enough."""
-    head = infant.model.body("head").id
+    head = infant.body("head")
     low = "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
     return infant.touching(data, frozenset({head})) or low
 

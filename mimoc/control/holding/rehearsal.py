@@ -41,7 +41,7 @@ class Rehearsal:
         self._control = Controller(infant, gains, model.opt.timestep)
         self._late = LateCommands(model, actuators, timing)
         self._all_hinges = np.arange(len(infant.joints))
-        self._hinges = np.searchsorted(infant.joints, model.actuator_trnid[actuators, 0]).astype(np.intp)
+        self._hinges = infant.slots_of(actuators)
         is_halved = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
         self._finish_step = mujoco.mj_step2 if is_halved else mujoco.mj_step
         """Makes a physics step from where all but new controls has been computed."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from mimoc.base.model_fields import ModelField
 from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.world import manifests_of
 from mimoc.companions.companion import Companion
 from mimoc.geometry import primitives
 from mimoc.objects.spec_base import WATER_KG_M3, WaterEntry
@@ -46,7 +47,8 @@ class Water(Companion):
     def bind(self, model: mujoco.MjModel, bundle: Any, generator: np.random.Generator) -> None:
         """Look up what moves, and fill the model with water that no geom is in yet."""
         self._model = model
-        is_infant = in_subtrees(model, [model.body(bundle.manifest.root_body).id])
+        roots = [manifest.root_body for manifest in manifests_of(bundle).values()]
+        is_infant = in_subtrees(model, [model.body(root).id for root in roots])
         moves = (model.body_dofnum[model.body_weldid] > 0) & (model.body_mass > 0)
         touches = (model.geom_contype | model.geom_conaffinity) > 0
         has_touching = np.bincount(model.geom_bodyid[touches], minlength=model.nbody) > 0

@@ -77,8 +77,7 @@ class Ensemble:
     @property
     def _slots(self) -> IntArray:
         """Which driven hinge each actuator drives, shape (c,)."""
-        infant = self._subject.infant
-        return np.searchsorted(infant.joints, infant.model.actuator_trnid[self._actuators, 0]).astype(np.intp)
+        return self._subject.infant.slots_of(self._actuators)
 
     def _find_owners(self) -> IntArray:
         """Return the behaviour that moves each driven hinge, shape (n,), or `NOBODY`."""

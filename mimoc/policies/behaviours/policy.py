@@ -13,7 +13,7 @@ from mimoc.policies.behaviours.ensemble import Ensemble
 from mimoc.policies.policy import merged_metrics, numbered
 from mimoc.policies.reaction import Chance
 from mimoc.policies.starting import begin_here
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 ACTUATIONS = ("torque", "muscle", "position")
@@ -37,7 +37,7 @@ class BehaviourPolicy:
     An episode begins in the posture of a behaviour that has one, in the infant's place and facing as it does.
     """
 
-    def __init__(self, env: InfantEnv, named: Sequence[NamedBehaviour]):
+    def __init__(self, env: Infant, named: Sequence[NamedBehaviour]):
         """Bind behaviours to an infant.
 
         Raises:
@@ -71,14 +71,14 @@ class BehaviourPolicy:
         if reason := self._ensemble.lost(env.data):
             label, advice = self._labels[self._ensemble.whole or 0], "choose another scene.pose, or hold other parts"
             raise PolicyError(f"'{label}' cannot begin where held parts or locked joints are ({reason}); {advice}")
-        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos.copy(), None, 0.0
+        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos[~self._is_of_others], None, 0.0
         return observation
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action, shape (n,); of the generator, only times of reactions depend, and nothing of the rest."""
         env = self._env
         self._chance.generator = generator
-        if env.steps == 0 and not np.array_equal(env.data.qpos, self._begun_at):
+        if env.steps == 0 and not np.array_equal(env.data.qpos[~self._is_of_others], self._begun_at):
             self.begin()
         elif env.model is not self._model:  # The infant has grown.
             self._bind()
@@ -101,7 +101,9 @@ class BehaviourPolicy:
         model, actuation = env.model, env.manifest.actuation.model
         if actuation not in ACTUATIONS:
             raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
-        self._model, self._infant = model, DrivenInfant.of(model)
+        self._model, self._infant = model, DrivenInfant.of(model, env.manifest)
+        joints = np.searchsorted(model.jnt_qposadr, np.arange(model.nq), side="right") - 1
+        self._is_of_others = self._infant.is_other[model.jnt_bodyid[joints]]
         subject = Subject(self._infant, env.manifest, self._chance)
         self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
         self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
@@ -122,17 +124,14 @@ class BehaviourPolicy:
         return held | merged_metrics([item.metrics() for item in ensemble.behaviours], self._labels)
 
 
-def _place(env: InfantEnv, infant: DrivenInfant, start: mujoco.MjData) -> None:
+def _place(env: Infant, infant: DrivenInfant, start: mujoco.MjData) -> None:
     """Put an infant into a posture at the origin, at rest, in its place and facing as it does."""
     model, data = env.model, env.data
-    is_own = infant.is_own[model.jnt_bodyid]
-    (root,) = np.flatnonzero(is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE))
-    hinges = model.jnt_qposadr[is_own & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)]
-    data.qpos[hinges], data.qvel[:] = start.qpos[hinges], 0.0
+    is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
+    hinges = model.jnt_qposadr[is_hinge]
+    data.qpos[hinges], data.qvel[infant.is_own[model.dof_bodyid]] = start.qpos[hinges], 0.0
     leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however its trunk is pitched.
     half = np.arctan2(-leftward[0], leftward[1]) / 2
-    first = int(model.jnt_qposadr[root])
-    data.qpos[first + 2] = start.qpos[first + 2]
-    turned = np.empty(4)
-    mujoco.mju_mulQuat(turned, np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), start.qpos[first + 3 : first + 7])
-    data.qpos[first + 3 : first + 7] = turned
+    place, posed = data.qpos[infant.place], start.qpos[infant.place]
+    place[2] = posed[2]
+    mujoco.mju_mulQuat(place[3:], np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), posed[3:])

@@ -14,6 +14,6 @@ def bind(subject: Subject, text: str = "") -> Posture:
     """Return the behaviour that sits as in the trial `sit`."""
     infant, numbers = subject.infant, read_arguments("sit", text, OPTIONS).numbers
     subject.require("sit", *SEAT, *FEET)
-    forbidden = infant.parts_without(SEAT[1:]) - {infant.model.body(SEAT[0]).id}
+    forbidden = infant.parts_without(SEAT[1:]) - {infant.body(SEAT[0])}
     start = seat(infant, numbers["knees_deg"], numbers["lean"])
     return Posture(subject, start, lambda data, others: slumped(infant, data, forbidden - others))

@@ -1,4 +1,4 @@
-"""What a behaviour aims at: a toy, another object, a part of the infant's own body, or a place."""
+"""What a behaviour aims at: a toy, another object, a part of the infant's own body or of another's, or a place."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from mimoc.policies.behaviours.arguments import place_of
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.senses.sense import FloatArray
 
-TOY = "toy"
-"""The nearest toy, whichever it is."""
+TOY, HEAD = "toy", "_head"
+"""The nearest toy, whichever it is; and how the head of another infant is named behind the infant's name."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,8 @@ class Target:
 def find_target(subject: Subject, behaviour: str, word: str) -> Target:
     """Return what a word means: `toy`, the name of a toy, an object or any body in the scene, or a place `(x, y, z)`.
 
-    A place is in metres.
+    A place is in metres. A part of the infant's own body is named as if it were alone (`head`), one of another infant
+    as in the model (`ben_head`); the name of an infant alone (`ben`) means its head.
 
     Raises:
         PolicyError: If it is no place, or there is no toy.
@@ -55,8 +56,12 @@ def find_target(subject: Subject, behaviour: str, word: str) -> Target:
         names.setdefault(toy.object, []).append(model.body(toy.body).id)
     for item in subject.manifest.objects:
         names.setdefault(item.name, [model.body(item.body).id])
+    for body in np.flatnonzero(subject.infant.is_own).tolist():
+        names.setdefault(subject.infant.part(body), [body])
     for body in range(1, model.nbody):
         names.setdefault(model.body(body).name, [body])
+    for name in [name for name in names if name.endswith(HEAD)]:
+        names.setdefault(name.removesuffix(HEAD), names[name])
     if word not in names:
         raise UnknownNameError(f"target of '{behaviour}' in this scene", word, names)
     return Target(tuple(names[word]), np.zeros(3))

@@ -11,7 +11,7 @@ from mimoc.policies.general_movements.generator import GeneralMovements, draw
 from mimoc.policies.general_movements.joints import joints_of
 from mimoc.policies.general_movements.law import law_at
 from mimoc.policies.policy import BatchPolicy, Policy
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 
 class Moving:
@@ -51,7 +51,7 @@ class Moving:
         return batch.actions(movement.step(put(uniform), put(normal), batch.arousals()))
 
 
-def bind(env: InfantEnv) -> Policy:
+def bind(env: Infant) -> Policy:
     """Return the policy for an environment; see `Moving`."""
     act = bind_many(batch_of_one(env))
     return lambda generator, observation: act([generator], observation)[0]

@@ -11,7 +11,7 @@ from mimoc.policies.reflexes.movements import command_rows
 from mimoc.policies.reflexes.reflex import Reflex
 from mimoc.policies.reflexes.sensing import BALANCE, Senses
 from mimoc.policies.reflexes.table import REFLEXES
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 
 NOTICED = 0.05
@@ -143,7 +143,7 @@ class ReflexPolicy:
         return self.reflexes.metrics()
 
 
-def bind(env: InfantEnv, late_months: str = "0") -> ReflexPolicy:
+def bind(env: Infant, late_months: str = "0") -> ReflexPolicy:
     """Return the policy for an environment; see `Reflexes`.
 
     Raises:

@@ -16,10 +16,9 @@ from mimoc.actuation.arousal import checked_arousal
 from mimoc.actuation.binding import numbers_of
 from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
-from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.spaces import with_limit
-from mimoc.runtime.world_infant import WorldInfant
 
 RESET_MASK = "reset_mask"
 """Gymnasium's option that says which environments are reset."""
@@ -118,11 +117,17 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
     spec: Any = property(_limited_spec, _set_spec)
 
     def _describe(
-        self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode, limit: int | None
+        self,
+        metadata: Mapping[str, Any],
+        infants: Sequence[Infant],
+        spaces: Sequence[Any],
+        mode: AutoresetMode,
+        limit: int | None,
     ) -> None:
         """Say what is commanded and observed.
 
         Args:
+            metadata: That of a single environment.
             infants: The different ones; the first stands for all in what must be the same.
             spaces: What each of all infants observes; bounds may depend on strength, and so on age.
             mode: When an infant whose episode has ended is reset.
@@ -130,7 +135,7 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
         """
         self._limit, self._own = limit, tuple(infant.max_steps for infant in infants)
         self.autoreset_mode, self.num_envs = mode, len(spaces)
-        self.metadata = {**infants[0].metadata, "autoreset_mode": mode}
+        self.metadata = {**metadata, "autoreset_mode": mode}
         self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, len(spaces))
         self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
@@ -218,11 +223,11 @@ def mixture_error(infants: str, differences: str) -> BatchMismatchError:
     )
 
 
-def check_mixture(infants: Sequence[InfantEnv] | Sequence[WorldInfant]) -> None:
+def check_mixture(infants: Sequence[Infant]) -> None:
     """Check that all infants can share a batch with the first one.
 
     Raises:
-        MixtureError: If one cannot; it names what differs.
+        BatchMismatchError: If one cannot; it names what differs.
     """
     first = _parts(infants[0])
     for number, infant in enumerate(infants):
@@ -237,7 +242,7 @@ def check_mixture(infants: Sequence[InfantEnv] | Sequence[WorldInfant]) -> None:
             raise mixture_error(who, "; ".join(differences))
 
 
-def _parts(infant: InfantEnv | WorldInfant) -> dict[str, Any]:
+def _parts(infant: Infant) -> dict[str, Any]:
     """Return what must be the same of all infants, by what it is called."""
     manifest = infant.manifest
     arrays: Any = infant.observation_space

@@ -28,10 +28,10 @@ SIZES = (
 class BatchSense:
     """A sense of n infants, which has the same name for all."""
 
-    def __init__(self, name: str, senses: Sequence[Sense], physics: ThreadedPhysics):
+    def __init__(self, name: str, senses: Sequence[Sense], models: Sequence[mujoco.MjModel], physics: ThreadedPhysics):
         """Find out which infants can be read together: those with terms of equal addresses in models of equal size."""
         self._name, self._senses, self._physics = name, senses, physics
-        self.kinds = _kinds(senses, physics.models)
+        self.kinds = _kinds(senses, models)
         """A number for each infant; infants with the same number can be read together."""
         self._stacked: dict[int, tuple[list[int], Any]] = {}
         """The infants of each kind that has terms, in order, and the term of all of them."""

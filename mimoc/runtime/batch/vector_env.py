@@ -7,10 +7,9 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from mimoc.delays.schedule import arrived
 from mimoc.render.picture_files import Picture, in_rows
 from mimoc.render.renderer import SharedRenderers, sharing
-from mimoc.runtime.batch.control_step import ControlStep
+from mimoc.runtime.batch.batch import Batch
 from mimoc.runtime.batch.gymnasium_forms import (
     InfantVectorEnv,
     Infos,
@@ -22,59 +21,77 @@ from mimoc.runtime.batch.gymnasium_forms import (
     reset_indices,
     seeds_of,
 )
-from mimoc.runtime.batch.physics import ThreadedPhysics
-from mimoc.runtime.batch.senses import BatchSense
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE
+from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.simulation import AgeSchedule, Simulation
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import FloatArray, Observation
 
+Opened = InfantEnv | WorldEnv
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
 Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
 
 
 @closable("call", "get_attr", "seek")
 class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it among direct bases.
-    """Infants that live side by side, each in a world of its own.
+    """Infants that live side by side in a batch of simulations: each in a world of its own, or several in each world.
 
-    Infant i observes and earns, step for step and bit for bit, what it would alone with the same seed: `infants[i]` is
-    its `InfantEnv`, whose physics, senses and signals are worked through together with those of the others. They may
-    be of different ages, strengths and scenes. With a schedule of growth, each lives as alone in a `GrowthWrapper`.
+    Infant i observes and earns, step for step and bit for bit, what it would in its world alone with the same seed:
+    `infants[i]` is that infant. They may be of different ages, strengths and scenes, and may grow by a schedule. In
+    worlds of several, all episodes of a world end together: when that of one infant ends, the others' are truncated.
     """
 
     def __init__(
         self,
-        openers: Sequence[Callable[[], InfantEnv]],
+        openers: Sequence[Callable[[], Opened]],
         threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
-        schedule: Callable[[int], float] | None = None,
+        schedule: AgeSchedule | None = None,
     ):
-        """Open infants and join them.
+        """Open environments and join them.
 
         Args:
-            openers: What opens each, at least one; their eyes share OpenGL contexts.
+            openers: What opens each, at least one; the eyes of all share OpenGL contexts.
             threads: How many to use, or all that this process may use.
             autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
             max_episode_steps: Control steps after which any episode is truncated, as by Gymnasium's `TimeLimit`.
             schedule: From the number of control steps that an infant has taken to its age in months, if they grow.
 
         Raises:
-            MixtureError: If they do not sense and command the same.
+            BatchMismatchError: If they do not sense and command the same.
         """
         self.closed = True  # Not open yet: older versions of Gymnasium close what could not be made, too.
-        self._renderers, self.num_envs = SharedRenderers(), len(openers)
+        self._renderers = SharedRenderers()
         with sharing(self._renderers):
-            infants = self.infants = tuple(open_infant() for open_infant in openers)
-        check_mixture(infants)
-        self.render_mode = infants[0].render_mode
-        spaces = [infant.observation_space for infant in infants]
-        self._describe(infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
-        self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
-        self._schedule, self.steps_done = schedule, np.zeros(self.num_envs, int)
-        self._physics = _physics_of(infants, threads)
-        self._bind()
+            self._envs = tuple(open_env() for open_env in openers)
+        simulations = [env.simulation for env in self._envs]
+        check_mixture([infant for world in simulations for infant in world.infants.values()])
+        self._batch = Batch(simulations, threads)
+        self.render_mode, self._max_steps = self._envs[0].render_mode, max_episode_steps
+        spaces = [infant.observation_space for infant in self.infants]
+        self._describe(self._envs[0].metadata, self.infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
+        self._ended = np.zeros(self.num_envs, bool)
         self.closed = False
+        if schedule:
+            self.grow_by(schedule)
+
+    @property
+    def infants(self) -> tuple[Infant, ...]:
+        """The infants, a row each, in the order of worlds and of infants in them."""
+        return self._batch.infants
+
+    @property
+    def simulations(self) -> tuple[Simulation, ...]:
+        """The worlds."""
+        return self._batch.simulations
+
+    @property
+    def steps_done(self) -> npt.NDArray[np.int_]:
+        """Control steps that each infant has taken, by which those grow that have a schedule, shape (n,)."""
+        return np.array([infant.simulation.steps_done for infant in self.infants])
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # pyright: ignore[reportIncompatibleMethodOverride] - One for each.
@@ -89,7 +106,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
     @property
     def threads(self) -> int:
         """How many threads the physics is shared among."""
-        return self._physics.threads
+        return self._batch.physics.threads
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -114,12 +131,12 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
     ) -> tuple[Observation, Infos]:
         """Reset some infants, or all, each with its own seed and options; see `reset`."""
+        worlds = range(len(self._envs)) if which is None else {self._batch.world_of[row]: None for row in which}
         infos: Infos = {}
-        for infant in range(self.num_envs) if which is None else which:
-            _, infos[infant] = self._reset_one(infant, seeds[infant], options[infant])
-            self._ended[infant] = False
-        self._refresh_models()
-        return self._observe(), infos
+        for world in worlds:
+            infos |= {row: info for row, (_, info) in self._reset_world(world, seeds, options).items()}
+        self._batch.refresh()
+        return self._batch.observe(), infos
 
     def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
         """Apply an action of each infant for one control step; those whose episode has ended are reset instead.
@@ -138,42 +155,52 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         """Make a step as `step` does, with the info of each infant by itself; those whose age is due grow before it."""
         actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
         rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
-        truncated, unstable = terminated.copy(), []
+        truncated, batch = terminated.copy(), self._batch
         if self.autoreset_mode == AutoresetMode.DISABLED:
             refuse_ended(self._ended)
-        anew = np.flatnonzero(self._ended).tolist()
-        for infant in np.flatnonzero(~self._ended).tolist():
-            self._grow_one(infant, self._age_due(infant))
-            self.steps_done[infant] += 1
-        self._refresh_models()
-        going = [infant for infant in self._order if not self._ended[infant]]
-        observed = [infant for infant in going if self.infants[infant].observer.keeps]
-        for infant in observed:
-            self.infants[infant].observer.stepping()
-        self._control_step(actions, going)
-        broken = self._physics.are_unstable()
-        for infant in going:
-            judged = self.infants[infant].judge(actions[infant], unstable=broken[infant])
-            rewards[infant], terminated[infant], truncated[infant], infos[infant] = judged
-            if broken[infant]:
-                unstable.append(infant)
-            if self._max_steps is not None and self.infants[infant].steps >= self._max_steps:
-                truncated[infant] = True
-        for infant in anew:
-            infos[infant] = self._reset_one(infant)[1]
-        self._refresh_models()
-        observation = self._observe()
-        for readings in observation.values():
-            for infant in unstable:
-                np.nan_to_num(readings[infant], copy=False)
-        for infant in observed:
-            judged = float(rewards[infant]), bool(terminated[infant]), bool(truncated[infant]), infos[infant]
-            seen = {name: readings[infant] for name, readings in observation.items()}
-            self.infants[infant].observer.stepped(actions[infant], seen, judged)
-        self._ended = terminated | truncated
+        ended = {batch.world_of[row]: None for row in np.flatnonzero(self._ended)}
+        going = [world for world in batch.order if world not in ended]
+        with sharing(self._renderers):
+            for world in going:
+                batch.simulations[world].grow_as_scheduled()
+                batch.simulations[world].steps_done += 1
+        batch.refresh()
+        rows = [row for world in going for row in batch.rows_of(world).values()]
+        observed = [row for row in rows if self.infants[row].observer.keeps]
+        for row in observed:
+            self.infants[row].observer.stepping()
+        batch.step(actions, rows)
+        unstable, judged = batch.are_unstable(), {}
+        for row in rows:
+            infant = self.infants[row]
+            rewards[row], terminated[row], truncated[row], infos[row] = infant.judge(
+                actions[row], unstable=unstable[row]
+            )
+            if self._max_steps is not None and infant.steps >= self._max_steps:
+                truncated[row] = True
+            judged[row] = float(rewards[row]), bool(terminated[row]), bool(truncated[row]), infos[row]
+        for world in ended:
+            infos |= {row: info for row, (_, info) in self._reset_world(world).items()}
+        batch.refresh()
+        observation = batch.observe()
+        for row in rows:
+            for readings in observation.values() if unstable[row] else ():
+                np.nan_to_num(readings[row], copy=False)
+        for row in observed:
+            seen = {name: readings[row] for name, readings in observation.items()}
+            self.infants[row].observer.stepped(actions[row], seen, judged[row])
+        self._end_together(terminated, truncated)
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._reset_ended(observation, infos)
         return observation, rewards, terminated, truncated, infos
+
+    def _end_together(self, terminated: npt.NDArray[np.bool_], truncated: npt.NDArray[np.bool_]) -> None:
+        """Truncate the episodes of infants that share their world with one whose episode has ended."""
+        self._ended = terminated | truncated
+        for world in {self._batch.world_of[row] for row in np.flatnonzero(self._ended)}:
+            rows = list(self._batch.rows_of(world).values())
+            truncated[rows] |= ~self._ended[rows]
+            self._ended[rows] = True
 
     def grow(self, to: float | Sequence[float | None] | npt.NDArray[Any]) -> Observation:
         """Let infants have other ages from now on, in the midst of their episodes; return what they observe.
@@ -185,10 +212,23 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
             MimocError: If there is no such infant; those before it have grown.
         """
-        for infant, options in enumerate(options_of({AGE: to}, self.num_envs)):
-            self._grow_one(infant, options)
-        self._refresh_models()
-        return self._observe()
+        options = options_of({AGE: to}, self.num_envs)
+        with sharing(self._renderers):
+            for world, simulation in enumerate(self.simulations):
+                ages = {name: options[row][AGE] for name, row in self._batch.rows_of(world).items() if options[row]}
+                simulation.grow(ages)
+        self._batch.refresh()
+        return self._batch.observe()
+
+    def grow_by(self, schedule: AgeSchedule) -> None:
+        """Let all infants grow by a schedule from now on, as by `mimoc.GrowthWrapper`; a reset must follow.
+
+        Args:
+            schedule: From the number of control steps that an infant has taken so far to its age in months, such as
+                `mimoc.growth_schedule` returns.
+        """
+        for world in self.simulations:
+            world.grow_by(dict.fromkeys(world.infants, schedule))
 
     def set_arousal(self, levels: float | Sequence[float] | npt.NDArray[Any]) -> None:
         """Change the arousal of infants for the rest of their episodes; see `InfantEnv.set_arousal`.
@@ -204,28 +244,19 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
 
     def seek(self, steps_done: int) -> None:
         """Go on as after a number of control steps of each, as a training does that is resumed; a reset must follow."""
-        self.steps_done[:] = steps_done
-
-    def _grow_one(self, infant: int, options: dict[str, Any]) -> None:
-        """Let an infant grow if options give it an age."""
-        if options:
-            with sharing(self._renderers):
-                self.infants[infant].grow(to=options[AGE])
-
-    def _age_due(self, infant: int) -> dict[str, Any]:
-        """Return the age that the schedule gives an infant now, as an option, if it has another."""
-        due = self._schedule(int(self.steps_done[infant])) if self._schedule else None
-        return {} if due in (None, self.infants[infant].age_months) else {AGE: due}
+        for world in self.simulations:
+            world.steps_done = steps_done
 
     def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
-        """Return a picture of all infants in rows, in render mode `rgb_array`, otherwise None.
+        """Return a picture of all worlds in rows, in render mode `rgb_array`, otherwise None.
 
-        `call("render")` returns those of the single infants.
+        `call("render")` returns a picture for each infant.
 
         Raises:
             RenderingError: If OpenGL is not available.
         """
-        return in_rows(self.call("render")) if self.render_mode == "rgb_array" else None
+        pictures: list[Any] = [env.render() for env in self._envs]
+        return in_rows(pictures) if self.render_mode == "rgb_array" else None
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
         """Return what a method of each infant returns, or an attribute of each."""
@@ -247,118 +278,90 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             setattr(infant, name, value)
 
     def get_state(self) -> list[dict[str, Any]]:
-        """Return the state of each infant; see `InfantEnv.get_state`."""
-        return [infant.get_state() for infant in self.infants]
+        """Return the state of each infant that is alone, see `InfantEnv.get_state`, or of each world of several."""
+        return [env.get_state() if isinstance(env, InfantEnv) else env.simulation.get_state() for env in self._envs]
 
     def set_state(self, states: Sequence[dict[str, Any]]) -> Observation:
-        """Restore the state of each infant, whose episode has not ended; return what they observe.
+        """Restore the state of each world, whose episode has not ended; return what the infants observe.
 
         Raises:
-            ValueError: If there are not as many states as infants, or one is that of a different infant; nothing has
+            ValueError: If there are not as many states as worlds, or one is that of a different infant; nothing has
                 changed then.
         """
-        if not isinstance(states, (list, tuple)) or len(states) != self.num_envs:
-            raise ValueError(f"expected a list of {self.num_envs} states, one for each infant")
+        if not isinstance(states, (list, tuple)) or len(states) != len(self._envs):
+            whom = "infant" if len(self._envs) == self.num_envs else "world"
+            raise ValueError(f"expected a list of {len(self._envs)} states, one for each {whom}")
         before = self.get_state()
         try:
             self._set_states(states)
         except Exception:
             self._set_states(before)
-            self._refresh_models()
+            self._batch.refresh()
             raise
         self._ended[:] = False
-        self._refresh_models()
-        return self._observe()
+        self._batch.refresh()
+        return self._batch.observe()
 
     def _set_states(self, states: Sequence[dict[str, Any]]) -> None:
-        for infant, state in zip(self.infants, states, strict=True):
-            infant.set_state(state)
+        for env, state in zip(self._envs, states, strict=True):
+            (env if isinstance(env, InfantEnv) else env.simulation).set_state(state)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Support copying and pickling: each infant as it is kept alone, so that the copy goes on as this would."""
+        """Support copying and pickling: each world as it is kept alone, so that the copy goes on as this would."""
         kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
-        infants = [(type(infant), infant.__getstate__()) for infant in self.infants]
-        return {**kept, "infants": infants, "threads": self._physics.threads}
+        return {**kept, "envs": [(type(env), env.__getstate__()) for env in self._envs], "threads": self.threads}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        """Open the same infants again in their states; the eyes of the copy share OpenGL contexts of its own."""
-        infants, threads = kept.pop("infants"), kept.pop("threads")
+        """Open the same worlds again in their states; the eyes of the copy share OpenGL contexts of its own."""
+        envs, threads = kept.pop("envs"), kept.pop("threads")
         self.__dict__.update(kept)
         self._renderers = SharedRenderers()
         with sharing(self._renderers):
-            self.infants = tuple(_restored(*infant) for infant in infants)
-        self._physics = _physics_of(self.infants, threads)
-        self._bind()
+            self._envs = tuple(_restored(*env) for env in envs)
+        self._batch = Batch([env.simulation for env in self._envs], threads)
         self.closed = False
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close all infants and end the threads; what can still be read then is said at `InfantEnv.close`."""
-        self._physics.close()
-        for infant in self.infants:
-            infant.close()
+        self._batch.physics.close()
+        for env in self._envs:
+            env.close()
         self._renderers.close()
 
-    def _bind(self) -> None:
-        """Join what all infants have now; those of one bundle are worked through one after another."""
-        firsts = {id(infant.bundle): index for index, infant in reversed(list(enumerate(self.infants)))}
-        self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
-        self._senses = {
-            name: BatchSense(name, [infant.senses[name] for infant in self.infants], self._physics)
-            for name in self.infants[0].senses
-        }
-        schedules = [infant.schedule for infant in self.infants]
-        self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
-        self._control_step = ControlStep(self.infants, self._physics, self._senses)
-
-    def _refresh_models(self) -> None:
-        """Take over what infants have now that got another model, in another scene or by growing."""
-        pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
-        changed = [
-            index for index, (infant, model, data) in pairs if infant.data is not data or infant.model is not model
-        ]
-        for index in changed:
-            self._physics.replace(index, self.infants[index].model, self.infants[index].data)
-        if changed:
-            self._bind()
-
-    def _observe(self) -> Observation:
-        """Return what all infants observe, as new arrays."""
-        observation: Observation = {}
-        for name, sense in self._senses.items():
-            observation.update(sense.observe([arrived(delayed) for delayed in self._delayed[name]]))
-        if self.infants[0].task.spaces:
-            views = [infant.task.observe() for infant in self.infants]
-            observation |= {name: np.stack([view[name] for view in views]) for name in views[0]}
-        return observation
-
-    def _reset_one(
-        self, infant: int, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
-        """Start an episode of one infant, at the age that is due unless the option `age_months` gives another."""
+    def _reset_world(
+        self,
+        world: int,
+        seeds: Sequence[int | None] | None = None,
+        options: Sequence[dict[str, Any]] | None = None,
+    ) -> dict[int, tuple[Observation, dict[str, Any]]]:
+        """Start an episode of all infants of a world, with the seeds and options of its rows; return those by row."""
+        rows, simulation = self._batch.rows_of(world), self.simulations[world]
+        given = {name: dict(options[row]) if options else {} for name, row in rows.items()}
+        scenes = [] if "" in given else [asked.pop(SEED) for asked in given.values() if SEED in asked]
         with sharing(self._renderers):
-            return self.infants[infant].reset(seed=seed, options={**self._age_due(infant), **(options or {})})
+            started = simulation.reset(
+                {name: seeds[row] if seeds else None for name, row in rows.items()}, given, *scenes[:1]
+            )
+        self._ended[list(rows.values())] = False
+        return {rows[name]: start for name, start in started.items()}
 
     def _reset_ended(self, observation: Observation, infos: Infos) -> None:
         """Reset the infants whose episodes have just ended, and put what they observe then in its place."""
-        for infant in np.flatnonzero(self._ended).tolist():
-            final = {name: readings[infant].copy() for name, readings in observation.items()}
-            first, info = self._reset_one(infant)
-            infos[infant] = {"final_obs": final, "final_info": infos[infant], **info}
-            for name, reading in first.items():
-                observation[name][infant] = reading
-        self._ended[:] = False
+        for world in dict.fromkeys(self._batch.world_of[row] for row in np.flatnonzero(self._ended)):
+            for row, (first, info) in self._reset_world(world).items():
+                final = {name: readings[row].copy() for name, readings in observation.items()}
+                infos[row] = {"final_obs": final, "final_info": infos[row], **info}
+                for name, reading in first.items():
+                    observation[name][row] = reading
+        self._batch.refresh()
 
 
-BOUND = {"infants", "closed", "_renderers", "_physics", "_senses", "_delayed", "_control_step", "_order"}
+BOUND = {"closed", "_envs", "_renderers", "_batch"}
 """Attributes that are not copied but made anew."""
 
 
-def _physics_of(infants: Sequence[InfantEnv], threads: int | None) -> ThreadedPhysics:
-    return ThreadedPhysics([infant.model for infant in infants], [infant.data for infant in infants], threads)
-
-
-def _restored(kind: type[InfantEnv], kept: dict[str, Any]) -> InfantEnv:
-    """Return the infant that was kept."""
-    infant = kind.__new__(kind)
-    infant.__setstate__(kept)
-    return infant
+def _restored(kind: type[Opened], kept: dict[str, Any]) -> Opened:
+    """Return the environment that was kept."""
+    env = kind.__new__(kind)
+    env.__setstate__(kept)
+    return env

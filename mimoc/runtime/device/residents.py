@@ -3,16 +3,15 @@
 import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from mimoc.base.errors import MimocError
-from mimoc.bundle.manifest import Manifest
+from mimoc.base.state_form import demand
 from mimoc.bundle.model import pose_of
-from mimoc.bundle.variants import Variant, Variants
+from mimoc.bundle.variants import Variant
 from mimoc.objects.spec_base import names_of
 from mimoc.objects.spec_move import checked_moves
 from mimoc.runtime import growing
@@ -24,21 +23,37 @@ from mimoc.runtime.objects import Objects
 from mimoc.runtime.spaces import check_same_space
 from mimoc.senses.sense import IntArray, Sense
 
-Find = Callable[[Variants | None, Manifest, Any], Variant | None]
-"""`growing.find_variant`, or `growing.variant_of_state`."""
+Find = Callable[[InfantEnv, Any], Variant | None]
+"""Returns the infant with the age and the scene of options or of a state, or None if it has these already."""
+
+
+def variant_of_options(infant: InfantEnv, options: Mapping[str, Any]) -> Variant | None:
+    """Return the infant with the age and the scene of options of a reset; see `growing.find_variant`."""
+    now = {"": infant.age_months}
+    wanted = {"": options.get(growing.AGE, infant.age_months)}
+    variants, manifest = infant.simulation.variants, infant.manifest
+    return growing.find_variant(variants, manifest, now, wanted, options.get(growing.SEED))
+
+
+def variant_of_state(infant: InfantEnv, state: Any) -> Variant | None:
+    """Return the infant that a state is of; see `growing.variant_of_state`."""
+    demand(isinstance(state, Mapping) and {growing.AGE, growing.SEED} <= state.keys(), "", state)
+    now, wanted = {"": infant.age_months}, {"": state[growing.AGE]}
+    variants, manifest = infant.simulation.variants, infant.manifest
+    return growing.variant_of_state(variants, manifest, now, wanted, state[growing.SEED])
 
 
 class StartingInfant(InfantEnv):
     """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
 
-    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
-        """Bind everything but vision."""
-        super()._bind({VISION: NoVision(), **former})
+    def _former_senses(self) -> Mapping[str, Sense]:
+        """Return senses that are kept when it is bound: its vision, which sees nothing."""
+        return {VISION: NoVision(), **super()._former_senses()}
 
     @property
     def has_other_scenes(self) -> bool:
         """Whether it can be in the scene of another seed."""
-        return self._variants is not None and self._variants.has_other_scenes
+        return self.simulation.variants is not None and self.simulation.variants.has_other_scenes
 
     def at(self, wanted: Any, find: Find) -> "StartingInfant":
         """Return the infant with the age and the scene that are wanted: itself, or another environment.
@@ -47,11 +62,11 @@ class StartingInfant(InfantEnv):
             ValueError: If these are not an age and a seed.
             MimocError: If there is no such infant.
         """
-        variant = find(self._variants, self.manifest, wanted)
+        variant = find(self, wanted)
         if variant is None:
             return self
-        objects = copy.deepcopy({"task": self._custom_task, "senses": self._custom_senses})
-        infant = StartingInfant(variant, variants=self._variants, **objects)
+        objects = copy.deepcopy({"task": self._custom.task, "senses": self._custom.senses})
+        infant = StartingInfant(variant, variants=self.simulation.variants, **objects)
         check_same_space(self.observation_space, infant.observation_space)
         return infant
 
@@ -61,9 +76,9 @@ class StartingInfant(InfantEnv):
         Raises:
             MimocError: If the infant has other parts at that age.
         """
-        growing.check_same_body(self._infant.bare, infant._infant.bare)
+        growing.check_same_body(self.simulation.bare, infant.simulation.bare)
         mujoco.mj_resetData(self.model, self.data)
-        self._living.fields.forget()
+        self.binding.fields.forget()
         for name, values in state["physics"].items():
             _set(self.data, name, values)
         rows = changed_rows(self)
@@ -71,14 +86,14 @@ class StartingInfant(InfantEnv):
             built = getattr(self.model, name)[which]
             given = state["model"][name].reshape(built.shape)  # MuJoCo Warp has vectors and matrices.
             getattr(self.model, name)[which] = np.where(given == built.astype(given.dtype), built, given)
-        self._living.arousal.level = state["arousal"]
-        infant._living.fields.forget()
-        growing.carry_body(self._living, infant._living)
+        self.binding.arousal.level = state["arousal"]
+        infant.binding.fields.forget()
+        growing.carry_body([self.binding], [infant.binding])
         physics = {name: np.array(getattr(infant.data, name)) for name in PHYSICS}
         model = {name: getattr(infant.model, name)[which].copy() for name, which in rows.items()}
-        for living in (self._living, infant._living):
-            living.arousal.level = living.arousal.as_built
-            living.fields.forget()
+        for bound in (self.binding, infant.binding):
+            bound.arousal.level = bound.arousal.as_built
+            bound.fields.forget()
         return {"physics": physics, "model": model}
 
 
@@ -92,7 +107,9 @@ def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
     pose = pose_of(infant.manifest, options.get(growing.POSE))
     if growing.OBJECTS in options:
         moves = checked_moves(options[growing.OBJECTS], names_of(infant.manifest.objects))
-        Objects(infant.manifest, infant.model).find_poses(pose, moves)
+        Objects(infant.manifest, infant.model).find_poses(
+            lambda data: mujoco.mj_resetDataKeyframe(data.model, data, data.model.key(pose).id), moves
+        )
 
 
 def _set(data: mujoco.MjData, name: str, values: Any) -> None:
@@ -113,7 +130,7 @@ class Residents:
     source: IntArray
     """Of which infant that the environment was made of it is an age, shape (worlds,)."""
 
-    def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = growing.find_variant) -> "Residents":
+    def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "Residents":
         """Return who lives there if each world's infant gets an age and a scene; nothing has changed if that fails.
 
         Args:

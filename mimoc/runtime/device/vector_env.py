@@ -25,12 +25,12 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import AS_BUILT, InitialStates, StartOptions
-from mimoc.runtime.device.residents import Residents, check_start
+from mimoc.runtime.device.residents import Residents, check_start, variant_of_state
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceSimulation
 from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given, variant_of_state
+from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given
 
 CARRIED = ("physics", "model", "arousal")
 STARTS = 256
@@ -106,7 +106,9 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self._starts: dict[StartOptions, InitialStates] = {AS_BUILT: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
             self.worlds.observe()
-        self._describe(infants, [self.worlds.bound.spaces[index] for index in which], mode, max_episode_steps)
+        self._describe(
+            infants[0].metadata, infants, [self.worlds.bound.spaces[index] for index in which], mode, max_episode_steps
+        )
 
     @property
     def infants(self) -> tuple[InfantEnv, ...]:

@@ -213,7 +213,7 @@ def skin_markers(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> 
             "add `senses: {touch: {}}` to its spec, and build it again"
         )
     state = bind(entry, model, bundle).skin_state(data)
-    spacings_m = {part.body: part.spacing_m for part in entry.skin}
+    spacings_m = {bundle.manifest.of_infant(part.body): part.spacing_m for part in entry.skin}
     sizes_n = np.linalg.norm(state.forces, axis=1)
     return force_markers(state.positions, sizes_n, np.array([spacings_m[body] for body in state.bodies]))
 

@@ -111,10 +111,10 @@ def test_points_of_the_skin_stay_the_same_points(live):
 def test_a_task_goes_on(live, kind):
     pose = {} if kind in ("catch", "standup", "reach") else {"scene": {"pose": "supine"}}
     env = live(9, task={"kind": kind}, steps=3, **pose)
-    before = copy.deepcopy(env._task.state)
+    before = copy.deepcopy(env.task.state)
     env.grow(to=9.5)
-    assert env._task.state.keys() == before.keys()
-    assert all(np.array_equal(env._task.state[name], before[name]) for name in before)
+    assert env.task.state.keys() == before.keys()
+    assert all(np.array_equal(env.task.state[name], before[name]) for name in before)
     env.step(np.zeros(env.action_space.shape, np.float32))
     assert simulation_warnings(env.data) == ()
 

@@ -10,7 +10,7 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.geometry.spherical_head import SOUND_M_S, interaural_time_s
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 RATE_HZ = 24_000
 SPEAKER = {"mimoc": 1, "name": "anna", "age_months": 6, "actuation": {"voice": True}, "senses": {"vestibular": {}}}
@@ -19,7 +19,7 @@ LISTENER = {"mimoc": 1, "name": "ben", "age_months": 9, "senses": {"hearing": HE
 
 
 @contextmanager
-def pair(y_cm: float) -> Iterator[SharedWorld]:
+def pair(y_cm: float) -> Iterator[WorldEnv]:
     """Yield a world in which anna, who can speak, lies beside ben, who hears."""
     bundle = placed({"anna": SPEAKER, "ben": LISTENER}, {"y_cm": y_cm}, {"y_cm": 0})
     with closing(mimoc.make_parallel(bundle)) as env:
@@ -27,7 +27,7 @@ def pair(y_cm: float) -> Iterator[SharedWorld]:
         yield env
 
 
-def heard(env: SharedWorld, steps: int, loudness: float = 1.0) -> np.ndarray:
+def heard(env: WorldEnv, steps: int, loudness: float = 1.0) -> np.ndarray:
     """Return what ben hears in some control steps in which anna is loud, shape (2, n)."""
     sounds = []
     for _ in range(steps):
@@ -37,7 +37,7 @@ def heard(env: SharedWorld, steps: int, loudness: float = 1.0) -> np.ndarray:
     return np.concatenate(sounds, axis=1)
 
 
-def mouth_from_head(env: SharedWorld) -> np.ndarray:
+def mouth_from_head(env: WorldEnv) -> np.ndarray:
     """Return where anna's mouth is from the middle of ben's head, in the frame of that, shape (3,), [m]."""
     voice = env.infants["anna"].manifest.actuation.voice
     entry = env.infants["ben"].manifest.senses.hearing

@@ -11,12 +11,12 @@ from mimoc.policies.interface import interface_of
 from mimoc.policies.many import policy_vec
 from mimoc.policies.named import policy_of
 from mimoc.runtime.rollout import Run, rollout
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
 def test_a_policy_commands_what_it_does_alone(policy):
-    shared = SharedWorld(placed({"anna": ANNA, "ben": BEN}, {"y_cm": 0}, {"y_cm": 500}))
+    shared = WorldEnv(placed({"anna": ANNA, "ben": BEN}, {"y_cm": 0}, {"y_cm": 500}))
     alone = open_infant(built(ANNA))
     observation, _ = alone.reset(seed=3)
     observations, _ = shared.reset(seed=3)
@@ -30,12 +30,12 @@ def test_a_policy_commands_what_it_does_alone(policy):
 
 
 def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
-    shared = SharedWorld(world(anna=ANNA, ben=BEN))
+    shared = WorldEnv(world(anna=ANNA, ben=BEN))
     assert interface_of(shared.infants["anna"]) == interface_of(open_infant(built(ANNA)))
 
 
 def test_a_run_is_summed_up_for_each_infant():
-    run = Run(SharedWorld(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    run = Run(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
     for _ in range(10):
         run.step()
     summaries = run.summaries()
@@ -48,12 +48,12 @@ def test_a_run_is_summed_up_for_each_infant():
 
 def test_a_policy_that_there_is_not_is_refused():
     with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
-        Run(SharedWorld(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+        Run(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
 
 
 def test_policies_of_all_infants_take_the_form_of_their_environment():
     """By name in a world, with a policy for one of them; single ones for one infant; rows in a vector environment."""
-    shared, alone = SharedWorld(world(anna=ANNA, ben=BEN)), open_infant(built(ANNA))
+    shared, alone = WorldEnv(world(anna=ANNA, ben=BEN)), open_infant(built(ANNA))
     observations, _ = shared.reset(seed=3)
     observation, _ = alone.reset(seed=3)
     act = policy_vec({"anna": "general_movements"}, shared)

@@ -103,7 +103,7 @@ def test_a_hand_gets_to_every_part_at_every_age(built, age_months, hands, hand):
         for target in env.manifest.task.targets:
             seed_of(env, target.name)
             assert touch(env, hand, target.bodies), target.name
-            verdict = env._task.judge(env.data, env.action_space.sample(), env.effort)
+            verdict = env.task.judge(env.data, env.action_space.sample(), env.effort)
             assert verdict.success, target.name
             assert verdict.terminated
             assert verdict.reward_terms == {"touch": 500.0, "distance": 0.0, "idle": 0.0}
@@ -114,7 +114,7 @@ def test_touching_another_part_costs_the_distance(env):
     seed_of(env, "head")
     for part in ("left_upper_leg", "right_upper_leg", "hip"):
         assert touch(env, hand, (part,))
-        verdict = env._task.judge(env.data, env.action_space.sample(), env.effort)
+        verdict = env.task.judge(env.data, env.action_space.sample(), env.effort)
         fingers = env.data.body(env.manifest.task.fingers).xpos
         middles = env.data.geom_xpos[solids(env, ("head", "left_eye", "right_eye"))]
         distance_m = np.linalg.norm(middles - fingers, axis=1).min()

@@ -11,7 +11,7 @@ from scipy.signal import find_peaks
 
 from mimoc.motion.body_points import locate
 from mimoc.policies.named import policy_of
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import FloatArray, Observation
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import SIDES, Setup, open_infant
@@ -60,7 +60,7 @@ class AlternateSteps:
     A leg that is not bent is stretched a little.
     """
 
-    def __init__(self, env: InfantEnv):
+    def __init__(self, env: Infant):
         """Look up the muscles."""
         names = [env.model.actuator(int(index)).name for index in env.actuation.actuators]
         self._bends, self._stretches = (

@@ -15,7 +15,7 @@ import mimoc
 from mimoc.base.errors import KindError, MimocError, UnknownNameError
 from mimoc.bundle.world import WorldBundle
 from mimoc.environments import open_infant
-from mimoc.runtime.shared_world import SharedWorld
+from mimoc.runtime.world_env import WorldEnv
 
 FAR = 1e-9
 """What may differ between an infant that is alone and one whose neighbour is far away, over some control steps."""
@@ -82,7 +82,7 @@ def test_agents_are_infants_with_the_spaces_that_they_have_alone(env):
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_infant_alone_in_a_world_lives_as_in_its_own_environment(kind):
     data = KINDS[kind]
-    alone, shared = open_infant(built(data)), SharedWorld(world(kim=data))
+    alone, shared = open_infant(built(data)), WorldEnv(world(kim=data))
     assert_lives_alike(alone, shared, "kim", 1e-6)
 
 
@@ -90,10 +90,10 @@ def test_an_infant_alone_in_a_world_lives_as_in_its_own_environment(kind):
 def test_an_infant_lives_as_alone_while_another_moves_five_metres_away(kind):
     data = KINDS[kind]
     far = placed({"anna": data, "ben": data}, {"y_cm": 0}, {"y_cm": 500})
-    assert_lives_alike(open_infant(built(data)), SharedWorld(far), "anna", 1e-6)
+    assert_lives_alike(open_infant(built(data)), WorldEnv(far), "anna", 1e-6)
 
 
-def assert_lives_alike(alone, shared: SharedWorld, name: str, tolerance: float):
+def assert_lives_alike(alone, shared: WorldEnv, name: str, tolerance: float):
     """Assert that an infant senses and earns in its world what it does alone, with the same seed and the same actions.
 
     Observations are in single precision; what MuJoCo computes is compared more closely. Contacts make small differences
@@ -120,7 +120,7 @@ def assert_lives_alike(alone, shared: SharedWorld, name: str, tolerance: float):
 
 def test_two_infants_touch_and_feel_the_same_force_in_opposite_directions():
     bundle = world({"kind": "empty"}, anna=ANNA, ben=BEN)
-    shared = SharedWorld(bundle)
+    shared = WorldEnv(bundle)
     shared.reset(seed=0)
     towards = shared.data.body("ben_hip").xpos - shared.data.body("anna_hip").xpos
     shared.data.joint("anna_mimo_location").qvel[:3] = 1.5 * towards / np.linalg.norm(towards)
@@ -143,7 +143,7 @@ def test_an_infant_sees_the_other():
     seen = {}
     for x_cm in (60, -60):
         places = {"x_cm": 0, "y_cm": 0}, {"x_cm": x_cm, "y_cm": 0, "yaw_deg": 180 if x_cm > 0 else 0}
-        shared = SharedWorld(placed({"anna": sitting, "ben": sitting}, *places))
+        shared = WorldEnv(placed({"anna": sitting, "ben": sitting}, *places))
         observations, _ = shared.reset(seed=0)
         seen[x_cm] = observations["anna"]["eye_left"].astype(float)
         shared.close()
@@ -200,7 +200,7 @@ def test_a_reset_puts_an_infant_into_another_pose_and_leaves_the_other(env):
     [
         ({"kim": {"pose": "sitting"}}, "'kim' is not a name of an infant of this world; choose from anna, ben"),
         ({"anna": {"pose": "dancing"}}, "'dancing' is not a pose"),
-        ({"anna": {"age_months": 3}}, "'age_months' is not a reset option of an infant in a world"),
+        ({"anna": {"scene_seed": 3}}, "'scene_seed' is not a reset option of an infant in a world"),
     ],
 )
 def test_options_that_there_are_not_are_refused(env, options, message):
@@ -227,7 +227,7 @@ class Short(mimoc.Task):
 
 
 def test_an_infant_whose_episode_ends_is_no_agent_any_longer_and_stays_where_it_is(pair):
-    shared = SharedWorld(pair, tasks={"anna": Short(steps=2), "ben": Short(steps=4)})
+    shared = WorldEnv(pair, tasks={"anna": Short(steps=2), "ben": Short(steps=4)})
     shared.reset(seed=0)
     agents = []
     while shared.agents:
@@ -253,9 +253,9 @@ def test_an_unstable_simulation_ends_all_episodes_with_finite_observations(env):
 
 def test_objects_of_a_script_are_for_infants_by_name(pair):
     with pytest.raises(UnknownNameError, match="'kim' is not a name of an infant of this world"):
-        SharedWorld(pair, tasks={"kim": Short()})
+        WorldEnv(pair, tasks={"kim": Short()})
     with pytest.raises(KindError):
-        SharedWorld(pair, tasks={"anna": Short})
+        WorldEnv(pair, tasks={"anna": Short})
 
 
 def test_keys_of_a_file_can_be_said_of_specs_by_name_as_the_page_prints_it():
@@ -294,7 +294,7 @@ def test_a_closed_world_says_so(pair):
 
 def test_poses_that_would_put_infants_into_each_other_are_refused():
     standing = {**BEN, "scene": {"pose": "standing"}}
-    shared = SharedWorld(placed({"anna": standing, "ben": standing}, {"y_cm": 0}, {"y_cm": 30}))
+    shared = WorldEnv(placed({"anna": standing, "ben": standing}, {"y_cm": 0}, {"y_cm": 30}))
     shared.reset(seed=0)
     with pytest.raises(MimocError, match="'anna' and 'ben' are within each other in these poses"):
         shared.reset(options={"anna": {"pose": "supine"}, "ben": {"pose": "supine"}})
@@ -302,7 +302,7 @@ def test_poses_that_would_put_infants_into_each_other_are_refused():
 
 
 def test_a_picture_shows_all(pair):
-    shared = SharedWorld(pair, render_mode="rgb_array", width=64, height=48)
+    shared = WorldEnv(pair, render_mode="rgb_array", width=64, height=48)
     shared.reset(seed=0)
     picture = shared.render()
     assert picture.shape == (48, 64, 3)

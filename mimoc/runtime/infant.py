@@ -1,0 +1,445 @@
+"""One infant in a simulation: its senses, commands, delays, task, arousal and face, alone or with others."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from gymnasium.utils.seeding import np_random
+
+from mimoc.actuation.arousal import Arousal
+from mimoc.actuation.binding import Actuation, bind_actuation
+from mimoc.actuation.voice import Voice
+from mimoc.base.errors import MimocError, check_name
+from mimoc.base.model_fields import ModelFields
+from mimoc.base.state_form import check_form
+from mimoc.bundle.face import Face
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.physics_state import time_of
+from mimoc.companions.binding import bind_companions
+from mimoc.companions.caregiver.run import Caregiver
+from mimoc.companions.companion import Companions
+from mimoc.delays.schedule import Schedule
+from mimoc.delays.timing import timing_of
+from mimoc.noise.noise import NoiseStreams
+from mimoc.runtime.closing import closable
+from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.expression import expression_fields, face_of, set_expression
+from mimoc.runtime.objects import Objects
+from mimoc.runtime.observer import NO_OBSERVER, Observer
+from mimoc.runtime.spaces import action_space, observation_space
+from mimoc.senses.binding import bind_senses
+from mimoc.senses.custom import by_name
+from mimoc.senses.sense import Observation, Sense
+from mimoc.tasks.judgement import NO_REWARD, check_judgement, reward_of
+from mimoc.tasks.task import Task, bind_task
+
+if TYPE_CHECKING:  # Touch needs SciPy, which most environments do without.
+    from mimoc.senses.touch.run import SkinState
+
+NOTHING: Mapping[str, Any] = MappingProxyType({})
+PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"
+"""Names in a state."""
+Judged = tuple[float, bool, bool, dict[str, Any]]
+"""Reward, terminated, truncated and info of a control step."""
+
+
+@dataclass(frozen=True)
+class Custom:
+    """Objects of a script for one infant."""
+
+    task: Any = None
+    """Replaces the bundle's task; see `tasks.task.Task`."""
+    senses: Mapping[str, Any] = field(default_factory=dict)
+    """Are added to the bundle's senses, by name; see `senses.custom.CustomSense`."""
+    companions: Mapping[str, Any] = field(default_factory=dict)
+    """Act in its world as well, by name; see `companions.companion.Companion`."""
+
+    @classmethod
+    def checked(cls, task: Any, senses: Any, companions: Any) -> "Custom":
+        """Return objects, or raise a KindError if senses or companions are not in a dictionary."""
+        return cls(task, by_name(senses), by_name(companions, "companions", "name"))
+
+    @property
+    def is_any(self) -> bool:
+        """Whether there are any, which may draw."""
+        return self.task is not None or bool(self.senses or self.companions)
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """All that an infant has in one model; an infant that grows, or gets another scene, is bound anew."""
+
+    manifest: Manifest
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    actuation: Actuation
+    senses: Mapping[str, Sense]
+    task: Task
+    schedule: Schedule
+    voice: Voice | None
+    constraints: Constraints
+    objects: Objects
+    arousal: Arousal
+    face: Face | None
+    fields: ModelFields
+    """All that its episodes change in the model."""
+
+
+@closable("layout", "get_state")
+class Infant:
+    """An infant in a simulation, which steps it; what can be read of it is the same whatever else is there."""
+
+    closed = False
+    name = ""
+    """Its name in a world; empty if it is alone."""
+    simulation: Any
+    """The `Simulation` that it is in."""
+    bundle: Bundle
+    render_mode: Any = None
+    """Gymnasium's render mode of its simulation."""
+    observer: Observer = NO_OBSERVER
+    noise: NoiseStreams
+    """Random numbers of noise, jitter and companions, by channel."""
+    random: np.random.Generator
+    """Random numbers of its task."""
+    steps = 0
+    """Control steps of this episode so far."""
+    action_space: Any
+    """The space of its actions: one command for each of its commanded actuators."""
+    observation_space: Any
+    """The space of what it observes; like that of its actions, it stays as it is when it grows."""
+    _binding: Binding
+    _judged: Task | None = None
+    """The task whose first judgement was as it must be."""
+    _custom = Custom()
+
+    def __init__(self, custom: Custom):
+        """Prepare an infant for a simulation, which binds it."""
+        self._custom = custom
+        self.random, seed = np_random()
+        self.noise = NoiseStreams(seed)
+
+    def draw_from(self, seed: int) -> None:
+        """Draw random numbers from this seed on."""
+        self.random, _ = np_random(seed)
+        self.noise.restart(seed)
+
+    def render(self) -> Any:
+        """Return a picture of its simulation; see `Simulation.render`."""
+        return self.simulation.render()
+
+    def bind(self, bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData, world: Any = None) -> None:
+        """Look up in a model, in which no episode has changed anything yet, everything that the manifest names.
+
+        The first of several infants gets the bundle of their *world*, for what acts on all of them.
+
+        Senses of the model before are kept where they can be, or closed.
+        """
+        manifest, custom, noise = bundle.manifest, self._custom, self.noise
+        actuation = bind_actuation(manifest.actuation, model)
+        senses = bind_senses(bundle, model, self._former_senses(), custom.senses)
+        task = bind_task(bundle, model, custom.task)
+        voice = Voice(manifest.actuation.voice) if manifest.actuation.voice else None
+        companions = bind_companions(model, bundle, noise, custom.companions, senses, voice, world)
+        schedule = Schedule(senses, actuation, model, timing_of(manifest, senses), noise, companions, voice)
+        face, constraints, objects = face_of(bundle), Constraints(manifest.constraints, model), Objects(manifest, model)
+        changed = *constraints.model_fields, *task.model_fields, *expression_fields(face, model), *objects.model_fields
+        fields = ModelFields(model, (*changed, *companions.model_fields))
+        arousal = Arousal(manifest.actuation, model)
+        self.bundle = bundle
+        self._binding = Binding(
+            manifest, model, data, actuation, senses, task, schedule, voice, constraints, objects, arousal, face, fields
+        )
+
+    def _former_senses(self) -> Mapping[str, Sense]:
+        return self._binding.senses if hasattr(self, "_binding") else NOTHING
+
+    # What can be read of it.
+
+    @property
+    def binding(self) -> Binding:
+        """What it has in its present model."""
+        return self._binding
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
+        return self.simulation.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """MuJoCo's state."""
+        return self._binding.data
+
+    @property
+    def manifest(self) -> Manifest:
+        """Everything the compiler tells the runtime about this infant."""
+        return self.bundle.manifest
+
+    @property
+    def actuation(self) -> Actuation:
+        """The mapping from actions to controls: actuators in the order of the action, and their limits."""
+        return self._binding.actuation
+
+    @property
+    def senses(self) -> Mapping[str, Sense]:
+        """What it senses with, by name."""
+        return self._binding.senses
+
+    @property
+    def voice(self) -> Voice | None:
+        """Its voice, if it has one."""
+        return self._binding.voice
+
+    @property
+    def companions(self) -> Companions:
+        """What else acts in its world, by name."""
+        return self._binding.schedule.companions
+
+    @property
+    def caregiver(self) -> Caregiver:
+        """The adult by the infant, the same for all infants of a world.
+
+        Raises:
+            MimocError: If there is none.
+        """
+        first, *_ = self.simulation.infants.values()
+        companion = first.companions.get("caregiver")
+        if not isinstance(companion, Caregiver):
+            raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
+        return companion
+
+    @property
+    def task(self) -> Task:
+        """What starts its episodes and judges its steps."""
+        return self._binding.task
+
+    @property
+    def schedule(self) -> Schedule:
+        """Its control step, with all signals on their way."""
+        return self._binding.schedule
+
+    @property
+    def max_steps(self) -> int | None:
+        """Control steps after which an episode is truncated; None is never."""
+        return self._binding.task.steps
+
+    @property
+    def age_months(self) -> float:
+        """The infant's age."""
+        return self.bundle.manifest.child.age_months
+
+    def layout(self, sense: str) -> tuple[str, ...]:
+        """Return the name and unit of each element of a sense's observation, in order.
+
+        Raises:
+            UnknownNameError: If this infant has no such sense.
+        """
+        check_name("sense of this infant", sense, self.senses)
+        layout, of_infant = self.senses[sense].layout, self.manifest.of_infant
+        return tuple(map(of_infant, layout)) if self.manifest.prefix else layout
+
+    @property
+    def skin(self) -> "SkinState":
+        """The current positions, bodies and forces of all skin points, without delay.
+
+        Raises:
+            UnknownNameError: If this infant has no sense of touch.
+        """
+        check_name("sense of this infant", "touch", self.senses)
+        touch: Any = self.senses["touch"]
+        return touch.skin_state(self.data)
+
+    @property
+    def arousal(self) -> float:
+        """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
+        return self._binding.arousal.level
+
+    def effort(self) -> float:
+        """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
+
+        This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
+        activation of a muscle, or the fraction of the peak torque in use, muscle tone included (docs/own_reward.md).
+        """
+        return self.actuation.cost(self.data)
+
+    def keypoints(self) -> npt.NDArray[np.float64]:
+        """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
+        names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
+        sites = np.array([mujoco.mj_name2id(self._binding.model, site, name) for name in names], int)
+        return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
+
+    @property
+    def rest(self) -> npt.NDArray[np.float32]:
+        """The action that commands nothing, shape (n,)."""
+        return np.clip(0.0, self.action_space.low, self.action_space.high).astype(np.float32)
+
+    def spaces(self) -> tuple[Any, Any]:
+        """Return the spaces of its actions and of what it observes as they are at its present age."""
+        return action_space(self.actuation, self.voice is not None), observation_space(self.senses, self.task)
+
+    # What can be done to it.
+
+    def play(
+        self, pressure_pa: npt.ArrayLike, sample_rate_hz: float, place_m: Sequence[float], body: str = "world"
+    ) -> None:
+        """Let a sound begin now, as from a loudspeaker, for an infant that hears.
+
+        A recording does not contain it; what is to be simulated again lets a `Companion` sound.
+
+        Args:
+            pressure_pa: Sound pressure at 1 m, shape (n,), [Pa].
+            sample_rate_hz: Samples per second.
+            place_m: Its place in the frame of the body, shape (3,).
+            body: The body of the model that it moves with.
+
+        Raises:
+            UnknownNameError: If this infant does not hear, or there is no such body.
+            ValueError: If this is no sound or no place.
+
+        Example:
+            >>> import mimoc
+            >>> import numpy as np
+            >>> spec = mimoc.load_spec("nine_months.yaml").with_(senses={"hearing": {"output": "levels"}})
+            >>> env = mimoc.make(spec).unwrapped
+            >>> _ = env.reset(seed=0)
+            >>> env.play(0.1 * np.sin(2 * np.pi * 1000 * np.arange(4800) / 24_000), 24_000, (0.0, 1.0, 0.2))
+            >>> for _ in range(5):
+            ...     observation = env.step(0 * env.action_space.sample())[0]
+            >>> bool((observation["hearing"] > 20).all())  # [dB] above its threshold, at both ears.
+            True
+        """
+        check_name("sense of this infant", "hearing", self.senses)
+        check_name("body", body, [self.model.body(index).name for index in range(self.model.nbody)])
+        hearing: Any = self.senses["hearing"]
+        hearing.play(pressure_pa, sample_rate_hz, place_m, self.model.body(body).id, self.data)
+
+    def set_expression(self, expression: str) -> None:
+        """Change the facial expression.
+
+        Raises:
+            UnknownNameError: If there is no such expression.
+        """
+        set_expression(expression, self._binding.face, self._binding.model)
+        self.observer.expressed(expression)
+
+    def set_arousal(self, level: float) -> None:
+        """Change the arousal for the rest of the episode, from the next physics step on.
+
+        Raises:
+            ValueError: If it is none from 0 to 2.
+        """
+        self._binding.arousal.level = level
+        self.observer.aroused(level)
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the complete state of its simulation; see `Simulation.get_state`."""
+        return self.simulation.get_state()
+
+    # What its simulation does with it.
+
+    def start_task(self, chance: np.random.Generator | None = None) -> None:
+        """Start its task in a state that an episode begins with; it draws from its random numbers, or from *chance*."""
+        self.steps = 0
+        self.task.start(self.data, self.random if chance is None else chance)
+
+    def start_signals(self) -> None:
+        """Let companions begin, and forget all signals, in a state that an episode starts from.
+
+        Raises:
+            KindError: If a sense or the task does not observe what it says.
+        """
+        self.companions.reset(self.data)
+        self.schedule.reset(self.data)
+        self.task.check_observation()
+
+    def observe(self) -> Observation:
+        """Return what the senses and the task give, as fresh arrays."""
+        return {**self._binding.schedule.observe(), **self._binding.task.observe()}
+
+    def judge(self, action: npt.NDArray[Any], *, unstable: bool) -> Judged:
+        """Count a control step that has been made: return reward, terminated, truncated and info.
+
+        Raises:
+            KindError: If the task's reward is no finite number, or its first judgement is none.
+        """
+        self.steps += 1
+        bound = self._binding
+        task, verdict, reward = bound.task, NO_REWARD, 0.0
+        if not unstable:
+            verdict = task.judge(bound.data, action, self.effort)
+            if verdict is not NO_REWARD:
+                if self._judged is not task:
+                    check_judgement(verdict, task)
+                    self._judged = task
+                reward = reward_of(verdict, task)
+        truncated = task.steps is not None and self.steps >= task.steps
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        info[AGE] = self.age_months
+        return reward, verdict.terminated or unstable, truncated, info
+
+    def close_senses(self) -> None:
+        """Free what its senses hold."""
+        for sense in self.senses.values():
+            sense.close()
+        self.closed = True
+
+    # Its state, without the physics, which several infants have in common.
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that its next steps depend on but the physics; not copied."""
+        bound = self._binding
+        companions = {"companions": self.companions.state} if self.companions else {}
+        return {
+            "signals": bound.schedule.state,
+            "model": bound.fields.state,
+            "task": bound.task.state,
+            "noise": self.noise.state,
+            "arousal": bound.arousal.level,
+            **companions,
+            STEPS: self.steps,
+            RANDOM: self.random.bit_generator.state,
+            AGE: self.age_months,
+        }
+
+    @contextmanager
+    def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
+        """Restore a state within that can be that of this infant, the physics included; *valid* is one that is.
+
+        Raises:
+            ValueError: If it cannot be, or cannot be restored; the message says where.
+        """
+        try:
+            check_form(state, _lasting(valid))
+            self.schedule.check(state["signals"], time_of(state[PHYSICS]))
+            yield
+        except (AttributeError, IndexError, KeyError, OverflowError, TypeError) as error:
+            raise ValueError(f"this state cannot be restored ({error}); give one that get_state returned") from error
+
+    def restore_model(self, state: Mapping[str, Any]) -> None:
+        """Restore what a state says of the model and the task, before the physics."""
+        bound = self._binding
+        bound.fields.state, bound.task.state = state["model"], state["task"]
+        bound.arousal.level = state["arousal"]
+
+    def restore_signals(self, state: Mapping[str, Any]) -> None:
+        """Restore what a state says of signals, noise, companions and random numbers, after the physics."""
+        self.schedule.state, self.noise.state = state["signals"], state["noise"]
+        if self.companions:
+            self.companions.state = state["companions"]
+        self.steps, self.random.bit_generator.state = state[STEPS], state[RANDOM]
+
+
+def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what has the same form in all states of an infant: not tasks, companions, signals, nor streams."""
+    signals = {name: state["signals"][name] for name in ("noise", "motor_noise")}
+    noise = {"seed": state["noise"]["seed"]}
+    lasting = {name: state[name] for name in state if name not in ("task", "companions", "before")}
+    return lasting | {"signals": signals, "noise": noise}

@@ -1,0 +1,470 @@
+"""The simulation: one MuJoCo model and its state, and the infants in it, one or several."""
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.base.errors import MimocError
+from mimoc.base.random_streams import checked_seed
+from mimoc.base.state_form import check_finite, demand
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import begin, bounded, is_unstable
+from mimoc.bundle.physics_state import STATE, physics_of, set_physics
+from mimoc.bundle.variants import Variant
+from mimoc.bundle.world import WorldBundle, overlaps
+from mimoc.companions.binding import hear_each_other
+from mimoc.render.environment import EnvRenderer
+from mimoc.runtime import growing
+from mimoc.runtime.control_step import ControlStep
+from mimoc.runtime.growing import AGE, AROUSAL, SEED
+from mimoc.runtime.infant import NOTHING, PHYSICS, Binding, Infant
+from mimoc.runtime.objects import NOWHERE, Pose
+from mimoc.runtime.spaces import check_same_space
+from mimoc.senses.sense import FloatArray, Observation
+
+INFANTS, BEFORE = "infants", "before"
+"""Names in a state."""
+Stepped = tuple[Observation, float, bool, bool, dict[str, Any]]
+"""Observation, reward, terminated, truncated and info of an infant."""
+AgeSchedule = Callable[[int], float]
+"""From the control steps that were taken so far to an age in months."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pictures:
+    """How a simulation shows itself."""
+
+    mode: str | None = None
+    """Gymnasium's render mode."""
+    width_px: int = 480
+    height_px: int = 480
+
+
+class Simulation:
+    """A MuJoCo model and its state, the infants bound to it, and what else acts there; it knows nothing of Gymnasium.
+
+    Its infants may be of any age and get others, by `grow`, by the options of a reset, or by a schedule of growth. One
+    that is alone has the empty name.
+    """
+
+    data: mujoco.MjData
+
+    def __init__(
+        self,
+        variant: Variant,
+        infants: Mapping[str, Infant],
+        variants: Any = None,
+        pictures: Pictures | None = None,
+        *,
+        draws: bool = False,
+    ):
+        """Bind infants to a model, in which no episode has changed anything yet, and start them.
+
+        Args:
+            variant: The bundle of the infant or the world, with its model.
+            infants: The infants by name, which this binds.
+            variants: Makes the same infants at other ages and in other scenes; see `bundle.variants`.
+            pictures: How it shows itself.
+            draws: Whether anything draws the infants, so that a model needs the skins of their ages.
+
+        Raises:
+            KindError: If an object of a script is none of its kind.
+            RenderingError: If vision or the pictures need OpenGL or a screen that is not available.
+        """
+        self._variant, self._variants, self._draws = variant, variants, draws
+        self.infants: Mapping[str, Infant] = MappingProxyType(dict(infants))
+        self.schedules: Mapping[str, AgeSchedule] = NOTHING
+        """The schedules of growth of some infants."""
+        self.steps_done = 0
+        """Control steps taken so far, in all episodes, by which infants with schedules grow."""
+        self._pictures = pictures or Pictures()
+        for name, infant in infants.items():
+            infant.name, infant.simulation, infant.render_mode = name, self, self._pictures.mode
+        self._bind()
+        for infant in infants.values():
+            infant.action_space, infant.observation_space = infant.spaces()
+        # Recordings keep what the first reset ends, so that this must be the same each time.
+        self._start(chance=np.random.default_rng(0))
+        self.renderer = self._open_renderer()
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model, which may be changed; that of growing infants gets their skins when it is asked for."""
+        return self._variant.model
+
+    @property
+    def bare(self) -> mujoco.MjModel:
+        """The same model, maybe with the skins of another age."""
+        return self._variant.bare
+
+    @property
+    def bundle(self) -> Bundle | WorldBundle:
+        """The infant, or the world, at its present ages and in its present scene."""
+        return self._variant.bundle
+
+    @property
+    def variants(self) -> Any:
+        """Makes the same infants at other ages and in other scenes; None if nothing does."""
+        return self._variants
+
+    @property
+    def seed(self) -> int:
+        """The seed of the scene."""
+        return self.bundle.manifest.seed
+
+    def grow_by(self, schedules: Mapping[str, AgeSchedule]) -> None:
+        """Let infants have the ages of schedules from now on, by the control steps of this simulation."""
+        self.schedules = MappingProxyType(dict(schedules))
+
+    def reset(
+        self,
+        seeds: Mapping[str, int | None] = NOTHING,
+        options: Mapping[str, Mapping[str, Any]] = NOTHING,
+        scene_seed: int | None = None,
+    ) -> dict[str, tuple[Observation, dict[str, Any]]]:
+        """Start an episode of all infants.
+
+        Args:
+            seeds: By infant; one without a seed goes on drawing.
+            options: By infant, its `pose`, `arousal` and `age_months`, and `objects` that are elsewhere.
+            scene_seed: The scene, from now on.
+
+        Returns:
+            Observation and info of each infant.
+
+        Raises:
+            UnknownNameError: If there is no such pose, object or option.
+            TypeError: If options are no dictionary.
+            ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
+            MimocError: If there are no such infants, and nothing has changed then; or if infants are within each other
+                in these poses, and no episode is on then.
+        """
+        given = {name: self._options(name, options.get(name)) for name in self.infants}
+        seeds = {name: checked_seed(seed) for name, seed in seeds.items() if seed is not None}
+        ages = {name: of_infant[AGE] for name, of_infant in given.items() if AGE in of_infant}
+        variant = self._find(ages, given.get("", NOTHING).get(SEED, scene_seed))
+        poses, elsewhere = growing.find_start(given, variant or self._variant, self.infants, is_new=bool(variant))
+        for infant in self.infants.values():
+            infant.observer.resetting()
+        for name, seed in seeds.items():
+            self.infants[name].draw_from(seed)
+        if variant:
+            self._become(variant)
+        for name, infant in self.infants.items():
+            infant.binding.arousal.level = given[name].get(AROUSAL, infant.manifest.actuation.arousal)
+        self._start(poses, elsewhere)
+        if variant:
+            self.renderer.start_again(self.bare, self.data)
+        self.renderer.show()
+        return {name: self._was_reset(infant, seeds.get(name), given[name]) for name, infant in self.infants.items()}
+
+    def step(self, actions: Mapping[str, Any]) -> dict[str, Stepped]:
+        """Make one control step; infants without an action command nothing, and their episodes do not go on.
+
+        Raises:
+            ValueError: If an action has the wrong shape or is not finite; nothing has changed then.
+        """
+        if self.schedules:
+            self.grow_as_scheduled()
+        controls, data = self._controls(actions), self.data
+        acting = [self.infants[name] for name in actions]
+        for infant in acting:
+            infant.observer.stepping()
+        self._control_step(controls)
+        self.steps_done += 1
+        unstable = is_unstable(data)
+        stepped: dict[str, Stepped] = {}
+        for infant in acting:
+            action = actions[infant.name]
+            judged, observation = infant.judge(action, unstable=unstable), infant.observe()
+            if unstable:
+                for reading in observation.values():
+                    np.nan_to_num(reading, copy=False)
+            stepped[infant.name] = (observation, *judged)
+        for infant in acting:
+            observation, reward, terminated, truncated, info = stepped[infant.name]
+            infant.observer.stepped(actions[infant.name], observation, (reward, terminated, truncated, info))
+        self.renderer.show()
+        return stepped
+
+    def _controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
+        """Return the controls of all infants' actions; those without one command nothing."""
+        if len(actions) < len(self.infants):
+            actions = {**{name: infant.rest for name, infant in self.infants.items()}, **actions}
+        return {name: schedule.controls(actions[name], self.data) for name, schedule in self._schedules.items()}
+
+    def grow_as_scheduled(self) -> None:
+        """Let infants have the ages that their schedules say, if these are others.
+
+        Raises:
+            MimocError: If there is no such infant.
+        """
+        if self.schedules and (due := self._due()):
+            self.grow(due)
+
+    def grow(self, ages_months: Mapping[str, float]) -> None:
+        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`.
+
+        Raises:
+            ValueError: If one is no age from 0 to 24 months.
+            MimocError: If there is no such infant, or nothing can make it; nothing has changed then.
+        """
+        variant = self._find(ages_months)
+        if variant is None:
+            return
+        growing.check_same_body(self.bare, variant.bare)
+        former, before = [infant.binding for infant in self.infants.values()], self.ages_months
+        remembered = [copy.deepcopy(infant.companions.state) for infant in self.infants.values()]
+        self._become(variant)
+        growing.carry_on(former, [infant.binding for infant in self.infants.values()])
+        for infant, state in zip(self.infants.values(), remembered, strict=True):
+            infant.companions.state = state
+        self.renderer.set_model(self.bare, self.data)
+        self.renderer.show()
+        for name, age_months in self.ages_months.items():
+            if age_months != before[name]:
+                self.infants[name].observer.grew(age_months)
+
+    @property
+    def ages_months(self) -> dict[str, float]:
+        """The age of each infant."""
+        return {name: infant.age_months for name, infant in self.infants.items()}
+
+    def observe(self) -> dict[str, Observation]:
+        """Return what each infant observes."""
+        return {name: infant.observe() for name, infant in self.infants.items()}
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the complete state: physics, scene, and of each infant signals, noise, arousal, task, age and chance.
+
+        It consists of arrays, lists and dictionaries that are independent of the simulation and can be pickled.
+        """
+        infants = {name: infant.state for name, infant in self.infants.items()}
+        seen = [infant.companions.before for infant in self.infants.values() if infant.companions]
+        before = {BEFORE: seen[0]} if seen else {}
+        physics = physics_of(self.bare, self.data)
+        return copy.deepcopy({PHYSICS: physics, **before, INFANTS: infants, SEED: self.seed})
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Restore a state of this simulation, or of another one of the same bundle, with its ages and its scene.
+
+        All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
+        bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
+
+        Raises:
+            ValueError: If it is no state of these infants, or one that cannot be restored here; nothing has changed
+                then.
+            MimocError: If there are no such infants.
+        """
+        ages = {name: infant[AGE] for name, infant in _infants_in(state, [*self.infants]).items()}
+        manifest = self.bundle.manifest
+        variant = growing.variant_of_state(self._variants, manifest, self.ages_months, ages, state[SEED])
+        with self._undone_on_failure() as before:
+            if variant:
+                self._become(variant)
+                self._start()
+            valid = self.get_state() if variant else before
+            with ExitStack() as checked:
+                for name, infant in self.infants.items():
+                    ours, theirs = ({**whole[INFANTS][name], PHYSICS: whole[PHYSICS]} for whole in (state, valid))
+                    checked.enter_context(infant.checked(ours, theirs))
+                self._restore(copy.deepcopy(state))
+        if variant:
+            self.renderer.start_again(self.bare, self.data)
+        for infant in self.infants.values():
+            infant.observer.restored()
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """Return a picture of all infants, shape (height, width, 3), in render mode `rgb_array`, otherwise None.
+
+        Raises:
+            RenderingError: If OpenGL is not available.
+        """
+        return self.renderer.render()
+
+    def close(self) -> None:
+        """Free the OpenGL contexts and close the window, if there are any."""
+        for infant in self.infants.values():
+            infant.close_senses()
+        self.renderer.close()
+
+    # Copies and pickles.
+
+    def kept(self) -> dict[str, Any]:
+        """Return what a copy is made of, besides its infants: the model as it was before any episode, and the state."""
+        return {
+            "variant": self._variant.again(_model_as_built([infant.binding for infant in self.infants.values()])),
+            "variants": self._variants,
+            "draws": self._draws,
+            "pictures": self._pictures,
+            "growth": (dict(self.schedules), self.steps_done),
+            "state": self.get_state(),
+        }
+
+    @classmethod
+    def again(cls, kept: Mapping[str, Any], infants: Mapping[str, Infant]) -> "Simulation":
+        """Return a copy with these infants, which have no binding yet, in the state of the original."""
+        simulation = cls.__new__(cls)
+        simulation._variant, simulation._variants, simulation._draws = kept["variant"], kept["variants"], kept["draws"]
+        simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
+        simulation.schedules, simulation.steps_done = kept["growth"]
+        for name, infant in infants.items():
+            infant.name, infant.simulation, infant.render_mode = name, simulation, kept["pictures"].mode
+        simulation._bind()
+        simulation._restore(kept["state"])
+        simulation.renderer = simulation._open_renderer()
+        return simulation
+
+    # Models.
+
+    def _bind(self) -> None:
+        """Bind all infants to the present model, where nothing is started yet."""
+        model, bundle = self.model if self._draws else self.bare, self.bundle
+        self.data = mujoco.MjData(model)
+        bundles = {"": bundle} if isinstance(bundle, Bundle) else bundle.infants
+        for number, (name, infant) in enumerate(self.infants.items()):
+            infant.bind(bundles[name], model, self.data, None if number else bundle)
+        if isinstance(bundle, WorldBundle):
+            hear_each_other(self.infants)
+        self._schedules = {name: infant.schedule for name, infant in self.infants.items()}
+        self._control_step = ControlStep(self._schedules, dict.fromkeys(self.infants, self.data))
+
+    def _open_renderer(self) -> EnvRenderer:
+        shown, roots = self._pictures, [infant.manifest.root_body for infant in self.infants.values()]
+        size_px = shown.width_px, shown.height_px
+        return EnvRenderer(shown.mode, self.bare, self.data, self.bundle.manifest, roots, size_px)
+
+    def _find(self, ages_months: Mapping[str, Any], scene_seed: int | None = None) -> Variant | None:
+        """Return the infants with ages and a scene, or None if they have these already; see `growing.find_variant`."""
+        now, wanted = self.ages_months, {**self.ages_months, **ages_months}
+        return growing.find_variant(self._variants, self.bundle.manifest, now, wanted, scene_seed)
+
+    def _become(self, variant: Variant) -> None:
+        """Bind to the infants at other ages or in another scene, where nothing is started yet."""
+        with self._undone_on_failure():
+            self._variant = variant
+            self._bind()
+            for infant in self.infants.values():
+                check_same_space(infant.observation_space, infant.spaces()[1])
+
+    @contextmanager
+    def _undone_on_failure(self) -> Iterator[dict[str, Any]]:
+        """Yield the state; let the infants go on in it if anything fails, be it in a sense of the caller's own."""
+        former, state = self._variant, self.get_state()
+        bindings = [infant.binding for infant in self.infants.values()]
+        try:
+            yield state
+        except Exception:
+            if self._variant is not former:
+                self._variant = former.again(_model_as_built(bindings))
+                self._bind()
+                self.renderer.set_model(self.bare, self.data)
+            self._restore(state)
+            raise
+
+    # Episodes.
+
+    def _options(self, name: str, options: Any) -> dict[str, Any]:
+        """Return the options of a reset for an infant, its age by schedule included."""
+        due = self._due().get(name) if self.schedules else None
+        checked = growing.checked_options(options, self._variants, self.infants[name])
+        return checked if due is None else {AGE: due, **checked}
+
+    def _due(self) -> dict[str, float]:
+        """Return the ages by schedule that infants do not have yet."""
+        due = {name: schedule(self.steps_done) for name, schedule in self.schedules.items()}
+        return {name: age_months for name, age_months in due.items() if age_months != self.infants[name].age_months}
+
+    def _was_reset(
+        self, infant: Infant, seed: int | None, options: Mapping[str, Any]
+    ) -> tuple[Observation, dict[str, Any]]:
+        observation = infant.observe()
+        info = {"is_success": False, "reward_terms": {}, "unstable": False, AGE: infant.age_months}
+        infant.observer.was_reset(seed, options, observation, info)
+        return observation, info
+
+    @bounded()
+    def _start(
+        self,
+        poses: Mapping[str, str] = NOTHING,
+        elsewhere: Mapping[str, Pose] = NOWHERE,
+        chance: np.random.Generator | None = None,
+    ) -> None:
+        """Put infants into the poses of keyframes, at rest, and objects elsewhere, and start their tasks.
+
+        Tasks draw from *chance*, by default from the random numbers of each infant.
+        """
+        model, data, infants = self.bare, self.data, list(self.infants.values())
+        growing.put(poses, self._variant, data)
+        infants[0].binding.objects.start(data, elsewhere)
+        if poses and len(infants) > 1:
+            self._check_apart()
+        mujoco.mj_kinematics(model, data)
+        for infant in infants:
+            infant.binding.constraints.keep(data)
+        begin(model, data)
+        for infant in infants:
+            infant.start_task(chance)
+        for infant in infants:
+            infant.start_signals()
+
+    def _check_apart(self) -> None:
+        """Raise a MimocError if infants are within each other."""
+        roots = [infant.manifest.root_body for infant in self.infants.values()]
+        if depths := overlaps(self.bare, self.data, roots):
+            first, second = ([*self.infants][index] for index in next(iter(depths)))
+            raise MimocError(f"'{first}' and '{second}' are within each other in these poses; reset to others")
+
+    def _restore(self, state: Mapping[str, Any]) -> None:
+        """Restore a state of the infants that are bound, which is not kept."""
+        model, data = self.bare, self.data
+        for name, infant in self.infants.items():
+            infant.restore_model(state[INFANTS][name])
+        set_physics(model, data, state[PHYSICS])
+        for name, infant in self.infants.items():
+            infant.restore_signals(state[INFANTS][name])
+        accompanied = [infant for infant in self.infants.values() if infant.companions]
+        if accompanied:
+            self._restore_before(state[BEFORE], state[PHYSICS])
+            for infant in accompanied:
+                infant.companions.before = state[BEFORE]
+
+    def _restore_before(self, before: FloatArray, physics: FloatArray) -> None:
+        """Restore the bodies and contacts that companions see, those of the state before the last physics step."""
+        model, data = self.bare, self.data
+        size = mujoco.mj_stateSize(model, STATE)
+        demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
+        check_finite(before, BEFORE)
+        if len(before):
+            mujoco.mj_setState(model, data, before, STATE)
+            mujoco.mj_step(model, data)
+            mujoco.mj_setState(model, data, physics, STATE)
+
+
+def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:
+    """Return a copy of the model of some infants in which no episode has changed anything."""
+    levels = [bound.arousal.level for bound in bindings]
+    for bound in bindings:
+        bound.arousal.level = bound.arousal.as_built
+    built = copy.copy(bindings[0].model)
+    for bound, level in zip(bindings, levels, strict=True):
+        bound.fields.write_as_built(built)
+        bound.arousal.level = level
+    return built
+
+
+def _infants_in(state: Any, names: Sequence[str]) -> Mapping[str, Any]:
+    """Return the parts of a state that are of infants, or raise a ValueError if it is no state of these."""
+    demand(isinstance(state, Mapping) and {PHYSICS, INFANTS, SEED} <= state.keys(), "", state)
+    infants = state[INFANTS]
+    demand(isinstance(infants, Mapping) and list(infants) == list(names), INFANTS, infants)
+    for name, infant in infants.items():
+        demand(isinstance(infant, Mapping) and AGE in infant, f"{INFANTS}.{name}", infant)
+    return infants
