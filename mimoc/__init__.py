@@ -37,10 +37,11 @@ if TYPE_CHECKING:
     from mimoc.plugins import register as register
     from mimoc.policies.many import policy_vec as policy_vec
     from mimoc.recording import record as record
+    from mimoc.recording.between import contacts_and_gaze as contacts_and_gaze
     from mimoc.recording.export import export_recording as export_recording
     from mimoc.recording.measures import measure_recordings as measure_recordings
     from mimoc.recording.reading import read_recording as read_recording
-    from mimoc.recording.recorder import Recorder as Recorder
+    from mimoc.recording.wrappers import Recorder as Recorder
     from mimoc.recordings import replay_recording as replay_recording
     from mimoc.reporting import report as report
     from mimoc.retargeting.folder import read_retargeted as read_retargeted, write_retargeted as write_retargeted

@@ -9,11 +9,12 @@ from typing import Any
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
 from mimoc.environments import open_bundle
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.recording.record import Watch
 from mimoc.recording.replaying import Replayed, replay
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.world_env import WorldEnv
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -22,7 +23,7 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 def replay_recording(
     recording: ReadRecording | str | Path,
     *,
-    infant: int | None = None,
+    infant: int | str | None = None,
     episode: int | None = None,
     task: Any = None,
     senses: Mapping[str, Any] = NONE,
@@ -36,12 +37,13 @@ def replay_recording(
 
     Args:
         recording: The recording, or its folder.
-        infant: Only the episodes of this one.
+        infant: Only the episodes of this one, given by its number or its name.
         episode: Only the episode of this number of each infant.
-        task: A task of the script's own that was recorded, as for `mimoc.make`.
+        task: A task of the script's own that was recorded, as for `mimoc.make`; of a world, tasks by infant.
         senses: Likewise senses, by name.
         companions: Likewise companions, by name.
-        watch: Called with environment and observation after each reset and each control step.
+        watch: Called with an infant and its observation after each reset and each control step; of a world, with the
+            first of the chosen infants whose episode goes on.
         progress: Called with the number of control steps done and their total.
 
     Raises:
@@ -55,22 +57,45 @@ def replay_recording(
     """
     opened = recording if isinstance(recording, ReadRecording) else read_recording(recording)
     episodes = chosen_episodes(opened, infant, episode)
-    given = {f"senses.{name}" for name in senses} | {f"companions.{name}" for name in companions}
-    given |= {"task"} if task is not None else set()
     for one in episodes:
+        given = _given(opened, one.infant, task, senses, companions)
         for what, name in one.objects.items():
             if what not in given:
                 raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
-    def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
-        objects = deepcopy({"task": task, "senses": dict(senses), "companions": dict(companions)})
-        return open_bundle(bundle, other_scenes, **objects)
+    def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
+        objects = deepcopy({"senses": dict(senses), "companions": dict(companions)})
+        if isinstance(bundle, WorldBundle):
+            return _open_world(bundle, other_scenes, tasks=deepcopy(task or {}), **objects)
+        return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
 
 
-def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int | None) -> Sequence[Episode]:
+def _open_world(bundle: WorldBundle, other_scenes: bool, **objects: Any) -> WorldEnv:
+    """Return the world of a bundle, on request with scenes of other seeds, which are built from its specs."""
+    from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
+
+    variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
+    return WorldEnv(bundle, variants=variants, **objects)
+
+
+def _given(
+    recording: ReadRecording, infant: int, task: Any, senses: Mapping[str, Any], companions: Mapping[str, Any]
+) -> set[str]:
+    """Return which objects of a script's own are given for an infant, as recordings name them."""
+    about = recording.description.infants[infant]
+    if about.world is not None:
+        task, senses, companions = (by_name.get(about.name, {}) for by_name in (task or {}, senses, companions))
+        task = task or None
+    given = {f"senses.{name}" for name in senses} | {f"companions.{name}" for name in companions}
+    return given | ({"task"} if task is not None else set())
+
+
+def chosen_episodes(recording: ReadRecording, infant: int | str | None, episode: int | None) -> Sequence[Episode]:
     """Return the episodes of an infant, of a number, or all, or raise a RecordingError if there are none."""
+    if infant is not None:
+        infant = recording.infant_number(infant)
     chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
     if not chosen:
         which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]

@@ -117,7 +117,7 @@ LAYERS = {
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", f"{RUNNING} motion", "mujoco pydantic"),
-    "rollout": layer("runtime.rollout runtime.world_rollout", f"{RUNNING} policies", "mujoco"),
+    "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout policies", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training importers",
@@ -125,8 +125,11 @@ LAYERS = {
         "gymnasium mujoco stable_baselines3 torch tensorboard rsl_rl tensordict",
     ),
     "movement": layer(
-        "movement", f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening", "mujoco scipy PIL"
+        "movement",
+        f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening worlds",
+        "mujoco scipy PIL",
     ),
+    "worlds": layer("parallel", f"{BUILDING} compiler {RUNNING} multi training", ""),
     "retargeting": layer(
         "retargeting", f"{BUILDING} compiler {RUNNING} motion rollout policies recording opening", "mujoco scipy"
     ),
@@ -153,9 +156,9 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ plugin vector_environments parallel registration notebook",
+        "__init__ plugin vector_environments registration notebook",
         f"signals part {BUILDING} compiler {RUNNING} device multi rollout policies recording training cohorts "
-        "reporting opening viewer studies motion movement retargeting",
+        "reporting opening viewer studies motion movement retargeting worlds",
         "gymnasium",
     ),
     "cli": layer(

@@ -28,6 +28,7 @@ USES: dict[str, str | Callable[[Any], Any]] = {
     "Recorder": lambda env: mimoc.Recorder(env, f"recorded_{id(env)}").recording.close(),
     "build": lambda env: mimoc.build(env),
     "build_world": lambda env: mimoc.build_world(env),
+    "contacts_and_gaze": lambda env: mimoc.contacts_and_gaze(env),
     "evaluate": lambda env: mimoc.evaluate(env, "random", episodes=1, steps_per_episode=2),
     "export_recording": lambda env: mimoc.export_recording(env, "csv", "exported"),
     "load_policy": lambda env: mimoc.load_policy(env),
@@ -69,10 +70,10 @@ USES: dict[str, str | Callable[[Any], Any]] = {
 WORKS: set[tuple[str, str]] = {
     *(("one", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
     *(("wrapped", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
-    *(("many", name) for name in ("Recorder", "policy_vec")),
-    *(("closed", name) for name in ("GrowthWrapper", "Recorder")),
-    *(("many that are closed", name) for name in ("Recorder", "policy_vec")),
-    ("a world", "world_vec_env"),
+    *(("many", name) for name in ("Recorder", "evaluate", "policy_vec", "record")),
+    *(("a world", name) for name in ("Recorder", "evaluate", "record", "world_vec_env")),
+    ("closed", "GrowthWrapper"),
+    ("many that are closed", "policy_vec"),
 }
 """What works where the libraries are that it needs; all else says why it does not."""
 SLOW = {(kind, "view") for kind in ("one", "wrapped", "closed")}
@@ -132,13 +133,3 @@ def reason(use: Callable[[Any], Any], env: Any) -> str | None:
     is_sentence = "\n" not in said and len(said.split()) > 4
     is_raw = "object has no attribute" in said or "os.PathLike" in said
     return said if is_sentence and not is_raw else pytest.fail(said)
-
-
-@pytest.mark.parametrize("name", ["evaluate", "record"])
-def test_what_is_for_one_infant_names_what_to_use_instead(environments, name):
-    use: Any = USES[name]
-    for kind, what in (("many", "BatchEnv, a vector environment"), ("a world", "a world with several infants")):
-        with pytest.raises(
-            TypeError, match=f"^{name}: expected an environment of mimoc's, got .*{what}; make one with"
-        ):
-            use(environments[kind])

@@ -3,7 +3,7 @@
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,9 @@ from mimoc.cli.arguments import Body, RecordingPath, ShownBody, check_video, imp
 from mimoc.cli.terminal import FAILED_CHECK, printable
 from mimoc.exporters import EXPORTERS
 
+if TYPE_CHECKING:
+    from mimoc.runtime.infant import Infant
+
 OwnTask = Annotated[
     str | None, typer.Option(metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from.")
 ]
@@ -20,7 +23,9 @@ OwnTask = Annotated[
 
 def replay(
     recording: RecordingPath,
-    infant: Annotated[int | None, typer.Option(min=0, help="Replay only this one of several infants.")] = None,
+    infant: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Replay only this one of several infants, by name or number.")
+    ] = None,
     episode: Annotated[int | None, typer.Option(min=0, help="Replay only the episode of this number.")] = None,
     task: OwnTask = None,
     video: Annotated[Path | None, typer.Option(metavar="FILE", help="Make a video of it: .mp4 or .gif.")] = None,
@@ -35,7 +40,7 @@ def replay(
 
     check_video(video, eyes)
     recorded = read_recording(recording)
-    if video and infant is None and recorded.infants > 1:
+    if video and infant is None and len(recorded.description.sharing(0)) < recorded.infants:
         which = "choose one for --video with --infant"
         raise MimocError(f"{recorded.path}: {recorded.infants} infants are recorded here; {which}")
     failed = steps = count = 0
@@ -43,8 +48,12 @@ def replay(
     if video and recorded:
         filmed = videos.film_of(video, recorded[0].step_ms, eyes=eyes, height_px=size, body=body.value)
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
-    with console.progress("replaying") as show, filmed as watch:
-        watching: dict[str, Any] = {"watch": watch} if watch else {}
+    with console.progress("replaying") as show, filmed as film:
+
+        def watch(one: "Infant", observation: Any) -> None:
+            film({one.name: one}, {one.name: observation})
+
+        watching: dict[str, Any] = {"watch": watch} if film else {}
         for replayed in recordings.replay_recording(recorded, **chosen, **watching, progress=show):
             count, steps = count + 1, steps + replayed.episode.steps
             if replayed.difference:

@@ -1,7 +1,7 @@
 """`mimoc run`."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from enum import StrEnum
 from functools import partial
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError
+from mimoc.base.errors import MimocError, check_name
 from mimoc.base.kinds import announced
 from mimoc.cli import worlds
 from mimoc.cli.arguments import (
@@ -33,11 +33,14 @@ from mimoc.policies.spec import usage
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
+    from mimoc.bundle.io import Bundle
+    from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import Policy, PolicyMaker
-    from mimoc.recording.record import Watch
+    from mimoc.recording.record import Filming
     from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.infant import Infant
     from mimoc.runtime.rollout import Summary
-    from mimoc.schema.infant import InfantSpec
+    from mimoc.runtime.world_env import WorldEnv
 
 
 POLICY_NAMES = ", ".join(
@@ -49,12 +52,26 @@ POLICIES_HELP = (
     "sit+look_at:toy+reach_for:toy,right. With parentheses, 'look_at(toy)', a shell needs quotes. Or a class of yours "
     "with act(observation), as MODULE:CLASS."
 )
+ChosenPolicies = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--policy",
+        metavar="POLICY",
+        help=f"{POLICIES_HELP} Default: random. In a world, NAME=POLICY is for one infant; repeatable.",
+    ),
+]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
 VideoFile = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
 ]
 RecordFolder = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`).")
+]
+FilmedInfant = Annotated[
+    str | None,
+    typer.Option(
+        "--infant", metavar="NAME", help="Whose eyes and ears a video of several has; default: the first that has any."
+    ),
 ]
 MovementGroups = Annotated[
     str | None,
@@ -87,7 +104,7 @@ OwnTask = Annotated[
 
 def run(
     infant: InfantPath,
-    policy: Annotated[str, typer.Option(help=POLICIES_HELP)] = "random",
+    policy: ChosenPolicies = None,
     steps: Steps = None,
     root: RootOption = None,
     seed: Seed = 0,
@@ -97,113 +114,129 @@ def run(
     record: RecordFolder = None,
     movement: MovementGroups = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    filmed: FilmedInfant = None,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
     beside: Beside = None,
 ) -> None:
-    """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
+    """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
-    from mimoc.runtime.env import InfantEnv
+    from mimoc.policies.named import policies_of
+    from mimoc.runtime.infants import infants_of
 
     check_video(video, eyes)
-    options: Any = {"rate_hz": fps, "height_px": size, "body": body.value}
-    single = {"root": root, "task": task, "record": record, "movement": movement, "eyes": eyes, "beside": beside}
-    if world := worlds.find_world(infant, **single):
-        worlds.run(world, policy, steps or STEPS, seed, video, window, options)
-        return
-    others = {beside: load_counterpart(infant, beside)} if beside else {}
-    user_task, chosen = import_object(task) if task else None, _chosen(policy, infant, root)
-    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
+    options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
+    world = worlds.find_world(infant)
+    other = load_counterpart(infant, beside, world) if beside else None
+    env = _open(world or load_infant(infant), task, "human" if window else None)
     with closing(env), ExitStack() as recorded:
-        act = _policy(env, chosen)  # Refuses bad names before writing anything.
-        recorded.enter_context(_recording(env, record, movement))
-        written = _written(env, video, record)
-        filmed = _film(video, env, {"eyes": eyes, **options})
-        summary = _run(env, act, seed, steps or getattr(act, "whole_steps", STEPS), filmed, written)
-    runs = {name: _run_beside(other, chosen, summary.steps, seed, user_task) for name, other in others.items()}
-    console.print_run(summary, runs)
-    console.print_joints(act)
+        infants = infants_of("run", env)
+        if filmed is not None:
+            check_name("name of an infant here", filmed, infants)
+        chosen = _chosen(policy or ["random"], infant, root, infants)
+        policies = policies_of(infants, chosen, load_trained)  # Refuses bad names before writing anything.
+        recorded.enter_context(_recording(infants, record, movement))
+        written = _written(infants, video, record, filmed)
+        steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
+        summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
+    if other is not None:
+        with closing(_open(other, task)) as env:
+            acting = policies_of(infants_of("run", env), chosen, load_trained)
+            others = _run(env, acting, seed, steps, nullcontext(), [])
+        summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
+    (name, summary), *rest = summaries.items()
+    console.print_run(summary, dict(rest), name or "value")
+    for item in policies.values():
+        console.print_joints(item)
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
-def _written(env: "InfantEnv", video: Path | None, record: Path | None) -> list[Path]:
-    """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
-    from mimoc.recording.sound_track import hears, sound_file
+def _open(shown: "Bundle | WorldBundle", task: str | None, render_mode: Any = None) -> "InfantEnv | WorldEnv":
+    """Return the environment of an infant, or of a world, in which each has a task of its own."""
+    from mimoc.bundle.world import WorldBundle
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.world_env import WorldEnv
 
-    sound = sound_file(video) if video and hears(env) else None
+    if isinstance(shown, WorldBundle):
+        tasks = {name: import_object(task) for name in shown.infants} if task else {}
+        return WorldEnv(shown, render_mode, tasks=tasks)
+    return InfantEnv(shown, render_mode, task=import_object(task) if task else None)
+
+
+def _written(
+    infants: "Mapping[str, Infant]", video: Path | None, record: Path | None, filmed: str | None
+) -> list[Path]:
+    """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
+    from mimoc.recording.record import heard_in
+    from mimoc.recording.sound_track import sound_file
+
+    sound = sound_file(video) if video and heard_in(infants, filmed) else None
     return [path for path in (video, sound, record) if path]
 
 
-def _recording(env: "InfantEnv", folder: Path | None, movement: str | None) -> "AbstractContextManager[object]":
+def _recording(
+    infants: "Mapping[str, Infant]", folder: Path | None, movement: str | None
+) -> "AbstractContextManager[object]":
     if folder is None:
         if movement:
             raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
         return nullcontext()
     from mimoc.recording.recorder import Recording
 
-    return Recording([env], folder, movement=groups_named(movement or ALL))
-
-
-def _run_beside(
-    infant: "InfantSpec", policy: "str | PolicyMaker", steps: int, seed: int, task: object | None
-) -> "Summary":
-    """Return the summary of the same run of another infant."""
-    from mimoc.compiler.pipeline import build
-    from mimoc.runtime.env import InfantEnv
-
-    with closing(InfantEnv(build(infant), task=task)) as env:
-        return _run(env, _policy(env, policy), seed, steps, nullcontext(), [])
-
-
-def _policy(env: "InfantEnv", policy: "str | PolicyMaker") -> "Policy":
-    from mimoc.policies.named import policy_of
-
-    return policy_of(env, policy, load_trained)
+    return Recording([*infants.values()], folder, movement=groups_named(movement or ALL))
 
 
 def _film(
-    video: Path | None, env: "InfantEnv", options: dict[str, Any]
-) -> "AbstractContextManager[Watch] | AbstractContextManager[None]":
+    video: Path | None, infants: "Mapping[str, Infant]", options: dict[str, Any]
+) -> "AbstractContextManager[Filming] | AbstractContextManager[None]":
     from mimoc.recording import film_of
 
-    return film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
+    return film_of(video, next(iter(infants.values())).manifest.step_ms, **options) if video else nullcontext()
 
 
-def _chosen(policy: str, infant: Path, root: Root | None) -> "str | PolicyMaker":
-    """Return what is said of a policy; `motion` alone follows the motion in the infant's own folder."""
-    name, _, folder = policy.partition(":")
-    if name != MOTION or "+" in policy:
-        if root:
-            raise MimocError("--root says how the trunk follows a motion; choose --policy motion, and no other")
-        return class_or_text(policy)
+def _chosen(
+    texts: Sequence[str], source: Path, root: Root | None, infants: "Mapping[str, Infant]"
+) -> "Mapping[str, str | PolicyMaker]":
+    """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
 
-    return partial(motion.bind, text=folder or str(infant), root=(root or Root.FREE).value)
+    by_infant = dict[str, str]()
+    for text in texts:
+        name, _, policy = text.partition("=")
+        by_infant |= {name: policy} if name and name in infants else dict.fromkeys(infants, text)
+    follows = {name: text.partition(":") for name, text in by_infant.items() if "+" not in text}
+    motions = {name: folder for name, (kind, _, folder) in follows.items() if kind == MOTION}
+    if root and not motions:
+        raise MimocError("--root says how the trunk follows a motion; choose --policy motion, and no other")
+    bind, chosen = partial(motion.bind, root=(root or Root.FREE).value), dict[str, Any]()
+    for name, text in by_infant.items():
+        chosen[name] = partial(bind, text=motions[name] or str(source)) if name in motions else class_or_text(text)
+    return chosen
 
 
 def _run(
-    env: "InfantEnv",
-    act: "Policy",
+    env: "InfantEnv | WorldEnv",
+    policies: "Mapping[str, Policy]",
     seed: int,
     steps: int,
-    filmed: "AbstractContextManager[Watch | None]",
+    filmed: "AbstractContextManager[Filming | None]",
     written: Sequence[Path],
-) -> "Summary":
-    """Take some control steps with a progress bar, film them if there is a video, and return the summary."""
+) -> "dict[str, Summary]":
+    """Take some control steps with a progress bar, film them if there is a video, and return the summaries."""
     from mimoc.cli import console
     from mimoc.runtime.rollout import Run
 
-    rollout = Run(env, lambda env: act, seed)
-    with _interruptible(written), console.progress("running") as show, filmed as watch:
-        if watch:
-            watch(rollout.env, rollout.observation)
+    rollout = Run(env, {name: lambda _, policy=policy: policy for name, policy in policies.items()}, seed)
+    with _interruptible(written), console.progress("running") as show, filmed as film:
+        if film:
+            film(rollout.infants, rollout.observations)
         for step in range(steps):
             rollout.step()
-            if watch:
-                watch(rollout.env, rollout.observation)
+            if film:
+                film(rollout.infants, rollout.observations)
             show(step + 1, steps)
-    return rollout.summary()
+    return rollout.summaries()
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from statistics import fmean, stdev
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 from rich.text import Text
@@ -356,12 +356,44 @@ def print_quantities(quantities: Iterable[Quantity]) -> None:
     open_console().print(table)
 
 
-def print_measured(columns: Mapping[str, Sequence[float | None]], title: str) -> None:
-    """Print the quantities of episodes: of several, mean, standard deviation (n - 1), and of how many they are."""
-    values = {name: [value for value in column if value is not None] for name, column in columns.items()}
-    several = max(map(len, values.values()), default=0) > 1
-    table = new_table("measure", *(("mean", "SD", "n") if several else ("value",)), title=title)
-    for name, column in values.items():
-        spread = [readable(stdev(column), 2) if len(column) > 1 else "-", f"{len(column)}"]
-        table.add_row(QUANTITIES[name].title, readable(fmean(column)), *(spread if several else ()))
+PARTS_SHOWN = 6
+"""Pairs of parts that are printed for each pair of infants."""
+
+
+def print_measured(columns: Mapping[str, Mapping[str, Sequence[float | None]]], title: str) -> None:
+    """Print the quantities of episodes, by infant: of several, mean, standard deviation (n - 1), and how many."""
+    values = {
+        who: {name: [value for value in column if value is not None] for name, column in of_infant.items()}
+        for who, of_infant in columns.items()
+    }
+    several = any(len(column) > 1 for of_infant in values.values() for column in of_infant.values())
+    headings = ("mean", "SD", "n") if several else ("value",)
+    if len(values) > 1:
+        headings = [f"{who} {heading}" if several else who for who in values for heading in headings]
+    table = new_table("measure", *headings, title=title)
+    for name in next(iter(values.values())):
+        cells = [cell for of_infant in values.values() for cell in _spread(of_infant[name], several)]
+        table.add_row(QUANTITIES[name].title, *cells)
     open_console().print(table)
+
+
+def _spread(values: Sequence[float], several: bool) -> list[str]:
+    """Return the mean of values and, on request, their standard deviation and number."""
+    mean = readable(fmean(values)) if values else "-"
+    return [mean, readable(stdev(values), 2) if len(values) > 1 else "-", f"{len(values)}"] if several else [mean]
+
+
+def print_contacts(table: Mapping[str, Sequence[Any]], title: str) -> None:
+    """Print who touches and looks at whom, in all episodes together, and the parts that do so for longest."""
+    keys = [*zip(*(table[name] for name in ("infant", "does", "other", "part", "other_part")), strict=True)]
+    seconds, times = dict[tuple[str, ...], float](), dict[tuple[str, ...], int]()
+    for key, length_s, count in zip(keys, table["seconds"], table["times"], strict=True):
+        seconds[key], times[key] = seconds.get(key, 0.0) + length_s, times.get(key, 0) + count
+    printed = new_table("who", "with", "what", "seconds", "times", title=title, left=3)
+    wholes = [key for key in seconds if key[4] == "any"]
+    for whole in wholes:
+        printed.add_row(" ".join(whole[:3]), "", "", readable(seconds[whole]), f"{times[whole]}")
+        parts = sorted((key for key in seconds if key[:3] == whole[:3] and key != whole), key=lambda key: -seconds[key])
+        for key in parts[:PARTS_SHOWN]:
+            printed.add_row("", *(name.replace("_", " ") for name in key[3:]), readable(seconds[key]), f"{times[key]}")
+    open_console().print(printed)

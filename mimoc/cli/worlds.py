@@ -1,12 +1,12 @@
 """What commands do with a world of several infants."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from mimoc.base.errors import MimocError
-from mimoc.cli.arguments import STDIN, load_trained
+from mimoc.cli.arguments import STDIN
 from mimoc.cli.terminal import FAILED_CHECK, printable
 
 if TYPE_CHECKING:
@@ -96,40 +96,6 @@ def draw(
     state = load_world_in_pose(world, pose)
     markers = join_markers(skin_markers(infant, *state) for infant in world.infants.values()) if skin else None
     print(printable(write_picture(file, world_portrait(world, pose, *size_px, markers, body, framing))))
-
-
-def run(
-    world: "WorldBundle", policy: str, steps: int, seed: int, video: Path | None, window: bool, film: dict[str, Any]
-) -> None:
-    """Run the infants of a world, film them if there is a video, and print a summary of each."""
-    from contextlib import closing, nullcontext
-
-    from mimoc.cli import console
-    from mimoc.policies.class_policy import class_or_text
-    from mimoc.policies.spec import parse_policies
-    from mimoc.recording.record import film_of
-    from mimoc.runtime.world_env import WorldEnv
-    from mimoc.runtime.world_rollout import WorldRun
-
-    chosen = {name: class_or_text(text) for name, text in parse_policies(policy, world.infants).items()}
-    roots = [infant.manifest.root_body for infant in world.infants.values()]
-    step_ms = world.manifest.step_ms
-    with closing(WorldEnv(world, "human" if window else None)) as env:
-        rollout = WorldRun(env, chosen, seed, load_trained)
-        infant: Any = next(iter(env.infants.values()))  # A video shows all of them.
-        filmed = film_of(video, step_ms, roots=roots, **film) if video else nullcontext()
-        with console.progress("running") as show, filmed as watch:
-            if watch:
-                watch(infant, {})
-            for step in range(steps):
-                rollout.step()
-                if watch:
-                    watch(infant, {})
-                show(step + 1, steps)
-    first, *others = rollout.summaries().items()
-    console.print_run(first[1], dict(others), first[0])
-    if video:
-        print(printable(video))
 
 
 def _refuse(options: dict[str, object]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from mimoc.base.units import rad_to_deg
 from mimoc.columns.anatomy import IntArray, Parts
 from mimoc.columns.column import Column, FloatArray, Group, Values
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import stack_terms
 from mimoc.runtime.worlds import worlds_of_one
 from mimoc.senses.touch.contacts import contact_forces, skin_body_of_geoms
@@ -23,12 +23,12 @@ APART = "; "
 _FORCE = "MuJoCo's contacts and efc_force"
 
 
-def bind_contacts(env: InfantEnv) -> Group:
+def bind_contacts(env: Infant) -> Group:
     """Return which part touches what and how hard, and the force of all that is fixed on the infant: ground reaction.
 
     Contacts within one part do not count. A part touches what presses on it with any force.
     """
-    parts = Parts(env.model, env.manifest)
+    parts = Parts.of(env)
     touching = _Touching(parts, env.data)
     columns = [
         *(Column(f"{part}_contact_n", "N", _SUM.format(_words(part)), source=_FORCE) for part in parts.names),
@@ -45,7 +45,7 @@ def bind_contacts(env: InfantEnv) -> Group:
 _SUM = "sum of the normal forces of all contacts of the {} with anything else, its own body included"
 _UPWARD = "upward force of all that is fixed (floor, mattress, furniture) on the {}"
 _GROUND = "ground reaction, the force of all that is fixed on the whole body"
-_TOUCHED = "what presses on the {}: parts of the own body, toys, fixed things"
+_TOUCHED = "what presses on the {}: parts of the own body or of other infants, toys, fixed things"
 
 
 _FIELDS = ("geom", "frame", "dim", "efc_address")
@@ -125,9 +125,9 @@ def _sums(places: IntArray, amounts: FloatArray, shape: tuple[int, ...]) -> Floa
     return np.asarray(np.bincount(places, amounts, math.prod(shape)), np.float64).reshape(shape)
 
 
-def bind_joints(env: InfantEnv) -> Group:
+def bind_joints(env: Infant) -> Group:
     """Return the angle of each hinge of the infant, and the torque of motors or muscles about those that are moved."""
-    model, inside = env.model, set(Parts(env.model, env.manifest).bodies.tolist())
+    model, inside = env.model, set(Parts.of(env).bodies.tolist())
     is_hinge = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
     hinges = [joint for joint in np.flatnonzero(is_hinge).tolist() if model.jnt_bodyid[joint] in inside]
     driven = set(model.actuator_trnid[env.actuation.actuators, 0].tolist())
@@ -154,7 +154,7 @@ _ANGLE = "about the joint's axis; at time_s"
 _TORQUE = "torque of motors or muscles about the joint"
 
 
-def bind_actuators(env: InfantEnv) -> Group:
+def bind_actuators(env: Infant) -> Group:
     """Return what drives each muscle or motor: its activation, or the command of motors without one."""
     actuation, drive, worlds = env.actuation, stack_terms([env.actuation.drive]), worlds_of_one(env.data)
     names = [env.model.actuator(index).name.rpartition(":")[2] for index in actuation.actuators]

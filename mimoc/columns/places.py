@@ -9,7 +9,7 @@ import numpy as np
 
 from mimoc.columns.anatomy import Parts
 from mimoc.columns.column import NO_COLUMNS, Column, FloatArray, Group, Values
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 AXES = "xyz"
 SIDES = {"L": "left_", "R": "right_"}
@@ -27,7 +27,7 @@ def keypoint_name(label: str) -> str:
     return SIDES.get(side or "", "") + _CAPITAL.sub("_", point).lower()
 
 
-def bind_keypoints(env: InfantEnv) -> Group:
+def bind_keypoints(env: Infant) -> Group:
     """Return where the keypoints of `InfantEnv.keypoints` are, to the bit; NaN for those of missing limbs."""
     labels = env.manifest.keypoints
     sites = np.array([mujoco.mj_name2id(env.model, mujoco.mjtObj.mjOBJ_SITE, label) for label in labels], np.intp)
@@ -41,14 +41,14 @@ def bind_keypoints(env: InfantEnv) -> Group:
     return Group(tuple(columns), values, (env.data.site_xpos,))
 
 
-def bind_parts(env: InfantEnv) -> Group:
+def bind_parts(env: Infant) -> Group:
     """Return position, velocity and speed of the centres of mass of hands, feet, head, trunk and the whole body.
 
     A part of bodies i with the masses m_i has its centre of mass at sum m_i x_i / sum m_i, which moves with
     sum m_i v_i / sum m_i, where v_i = v + w x (x_i - c) from the spatial velocity (w, v) of the body about c, the
     centre of mass of the infant, as MuJoCo's `cvel` gives it.
     """
-    parts, model = Parts(env.model, env.manifest), env.model
+    parts, model = Parts.of(env), env.model
     inside, bodies, root = _bodies_of_parts(parts), parts.bodies, int(model.body_rootid[parts.bodies[0]])
     shares = np.array([np.isin(bodies, of_part) * model.body_mass[bodies] for of_part in inside.values()])
     shares /= shares.sum(axis=1, keepdims=True)
@@ -66,12 +66,12 @@ def bind_parts(env: InfantEnv) -> Group:
     return Group(columns, values, (env.data.xipos, env.data.cvel, env.data.subtree_com[root]))
 
 
-def bind_objects(env: InfantEnv) -> Group:
+def bind_objects(env: Infant) -> Group:
     """Return position, velocity and speed of the centre of mass of the outermost body of each object of the spec.
 
     It moves with v = v' + w x (x - c), where (w, v') is its spatial velocity about c, the centre of mass of the object.
     """
-    entries = env.manifest.objects
+    entries = env.simulation.bundle.manifest.objects
     if not entries:
         return NO_COLUMNS
     bodies = np.array([env.model.body(item.body).id for item in entries], np.intp)
@@ -86,7 +86,7 @@ def bind_objects(env: InfantEnv) -> Group:
     return Group(tuple(columns), values, (env.data.xipos, env.data.cvel, env.data.subtree_com))
 
 
-def bind_gaze(env: InfantEnv) -> Group:
+def bind_gaze(env: Infant) -> Group:
     """Return where the line of sight first meets something that is not the head: of both eyes, or of the only one.
 
     It begins midway between the eyes' cameras, and points along the mean of the directions in which they look.
@@ -95,10 +95,11 @@ def bind_gaze(env: InfantEnv) -> Group:
     eyes = np.array([model.camera(eye.camera).id for eye in env.manifest.anatomy.eyes], np.intp)
     if not len(eyes):
         return NO_COLUMNS
-    parts, geom = Parts(model, env.manifest), np.zeros(1, np.int32)
+    parts, geom = Parts.of(env), np.zeros(1, np.int32)
     data, cam_xpos, cam_xmat = env.data, env.data.cam_xpos, env.data.cam_xmat
     mean = np.bincount(eyes, minlength=model.ncam) / len(eyes)
-    skipped = parts.things.index(head) if head in parts.things else -1
+    own_head = env.manifest.of_infant(head) if head else ""
+    skipped = parts.things.index(own_head) if own_head in parts.things else -1
     excluded = model.body(head).id if head else -1
 
     def moment() -> tuple[FloatArray, FloatArray, float, int]:
@@ -139,7 +140,13 @@ _GAZE = (
         )
         for axis in AXES
     ),
-    Column("gaze_at", "", "what it meets: a part of the own body, a toy, or a fixed thing", source=_RAY, is_text=True),
+    Column(
+        "gaze_at",
+        "",
+        "what it meets: a part of the own body or of another infant, a toy, a fixed thing",
+        source=_RAY,
+        is_text=True,
+    ),
 )
 
 
@@ -147,7 +154,8 @@ def _bodies_of_parts(parts: Parts) -> dict[str, list[int]]:
     """Return the bodies of each part whose motion is told, by its name."""
     anatomy, inside = parts.manifest.anatomy, dict[str, list[int]]()
     for name in parts.whole:
-        inside[name] = [body for body, part in parts.part_of_body.items() if part == name]
+        own = parts.manifest.of_infant(name)
+        inside[own] = [body for body, part in parts.part_of_body.items() if part == own]
     if anatomy.trunk:
         inside[TRUNK] = [parts.model.body(name).id for name in anatomy.trunk]
     return {**inside, BODY: list(parts.part_of_body)}

@@ -9,7 +9,7 @@ import numpy as np
 from mimoc.base.kinds import function_of
 from mimoc.columns import GROUPS, checked_groups
 from mimoc.columns.column import Column, Group, Values
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 
 class Samples:
@@ -53,7 +53,7 @@ class MovementReader:
     To copy what columns need takes little time in each control step; values are computed for many steps at once.
     """
 
-    def __init__(self, env: InfantEnv, groups: Sequence[str] = tuple(GROUPS)):
+    def __init__(self, env: Infant, groups: Sequence[str] = tuple(GROUPS)):
         """Bind columns to an infant.
 
         Args:
@@ -104,6 +104,6 @@ def values_of(samples: Sequence[Samples]) -> Values:
     return Values(np.concatenate([item.numbers for item in values]), [row for item in values for row in item.texts])
 
 
-def bind_group(name: str, env: InfantEnv) -> Group:
+def bind_group(name: str, env: Infant) -> Group:
     """Look up in an infant's model what the columns of a group read."""
     return function_of(GROUPS[name].bind, f"bind_{name}")(env)

@@ -2,14 +2,11 @@
 
 from mimoc.base.kinds import ExporterKind, Kinds
 
-EARLIER = "recording"
-"""The format of this version itself, to which those of earlier versions are converted."""
 _OWN = (
     ExporterKind("minari", "needs `mimoc[minari]`", "mimoc.exporters.minari", is_uniform=True),
     ExporterKind("lerobot", "version 3", "mimoc.exporters.lerobot", is_uniform=True),
     ExporterKind("mjlab", "motions for its tracking tasks", "mimoc.exporters.mjlab"),
     ExporterKind("csv", "tidy tables of text", "mimoc.exporters.csv_tables"),
     ExporterKind("parquet", "the same tables", "mimoc.exporters.parquet_tables"),
-    ExporterKind(EARLIER, "converts one that an older mimoc made", "mimoc.exporters.earlier"),
 )
 EXPORTERS = Kinds[ExporterKind]("format of recordings", {kind.name: kind for kind in _OWN})

@@ -35,7 +35,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
     except ImportError:
         raise MissingExtraError("minari", "minari") from None
     bundle = recording.bundle()
-    name = f"mimoc/{bundle.manifest.name}-v0"
+    name = f"mimoc/{recording.whole_bundle().manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
     readings = recording[0].described.readings
 
@@ -75,11 +75,11 @@ class _Recorded(gymnasium.Env[Any, Any]):
 
 
 def env_spec_of(bundle: Bundle) -> EnvSpec | None:
-    """Return how Gymnasium makes the environment of a bundle again, from its spec; None if it has none.
+    """Return how Gymnasium makes the environment of a bundle again, from its spec; None if it has none, or no model.
 
     All of it is JSON: the keys of the spec stand for the bundle.
     """
-    if RESOLVED not in bundle.files:
+    if RESOLVED not in bundle.files or bundle.manifest.prefix:
         return None
     data = source.parse(bundle.files[RESOLVED], RESOLVED).data
     data["scene"] = {**data.get("scene", {}), "seed": bundle.manifest.seed}
@@ -90,7 +90,9 @@ def env_spec_of(bundle: Bundle) -> EnvSpec | None:
 
 def _notes_on_environment(recording: ReadRecording, bundle: Bundle) -> Iterator[str]:
     """Yield what `recover_environment` cannot make again."""
-    if RESOLVED not in bundle.files:
+    if bundle.manifest.prefix:
+        yield "these infants share a world, whose environment Minari cannot recover"
+    elif RESOLVED not in bundle.files:
         yield "the bundle does not contain its spec, so that Minari cannot recover the environment"
     for what, name in recording[0].objects.items():
         yield f"{what} is an object of a script's own ({name}), which Minari cannot recover"

@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 
 from mimoc.recording.reading import ReadRecording
-from mimoc.recording.replaying import replay
-from mimoc.runtime.env import InfantEnv
+from mimoc.recording.replaying import open_recorded, replay
+from mimoc.runtime.infant import Infant
 from mimoc.senses.sense import Observation
 
 
@@ -27,7 +27,7 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
         film = _Film()
         again = replay(
             recording,
-            lambda bundle, other_scenes: InfantEnv(bundle),
+            open_recorded,
             episodes=[episode],
             watch=film,
             progress=lambda steps, _, before=done: progress(before + steps, total),
@@ -48,7 +48,7 @@ class _Film:
         self._model: mujoco.MjModel | None = None
         self._rows: dict[str, list[Any]] = {}
 
-    def __call__(self, env: InfantEnv, observation: Observation) -> None:
+    def __call__(self, env: Infant, observation: Observation) -> None:
         """Keep a frame."""
         if env.model is not self._model:
             self._bind(env)
@@ -74,7 +74,7 @@ class _Film:
         """Return all frames by name, each of shape (frames, ...), and the names of joints and bodies."""
         return {**{name: np.stack(rows) for name, rows in self._rows.items()}, **self._names}
 
-    def _bind(self, env: InfantEnv) -> None:
+    def _bind(self, env: Infant) -> None:
         """Find the infant in a model."""
         model = self._model = env.model
         self._data = mujoco.MjData(model)
@@ -82,6 +82,7 @@ class _Film:
         self._bodies = [body for body in range(1, model.nbody) if model.body_rootid[body] == root]
         is_own = model.body_rootid[model.jnt_bodyid] == root
         self._joints = np.flatnonzero(is_own & (model.jnt_type != mujoco.mjtJoint.mjJNT_FREE))
-        bodies = [model.body(body).name for body in self._bodies]
-        joints = [model.joint(int(joint)).name for joint in self._joints]
+        own = env.manifest.of_infant
+        bodies = [own(model.body(body).name) for body in self._bodies]
+        joints = [own(model.joint(int(joint)).name) for joint in self._joints]
         self._names = {"body_names": np.array(bodies), "joint_names": np.array(joints)}

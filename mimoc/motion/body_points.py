@@ -26,9 +26,12 @@ class BodyPoint:
     """In the body's frame, shape (3,)."""
 
 
-def body_points(model: mujoco.MjModel, names: Sequence[str]) -> list[BodyPoint | None]:
-    """Return where points are on an infant; None for those of parts that it does not have."""
-    return [_point(model, name) for name in names]
+def body_points(model: mujoco.MjModel, names: Sequence[str], prefix: str = "") -> list[BodyPoint | None]:
+    """Return where points are on an infant, whose names in the model begin with a prefix if it shares a world.
+
+    None stands for points of parts that it does not have.
+    """
+    return [_point(model, name, prefix) for name in names]
 
 
 def film(
@@ -57,9 +60,9 @@ def film(
     )
 
 
-def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str]) -> FloatArray:
+def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str], prefix: str = "") -> FloatArray:
     """Return where points are in the world at each configuration, shape (t, k, 3); NaN for parts it does not have."""
-    points, data = body_points(model, names), mujoco.MjData(model)
+    points, data = body_points(model, names, prefix), mujoco.MjData(model)
     known = [index for index, point in enumerate(points) if point]
     bodies = [point.body for point in points if point]
     offsets_m = np.array([point.offset_m for point in points if point])
@@ -72,20 +75,20 @@ def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str]) -> Flo
     return places_m
 
 
-def _point(model: mujoco.MjModel, name: str) -> BodyPoint | None:
+def _point(model: mujoco.MjModel, name: str, prefix: str) -> BodyPoint | None:
     side, _, part = name.partition("_")
     if name == "head":
-        return _of_head(model)
+        return _of_head(model, prefix)
     if side in SIDES and part in _BODIES:
-        bodies = (_find(model, mujoco.mjtObj.mjOBJ_BODY, f"{side}_{body}") for body in _BODIES[part])
+        bodies = (_find(model, mujoco.mjtObj.mjOBJ_BODY, f"{prefix}{side}_{body}") for body in _BODIES[part])
         return next((BodyPoint(body, np.zeros(3)) for body in bodies if body >= 0), None)
     label = _MIDDLE.get(name) or side[:1].upper() + part.title().replace("_", "")
-    site = _find(model, mujoco.mjtObj.mjOBJ_SITE, f"BODY_25:{label}")
+    site = _find(model, mujoco.mjtObj.mjOBJ_SITE, f"{prefix}BODY_25:{label}")
     return BodyPoint(int(model.site_bodyid[site]), model.site_pos[site].copy()) if site >= 0 else None
 
 
-def _of_head(model: mujoco.MjModel) -> BodyPoint | None:
-    skull = _find(model, mujoco.mjtObj.mjOBJ_GEOM, "head")
+def _of_head(model: mujoco.MjModel, prefix: str) -> BodyPoint | None:
+    skull = _find(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}head")
     if skull < 0:
         return None
     centre_m, up_m = model.geom_pos[skull], np.array([0.0, 0.0, model.geom_size[skull].max()])

@@ -12,7 +12,7 @@ from mimoc.motion.body_points import locate
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
 from mimoc.motion.points import MINI_RGBD_POINTS, SIDES
 from mimoc.movement.trunk_frame import LEAST_S
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 
 RATE_HZ = 30.0
 """Frames per second of MINI-RGBD, as its files are read."""
@@ -42,13 +42,14 @@ class Film:
     """Points of blocks of control steps, shape (s, k, 3) each."""
     _model: mujoco.MjModel | None = None
     _child: ChildEntry | None = None
+    _prefix: str = ""
     _block: list[FloatArray] = field(default_factory=list)
 
-    def watch(self, env: InfantEnv, observation: object = None) -> None:
+    def watch(self, env: Infant, observation: object = None) -> None:
         """Keep where the infant is now; it may have grown since the last step, but not started a new episode."""
         if env.model is not self._model:
             self._locate()
-            self._model, self._child = env.model, env.manifest.child
+            self._model, self._child, self._prefix = env.model, env.manifest.child, env.manifest.prefix
         self.times_s.append(float(env.data.time))
         self._block.append(env.data.qpos.copy())
 
@@ -69,7 +70,7 @@ class Film:
 
     def _locate(self) -> None:
         if self._model is not None and self._block:
-            self.places_m.append(locate(self._model, np.array(self._block), SPACE_POINTS))
+            self.places_m.append(locate(self._model, np.array(self._block), SPACE_POINTS, self._prefix))
             self._block.clear()
 
 

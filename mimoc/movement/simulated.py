@@ -3,17 +3,21 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 from mimoc.base.errors import MovementError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
 from mimoc.environments import open_infant
 from mimoc.movement.filming import SETTLING_S, Film, Filmed
+from mimoc.parallel import is_world_source, shared_world
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.reading import read_recording
 from mimoc.recordings import replay_recording
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.rollout import Run
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.rollout import rollout
 from mimoc.schema.infant import InfantSpec
 
 SECONDS = 33.0
@@ -26,16 +30,16 @@ def no_progress(done: int, total: int) -> None:
 
 
 def film_policy(
-    infant: Bundle | InfantSpec | str | Path,
+    infant: Bundle | WorldBundle | InfantSpec | str | Path,
     policy: str | PolicyMaker,
     seeds: Sequence[int],
     seconds: float = SECONDS,
     progress: Progress = no_progress,
 ) -> Iterator[Filmed]:
-    """Film an infant under a policy, once for each seed; the first second of an episode is left out.
+    """Film the infants of a spec, a bundle or a world under a policy, once for each seed, but for the first second.
 
     Args:
-        infant: A bundle, the folder of one, or a spec.
+        infant: A bundle, the folder of one, or a spec; or a world of several infants.
         policy: Name of a policy, or a function from an environment to one.
         seeds: Seeds of the episode and of the policy, as of `mimoc run`.
         seconds: Length of each film.
@@ -45,21 +49,22 @@ def film_policy(
         UnknownNameError: If there is no such policy.
         MovementError: If an episode ends before it has been filmed.
     """
-    with closing(open_infant(infant)) as env:
-        step_s = ms_to_s(env.manifest.step_ms)
+    source: Any = infant
+    with closing(shared_world(source) if is_world_source(source) else open_infant(source)) as env:
+        infants, step_s = infants_of("film_policy", env), ms_to_s(env.bundle.manifest.step_ms)
         steps = round((seconds + SETTLING_S) / step_s)
-        label = policy if isinstance(policy, str) else env.manifest.name
+        label = policy if isinstance(policy, str) else env.bundle.manifest.name
         for number, seed in enumerate(seeds):
-            film, rollout = Film(), Run(env, policy, seed)
-            film.watch(env)
-            for step in range(steps):
-                rollout.step()
-                if env.data.time < film.times_s[-1]:
+            films, done = {name: Film() for name in infants}, number * steps
+            for step in rollout(env, policy, steps=steps, seed=seed):
+                film = films[step.infant]
+                if step.ended:
                     ended = f"the episode ended after {film.times_s[-1]:.1f} s; give fewer --seconds, or no task"
                     raise MovementError(f"{label}, seed {seed}: {ended}")
-                film.watch(env)
-                progress(number * steps + step + 1, len(seeds) * steps)
-            yield film.develop(f"{label}, seed {seed}")
+                film.watch(infants[step.infant])
+                progress(done + step.number, len(seeds) * steps)
+            for name, film in films.items():
+                yield film.develop(f"{label}, seed {seed}" + (f", {name}" if name else ""))
 
 
 def film_recording(folder: Path, progress: Progress = no_progress, name: str = "") -> Iterator[Filmed]:
@@ -75,13 +80,18 @@ def film_recording(folder: Path, progress: Progress = no_progress, name: str = "
         MovementError: If an episode does not come out again, or is too short.
     """
     film, recording, called = Film(), read_recording(folder), name or folder.name
+    steps = [sum(episode.steps for episode in recording.of_infant(number)) for number in range(recording.infants)]
 
-    def watch(env: InfantEnv, _observation: object) -> None:
-        film.watch(env)
+    def watch(infant: Infant, _observation: object) -> None:
+        film.watch(infant)
 
-    for replayed in replay_recording(recording, watch=watch, progress=progress):
-        if replayed.difference is not None:
-            raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")
-        which = f"infant {replayed.episode.infant}, episode {replayed.episode.number}"
-        yield film.develop(f"{called}, {which}" if len(recording) > 1 else called)
-        film = Film()
+    for number, infant in enumerate(recording.description.infants):
+        done, who = sum(steps[:number]), f"infant {number}" if infant.world is None else infant.name
+        show = lambda steps_done, _, before=done: progress(before + steps_done, sum(steps))  # noqa: E731
+        chosen = {"infant": number, "watch": watch, "progress": show}
+        for replayed in replay_recording(recording, **chosen) if recording.of_infant(number) else ():
+            if replayed.difference is not None:
+                raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")
+            which = f"{called}, {who}, episode {replayed.episode.number}"
+            yield film.develop(which if len(recording) > 1 else called)
+            film = Film()

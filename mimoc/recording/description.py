@@ -21,10 +21,14 @@ Data = TypeVar("Data", bound=Model)
 
 
 class RecordedInfant(Model):
-    """One of the infants that were recorded side by side, by name and digest of its bundle."""
+    """One of the infants that were recorded side by side."""
 
     name: str
+    """Name of its spec, or in its world."""
     bundle: Digest
+    """Digest of its bundle, or of its world's."""
+    world: Count | None = None
+    """Number of the world that it shares with others; None if it is alone."""
 
 
 class Mark(Model):
@@ -51,6 +55,15 @@ class Description(Model):
     """Versions of the software, each time that they had changed."""
     marks: tuple[Mark, ...] = ()
     """Places in runs, the latest last."""
+    note: str | None = None
+    """Why it cannot be replayed, and what it lacks; None if it is complete."""
+
+    def sharing(self, infant: int) -> tuple[int, ...]:
+        """Return the numbers of the infants that share the world of one, with its own."""
+        world = self.infants[infant].world
+        if world is None:
+            return (infant,)
+        return tuple(number for number, other in enumerate(self.infants) if other.world == world)
 
 
 class Reset(Model):
@@ -61,7 +74,7 @@ class Reset(Model):
     options: dict[str, Any]
     """Its options, as `to_plain` returns them."""
     before: dict[str, Any]
-    """Parts of the state that it went on from, as `to_plain` returns them."""
+    """Parts of the state that it went on from, as `to_plain` returns them; of a world, kept with its first infant."""
 
 
 class Change(Model):
@@ -69,6 +82,8 @@ class Change(Model):
 
     step: Count
     """Control steps before it."""
+    infant: Count | None = None
+    """Number of the infant, if it is in a world with others: the first whose episode goes on keeps those of all."""
     age_months: Number | None = None
     """Age that it has grown to."""
     state: dict[str, Any] | None = None
@@ -87,7 +102,7 @@ class Change(Model):
     @property
     def kinds(self) -> list[str]:
         """Which of them it is: one."""
-        return [name for name, value in self if name != "step" and value is not None]
+        return [name for name, value in self if name not in ("step", "infant") and value is not None]
 
 
 class KeptState(Model):
@@ -124,7 +139,7 @@ class Sidecar(Part):
     reset: Reset | None
     """Its reset; None if it began without one."""
     start: dict[str, Any]
-    """Complete state before the first control step, as `to_plain` returns it."""
+    """Complete state before the first control step, as `to_plain` returns it; empty if another infant keeps it."""
 
 
 class _Version(Model, extra="ignore"):

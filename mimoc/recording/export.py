@@ -10,8 +10,7 @@ from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
 from mimoc.bundle.files import staged_folder
-from mimoc.exporters import EARLIER, EXPORTERS
-from mimoc.recording.description import description_in
+from mimoc.exporters import EXPORTERS
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 
 
@@ -27,8 +26,7 @@ def export_recording(
 
     Args:
         recording: The recording, or its folder.
-        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, the name of an `ExporterKind` that was registered, or
-            `recording`: one of an earlier version as this one records.
+        to: `minari`, `lerobot`, `mjlab`, `csv`, `parquet`, or the name of an `ExporterKind` that was registered.
         out: A new or empty folder.
         progress: Called with how much is written, and how much there is.
 
@@ -46,18 +44,14 @@ def export_recording(
         True
     """
     kind, notes = EXPORTERS.find(to), list[str]()
-    if to == EARLIER:
-        path = recording.path if isinstance(recording, ReadRecording) else Path(recording).expanduser()
-        source = ReadRecording(path, description_in(path), ())  # Its episodes may be what only that exporter reads.
-    else:
-        whole = recording if isinstance(recording, ReadRecording) else read_recording(recording)
-        source = replace(whole, episodes=tuple(episode for episode in whole if episode.steps))
-        if not source:
-            raise RecordingError(f"{source.path}: there are no control steps in this recording")
-        if empty := len(whole) - len(source):
-            notes.append(f"{empty} episodes without any control step are left out")
-        if kind.is_uniform:
-            _check_uniform(source)
+    whole = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    source = replace(whole, episodes=tuple(episode for episode in whole if episode.steps))
+    if not source:
+        raise RecordingError(f"{source.path}: there are no control steps in this recording")
+    if empty := len(whole) - len(source):
+        notes.append(f"{empty} episodes without any control step are left out")
+    if kind.is_uniform:
+        _check_uniform(source)
     export = function_of(kind.run, "export")
     with staged_folder(_new_folder(out)) as staging:
         lost = export(source, staging, progress) or ()

@@ -18,6 +18,7 @@ from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
+from mimoc.bundle.world import WorldBundle
 from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
 from mimoc.version import __version__
 
@@ -25,8 +26,7 @@ EPISODES, BUNDLES = "episodes", "bundles"
 TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
-EARLIER = re.compile(r"([0-9]{4,}-[0-9]{6,})\.part[0-9]{4,}\.json")
-"""Parts as mimoc wrote them before, and joined at the end of an episode."""
+AnyBundle = Bundle | WorldBundle
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
@@ -111,8 +111,13 @@ class RecordingFolder:
         os.close(self.handle)
 
 
-def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) -> RecordingFolder:
+def open_folder(path: str | Path, bundles: Sequence[AnyBundle], *, note: str | None = None) -> RecordingFolder:
     """Open a folder to record infants in: a new or empty one, or that of a recording of the same infants.
+
+    Args:
+        path: The folder.
+        bundles: Those of single infants and of worlds that are simulated side by side.
+        note: Why the recording cannot be replayed, if it cannot.
 
     Raises:
         RecordingError: If the folder holds anything else, or another process is recording in it.
@@ -121,8 +126,9 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
     busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")
-    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
+    step_ms, infants = bundles[0].manifest.step_ms, recorded_infants(bundles)
     new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
+    new = new.model_copy(update={"note": note} if note else {})
     recording = RecordingFolder(folder, previous or new, lock_folder(folder, busy))
     try:
         make_folder(folder / EPISODES, below=folder)
@@ -138,7 +144,19 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
     return recording
 
 
-def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | None:
+def recorded_infants(bundles: Sequence[AnyBundle]) -> tuple[RecordedInfant, ...]:
+    """Return what a description says of the infants of bundles, in order; those of a world one after the other."""
+    infants = list[RecordedInfant]()
+    for number, bundle in enumerate(bundles):
+        if isinstance(bundle, WorldBundle):
+            same = {"bundle": digest(bundle), "world": number}
+            infants += [RecordedInfant(name=name, **same) for name in bundle.infants]
+        else:
+            infants.append(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)))
+    return tuple(infants)
+
+
+def check_recordable(folder: Path, bundles: Sequence[AnyBundle]) -> Description | None:
     """Check that infants can be recorded in a folder; return what its `recording.json` says, None if there is none.
 
     Raises:
@@ -152,13 +170,13 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
             raise RecordingError(f"{folder}: the folder is not empty and no recording; name a new or empty folder")
         return None
     description = description_in(folder)
-    recorded, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
+    recorded, wanted = description.infants, recorded_infants(bundles)
     if len(recorded) != len(wanted):
         other = f"{len(recorded)} infants side by side, not {len(wanted)}"
         raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
-    for infant, bundle, theirs, ours in zip(description.infants, bundles, recorded, wanted, strict=True):
+    for theirs, ours in zip(recorded, wanted, strict=True):
         if theirs != ours:
-            other = f"another bundle ('{infant.name}', {theirs[7:15]}, not '{bundle.manifest.name}', {ours[7:15]})"
+            other = f"another bundle ('{theirs.name}', {theirs.bundle[7:15]}, not '{ours.name}', {ours.bundle[7:15]})"
             raise RecordingError(f"{folder}: the recording here is of {other}; name another folder")
     return description
 
@@ -167,22 +185,15 @@ def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
     """Return the episodes in the folder of a recording, by infant and number; those without a first part are left out.
 
     Raises:
-        RecordingError: If one is of none of so many infants or was written in parts by an earlier version, or the
-            folder with the episodes is a link.
+        RecordingError: If one is of none of so many infants, or the folder with the episodes is a link.
     """
     home, parts = folder / EPISODES, dict[tuple[int, int], set[int]]()
-    names = names_in(folder)
-    for name in names:
+    for name in _names_in(folder):
         if match := NAME.fullmatch(name):
             infant, number, part = (int(digits or 0) for digits in match.groups())
             if infant >= infants:
                 raise RecordingError(f"{home / name}: there is no infant {infant} in this recording of {infants}")
             parts.setdefault((infant, number), set()).add(part)
-        elif (match := EARLIER.fullmatch(name)) and f"{match[1]}.json" not in names:
-            raise RecordingError(
-                f"{home / name}: a part of an episode that an earlier version of mimoc was recording when it was"
-                f" killed; convert it by 'mimoc export {folder} --to recording -o NEW'"
-            )
 
     def stems(key: tuple[int, int]) -> tuple[Path, ...]:
         stem = home / _name(*key)
@@ -206,7 +217,7 @@ def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[Bi
         raise RecordingError(f"{path}: the file is damaged") from None
 
 
-def names_in(folder: Path) -> list[str]:
+def _names_in(folder: Path) -> list[str]:
     """Return the names of what is in the folder of the episodes."""
     try:
         with regular_files(folder) as files:
@@ -235,7 +246,7 @@ def read_infant(path: str | Path) -> Bundle:
 
     Raises:
         BundleError: If the folder is not an intact bundle, and no recording.
-        RecordingError: If the recording is damaged, or of several infants side by side.
+        RecordingError: If the recording is damaged, or of several infants.
     """
     folder = Path(path).expanduser()
     if not os.path.lexists(folder / RECORDING):
@@ -246,7 +257,7 @@ def read_infant(path: str | Path) -> Bundle:
     return read_bundle(bundle_folder(folder, infant.bundle))
 
 
-def digest(bundle: Bundle) -> str:
+def digest(bundle: AnyBundle) -> str:
     """Return the digest of a bundle: that of its lock, which has those of all its files."""
     return f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"
 

@@ -15,7 +15,7 @@ from mimoc.quantities import QUANTITIES
 from mimoc.quantities.measuring import REDUCERS, Outcome, Value, reduced
 from mimoc.quantities.quantity import Quantity
 from mimoc.recording.description import RECORDING
-from mimoc.recording.reading import Episode, read_recording
+from mimoc.recording.reading import Episode, ReadRecording, read_recording
 
 Progress = Callable[[int, int], None]
 MOST = 10_000
@@ -45,7 +45,7 @@ def measure_recordings(
         progress: Called with how many recordings have been measured, and how many there are.
 
     Returns:
-        Columns by name, with a row for each episode: `recording`, `infant`, `episode`, `seconds` and the
+        Columns by name, with a row for each episode: `recording`, `infant`, its `name`, `episode`, `seconds` and the
         quantities; None where an episode does not have what a quantity needs.
 
     Raises:
@@ -56,7 +56,7 @@ def measure_recordings(
         >>> import mimoc
         >>> table = mimoc.measure_recordings("recordings/reach", ["right_hand_path_m", "right_hand_movement_units"])
         >>> [*table], table["right_hand_movement_units"]
-        (['recording', 'infant', 'episode', 'seconds', 'right_hand_path_m', 'right_hand_movement_units'], [0])
+        (['recording', 'infant', 'name', 'episode', 'seconds', 'right_hand_path_m', 'right_hand_movement_units'], [0])
     """
     folder, known = Path(source).expanduser(), measurable()
     for name in names:
@@ -64,7 +64,9 @@ def measure_recordings(
             raise UnknownNameError("quantity of recordings", name, known)
     rows, paths = [], recordings_in(folder)
     for done, path in enumerate(paths):
-        rows += [_row(episode, folder, path, names or known) for episode in read_recording(path)]
+        recording = read_recording(path)
+        where = path.relative_to(folder).as_posix() if path != folder else folder.name
+        rows += [{"recording": where, **_row(recording, episode, names or known)} for episode in recording]
         progress(done + 1, len(paths))
     if not rows:
         raise RecordingError(f"{folder}: there are no episodes in this recording")
@@ -121,8 +123,8 @@ def _value(item: Quantity, episode: Episode, columns: Mapping[str, Any], outcome
     return REDUCERS[item.reduce](values[np.isfinite(values)].tolist())
 
 
-def _row(episode: Episode, folder: Path, path: Path, names: Any) -> dict[str, Any]:
+def _row(recording: ReadRecording, episode: Episode, names: Any) -> dict[str, Any]:
     known = measurable()
-    which = {"recording": path.relative_to(folder).as_posix() if path != folder else folder.name}
-    which |= {"infant": episode.infant, "episode": episode.number, "seconds": ms_to_s(episode.steps * episode.step_ms)}
+    which = {"infant": episode.infant, "name": recording.description.infants[episode.infant].name}
+    which |= {"episode": episode.number, "seconds": ms_to_s(episode.steps * episode.step_ms)}
     return which | measure_episode(episode, {name: known[name] for name in names})

@@ -21,8 +21,9 @@ from mimoc.recording.blocks import Block, reading_of
 from mimoc.recording.columns import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.observer import Observer
+from mimoc.runtime.simulation import INFANTS, Simulation
 from mimoc.senses.sense import Observation
 
 Job = Callable[[], None]
@@ -85,6 +86,15 @@ RANDOM = ("random", "noise")
 """Parts that a reset with a seed makes anew as well: before the first one they differ each time."""
 
 
+def lasting(state: Mapping[str, Any], seeded: bool) -> dict[str, Any]:
+    """Return the parts of a state that a reset, with a seed or without, goes on from."""
+    left_out = SINCE_RESET + (RANDOM if seeded else ())
+    kept = {name: part for name, part in state.items() if name not in left_out}
+    if INFANTS in kept:
+        kept[INFANTS] = {name: lasting(of_infant, seeded) for name, of_infant in kept[INFANTS].items()}
+    return kept
+
+
 @dataclass
 class _Episode:
     """An episode that is being recorded."""
@@ -104,6 +114,49 @@ class _Episode:
     """Complete states, since the last part."""
 
 
+@dataclass
+class RecordedSimulation:
+    """A simulation that is being recorded: what its infants, one or several, have in common."""
+
+    simulation: Simulation
+    next_number: int
+    """Number of the next episode, which is that of all infants."""
+    observers: list["RecordingObserver"] = field(default_factory=list)
+    """Of each infant, in order."""
+    number: int = 0
+    """Number of the present episode."""
+    before: dict[str, Any] = field(default_factory=dict)
+    """State before the latest reset."""
+    physics: bytes = b""
+    """Physics after the latest control step."""
+    orders: dict[int, int] = field(default_factory=dict)
+    """How many of the orders that each companion has before a control step are kept, by the companion's identity."""
+
+    @property
+    def has_states(self) -> bool:
+        """Whether states are recorded: of what is simulated on the CPU."""
+        return isinstance(self.simulation, Simulation)
+
+    @property
+    def keeper(self) -> "RecordingObserver | None":
+        """The first infant whose episode goes on: it keeps states, and what is done besides control steps."""
+        return next((observer for observer in self.observers if observer.is_on), None)
+
+    def begin(self) -> None:
+        """Begin an episode, which each infant joins."""
+        self.number, self.next_number = self.next_number, self.next_number + 1
+
+    def end(self, how: str) -> None:
+        """End the episodes of all infants."""
+        for observer in self.observers:
+            observer.end(how)
+
+    def know_orders(self) -> None:
+        """Take all orders of companions so far as kept, by a state."""
+        companions = (one for observer in self.observers for one in observer.infant.companions.values())
+        self.orders = {id(companion): len(companion.orders) for companion in companions}
+
+
 class RecordingObserver(Observer):
     """Writes down the episodes of one infant."""
 
@@ -111,10 +164,10 @@ class RecordingObserver(Observer):
 
     def __init__(
         self,
-        infant: InfantEnv,
+        infant: Infant,
+        shared: RecordedSimulation,
         writer: Writer,
         stem_of: Callable[[int], Path],
-        first: int,
         part_rows: int,
         states_every: int,
         about: Mapping[str, Any],
@@ -124,24 +177,26 @@ class RecordingObserver(Observer):
 
         Args:
             infant: The infant.
+            shared: Its simulation, to which this observer is added.
             writer: What does the writing.
             stem_of: Returns the path of an episode's files, without extension, by its number.
-            first: Number of the first episode.
             part_rows: Rows of a part.
             states_every: Control steps from one complete state to the next.
             about: What each sidecar says, such as the number of the `infant`.
             movement: Groups of movement columns.
         """
-        self._infant, self._writer, self._stem_of = infant, writer, stem_of
+        self.infant, self._shared, self._writer, self._stem_of = infant, shared, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
         self._movement = MovementReader(infant, movement)
-        self.next_number = first
-        """Number of the next episode."""
         self._episode: _Episode | None = None
-        self._before: dict[str, Any] | None = None
-        self._ordered: dict[str, int] = {}
-        self._physics, self._measures = b"", StepMeasures(infant, "record")
+        self._measures = StepMeasures(infant, "record")
         self._described = _described(infant, self._movement)
+        shared.observers.append(self)
+
+    @property
+    def is_on(self) -> bool:
+        """Whether an episode is being recorded."""
+        return self._episode is not None
 
     @property
     def movement_columns(self) -> tuple[Column, ...]:
@@ -150,34 +205,40 @@ class RecordingObserver(Observer):
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
-        state = self._infant.get_state()
-        self._before = {name: part for name, part in state.items() if name not in SINCE_RESET}
+        shared = self._shared
+        if self is shared.observers[0]:
+            shared.before = self.infant.get_state()
+            shared.end("reset")
+            shared.begin()
 
     def was_reset(
         self, seed: int | None, options: Mapping[str, Any], observation: Observation, info: Mapping[str, Any]
     ) -> None:
-        """End the episode before, and begin one."""
-        self.end("reset")
-        before = {name: part for name, part in (self._before or {}).items() if seed is None or name not in RANDOM}
-        reset = {"seed": seed, "options": dict(options), "before": before}
+        """Begin an episode."""
+        shared, reset = self._shared, {"seed": seed, "options": dict(options), "before": {}}
+        if self is shared.observers[0]:
+            reset["before"] = lasting(shared.before, seed is not None)
         self._begin(reset, observation, info)
 
     def stepping(self) -> None:
         """Keep the physics if it was changed from outside; begin an episode here if there is none."""
+        shared, infant = self._shared, self.infant
         if self._episode is None:
-            infant = self._infant
-            self._begin(None, {**infant.schedule.observe(), **infant.task.observe()}, {})
-            self._ordered = {name: len(companion.orders) for name, companion in infant.companions.items()}
-        elif self._physics != self._physics_now():
-            self._change("physics", physics_of(self._infant.model, self._infant.data))
-        if self._infant.companions:
+            if shared.keeper is None:
+                shared.begin()
+            self._begin(None, infant.observe(), {})
+            if self is shared.keeper:
+                shared.know_orders()
+        elif self is shared.keeper and shared.has_states and shared.physics != self._physics_now():
+            self._change("physics", physics_of(infant.model, infant.data))
+        if infant.companions:
             self._keep_orders()
 
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
         """Keep a control step; write a part of the episode if it is due, and the episode if it has ended."""
-        episode = self._episode
+        episode, is_keeper = self._episode, self is self._shared.keeper
         assert episode is not None
         action = np.asarray(action)
         if action.dtype != episode.action_dtype:
@@ -188,10 +249,12 @@ class RecordingObserver(Observer):
             self._write_part(episode)
             episode.block = self._new_block(episode.steps)
         self._put(episode.block, action, judged, observation)
-        episode.block.put_measures(self._measures.read(judged[3]))
-        self._physics = self._physics_now()
-        if episode.steps % self._states_every == 0:
-            episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
+        if self._shared.has_states:
+            episode.block.put_measures(self._measures.read(judged[3]))
+        if is_keeper and self._shared.has_states:
+            self._shared.physics, self._shared.orders = self._physics_now(), {}
+            if episode.steps % self._states_every == 0:
+                episode.states.append({"step": episode.steps, "state": self.infant.get_state()})
         if judged[1] or judged[2]:
             self.end("terminated" if judged[1] else "truncated")
 
@@ -200,10 +263,13 @@ class RecordingObserver(Observer):
         self._change("age_months", to)
 
     def restored(self) -> None:
-        """Keep a state that was restored."""
-        if self._episode is not None:
-            self._change("state", self._infant.get_state())
-        self._ordered = {name: len(companion.orders) for name, companion in self._infant.companions.items()}
+        """Keep a state that was restored; in a world, where it says whose episodes go on, it begins an episode."""
+        shared = self._shared
+        if len(shared.observers) > 1:
+            shared.end("reset")
+        else:
+            self._change("state", self.infant.get_state())
+        shared.know_orders()
 
     def expressed(self, expression: str) -> None:
         """Keep an expression."""
@@ -214,11 +280,12 @@ class RecordingObserver(Observer):
         self._change("arousal", level)
 
     def _keep_orders(self) -> None:
-        """Keep what companions were asked to do since the last step, but for what a state that was kept contains."""
-        for name, companion in self._infant.companions.items():
-            for order in companion.orders[self._ordered.get(name, 0) :]:
+        """Keep what companions were asked to do since the last step, once, and not what a kept state contains."""
+        for name, companion in self.infant.companions.items():
+            known = self._shared.orders.get(id(companion), 0)
+            for order in companion.orders[known:]:
                 self._change("order", {"companion": name, "order": dict(order)})
-        self._ordered = {}
+            self._shared.orders[id(companion)] = len(companion.orders)
 
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""
@@ -227,15 +294,16 @@ class RecordingObserver(Observer):
             self._episode = None
 
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
-        head = {**self._about, "reset": reset, "start": self._infant.get_state()}
-        self._episode = _Episode(self.next_number, head, self._new_block(0))
-        self.next_number += 1
+        keeps = self._shared.keeper is None
+        head = {**self._about, "reset": reset, "start": self.infant.get_state() if keeps else {}}
+        self._episode = _Episode(self._shared.number, head, self._new_block(0))
         self._put(self._episode.block, None, (*NOTHING_YET, info), observation)
-        self._physics = self._physics_now()
+        if keeps:
+            self._shared.physics = self._physics_now()
 
     def _put(self, block: Block, action: Any, judged: Any, observation: Observation) -> None:
         """Keep a row."""
-        block.put(self._infant.data.time, action, judged, observation)
+        block.put(self.infant.data.time, action, judged, observation)
         if self._movement.columns:
             self._movement.add(block.movement, block.room)
 
@@ -251,12 +319,18 @@ class RecordingObserver(Observer):
         episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
-        if self._episode is not None:
-            self._episode.changes.append({"step": self._episode.steps, what: value})
-            self._physics = self._physics_now()
+        """Note a change where those of the simulation are kept, at the step of this infant."""
+        keeper = self._shared.keeper
+        if keeper is None or keeper._episode is None:
+            return
+        whose = {"infant": self._about["infant"]} if len(self._shared.observers) > 1 else {}
+        step = (self._episode or keeper._episode).steps
+        keeper._episode.changes.append({"step": step, what: value, **whose})
+        if what in ("age_months", "state"):
+            self._shared.physics = self._physics_now()
 
     def _physics_now(self) -> bytes:
-        return physics_of(self._infant.model, self._infant.data).tobytes()
+        return physics_of(self.infant.model, self.infant.data).tobytes()
 
 
 def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
@@ -273,18 +347,18 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
-def _described(infant: InfantEnv, movement: MovementReader) -> Described:
+def _described(infant: Infant, movement: MovementReader) -> Described:
     """Return what the numbers of an infant's recording are."""
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
-    observation = {**infant.schedule.observe(), **infant.task.observe()}
+    observation = infant.observe()
     readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
-    actuators = infant.manifest.actuation.commands
+    actuators = infant.manifest.commands
     columns = [tuple(column.name for column in kind) for kind in (movement.numbers, movement.texts)]
     return Described(readings, actuators, infant.manifest.step_ms, *columns)
 
 
-def spaces_of(infant: InfantEnv) -> Mapping[str, Any]:
+def spaces_of(infant: Infant) -> Mapping[str, Any]:
     """Return the space of each array of what an infant observes, by name."""
     return cast("Any", infant.observation_space).spaces

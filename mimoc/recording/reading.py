@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.classes import PATH, takes
-from mimoc.base.errors import BundleError, RecordingError, UnknownNameError
+from mimoc.base.errors import BundleError, RecordingError, UnknownNameError, check_name
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
+from mimoc.bundle.world import WorldBundle, read_world_bundle
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
 from mimoc.recording.columns import ACTION, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
-from mimoc.recording.description import Description, Sidecar, description_in, read_sidecar
+from mimoc.recording.description import Change, Description, Sidecar, description_in, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
 from mimoc.recording.state_text import from_plain
 from mimoc.recording.tables import MEASURE, OPTIONAL
@@ -141,8 +142,7 @@ class Episode:
     def movement(self) -> Mapping[str, Array]:
         """Movement columns by name, each of shape (k + 1,): `pandas.DataFrame(episode.movement)`.
 
-        `columns.csv` in the folder says what they are. Those of texts are arrays of objects; recordings that mimoc made
-        before have none.
+        `columns.csv` in the folder says what they are. Those of texts are arrays of objects.
         """
         return tables.movement_of(self.table, self.described)
 
@@ -228,22 +228,32 @@ class Episode:
 
     @property
     def start(self) -> Any:
-        """The complete state before the first control step, for `InfantEnv.set_state`."""
+        """The complete state before the first control step, for `InfantEnv.set_state`.
+
+        That of a world is kept with the first of its infants: `recording.run_of(episode)[0].start`.
+        """
         return self._restored(self.sidecar.start)
 
     @cached_property
     def states(self) -> dict[int, Any]:
-        """Complete states after some numbers of control steps."""
+        """Complete states after some numbers of control steps; those of a world are kept as `changes` are."""
         return {kept.step: self._restored(kept.state) for kept in self.sidecar.states}
 
     @cached_property
     def changes(self) -> dict[int, list[tuple[str, Any]]]:
-        """What was done to the infant besides control steps, in order, by the number of steps before it."""
+        """What was done to the infant besides control steps, in order, by the number of steps before it.
+
+        What was done to the infants of a world is kept with the first of them whose episode went on.
+        """
         by_step: dict[int, list[tuple[str, Any]]] = {}
         for change in self.sidecar.changes:
-            (kind,) = change.kinds
-            by_step.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
+            by_step.setdefault(change.step, []).append(self.change(change))
         return by_step
+
+    def change(self, change: Change) -> tuple[str, Any]:
+        """Return of which kind a change is, and its value."""
+        (kind,) = change.kinds
+        return kind, self._restored(getattr(change, kind))
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
@@ -306,33 +316,71 @@ class ReadRecording(Sequence[Episode]):
         """How many infants were recorded side by side."""
         return len(self.description.infants)
 
-    def of_infant(self, infant: int) -> tuple[Episode, ...]:
-        """Return the episodes of one infant."""
-        return tuple(episode for episode in self.episodes if episode.infant == infant)
+    def infant_number(self, infant: int | str) -> int:
+        """Return the number of an infant that is given by its number or its name.
 
-    def bundle(self, infant: int = 0) -> Bundle:
-        """Return the bundle of an infant.
+        Raises:
+            UnknownNameError: If there is no such infant.
+            RecordingError: If several have this name.
+        """
+        if isinstance(infant, int) or infant.isdecimal():
+            return int(infant)
+        names = [item.name for item in self.description.infants]
+        check_name("name of an infant of this recording", infant, names)
+        if names.count(infant) > 1:
+            raise RecordingError(f"{self.path}: several infants are named '{infant}'; give the number of one of them")
+        return names.index(infant)
+
+    def of_infant(self, infant: int | str) -> tuple[Episode, ...]:
+        """Return the episodes of one infant, given by number or name."""
+        number = self.infant_number(infant)
+        return tuple(episode for episode in self.episodes if episode.infant == number)
+
+    def run_of(self, episode: Episode) -> tuple[Episode, ...]:
+        """Return the episodes of all infants of a world that an episode is of, the one first that keeps its start."""
+        sharing = self.description.sharing(episode.infant)
+        if len(sharing) == 1:
+            return (episode,)
+        run = [one for one in self.episodes if one.infant in sharing and one.number == episode.number]
+        return tuple(sorted(run, key=lambda one: not one.sidecar.start))
+
+    def whole_bundle(self, infant: int = 0) -> Bundle | WorldBundle:
+        """Return the bundle of an infant, or of the world that it shares with others.
 
         Raises:
             RecordingError: If it is missing, damaged, or another one.
         """
-        wanted = self.description.infants[infant].bundle
-        home = bundle_folder(self.path, wanted)
+        wanted = self.description.infants[infant]
+        home = bundle_folder(self.path, wanted.bundle)
         if home.is_symlink() or home.parent.is_symlink():
             raise RecordingError(f"{home}: this is a link, or in one, which mimoc never writes")
         try:
-            bundle = read_bundle(home)
+            bundle = read_bundle(home) if wanted.world is None else read_world_bundle(home)
         except BundleError as error:
             raise RecordingError(f"the bundle of this recording cannot be read: {error}") from None
-        if digest(bundle) != wanted:
-            raise RecordingError(f"{home}: this is not the bundle that was recorded ({wanted[7:15]})")
+        if digest(bundle) != wanted.bundle:
+            raise RecordingError(f"{home}: this is not the bundle that was recorded ({wanted.bundle[7:15]})")
         return bundle
+
+    def bundle(self, infant: int = 0) -> Bundle:
+        """Return the bundle of an infant; that of one in a world has no model of its own.
+
+        Raises:
+            RecordingError: If it is missing, damaged, or another one.
+        """
+        whole, name = self.whole_bundle(infant), self.description.infants[infant].name
+        if isinstance(whole, Bundle):
+            return whole
+        if name not in whole.infants:
+            raise RecordingError(f"{self.path}: there is no infant '{name}' in the world that was recorded")
+        return whole.infants[name]
 
     def summary(self) -> dict[str, list[Any]]:
         """Return a row for each episode: `pandas.DataFrame(recording.summary())`."""
         rows = [
             {
                 "infant": episode.infant,
+                "name": self.description.infants[episode.infant].name,
                 "episode": episode.number,
                 "steps": episode.steps,
                 "ended": episode.ended,

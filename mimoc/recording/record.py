@@ -1,27 +1,26 @@
-"""Recording a run as a video in real time: the infant, followed by a camera, and beside it the views of its eyes."""
+"""Recording a run as a video in real time: infants, followed by a camera, and beside them the views of eyes."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from PIL import Image
 
-from mimoc.base.errors import RenderingError
+from mimoc.base.errors import RenderingError, check_name
 from mimoc.base.units import ms_to_s
-from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.sound_track import SoundTrack, hears, sound_file
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
+from mimoc.render.picture_files import in_rows, rows_of
 from mimoc.render.renderer import Picture, Shown, average_down
-from mimoc.runtime.env import InfantEnv, infant_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.rollout import Run, Summary
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.rollout import Policies, Run
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
 
@@ -43,38 +42,46 @@ SHARP = 2
 
 
 class VideoFrames:
-    """Renders the frames of a video of one environment."""
+    """Renders the frames of a video of the infants of one simulation."""
 
-    def __init__(
-        self,
-        env: Infant,
-        height_px: int,
-        eyes: bool = False,
-        shown: Shown = "skin",
-        roots: Sequence[str] = (),
-    ):
+    def __init__(self, infant: Infant, height_px: int, eyes: bool = False, shown: Shown = "skin"):
         """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes.
 
-        Without *roots*, root bodies of several infants, only this infant is kept in the picture.
+        Args:
+            infant: The infant whose eyes are shown, which may grow; those that share its world are in the picture, too.
+            height_px: Height of the frames.
+            eyes: Whether to show the views of its eyes.
+            shown: Whether infants are drawn with their skin, or their solids.
         """
-        self._env, vision = env, env.manifest.senses.vision
-        self._observed = vision.cameras if eyes and vision else ()
-        """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
-        self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
-        roots = roots or [env.manifest.root_body]
-        view = view_of_scene(FROM_THE_SIDE, env.manifest, roots, env.data)
-        size_px, beside = (round(SHAPE * height_px), height_px), company(env.manifest, roots, env.data)
-        self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=shown, beside=beside)
-        """The camera outside."""
-        self.camera.turn(env.data)
+        self._env, self._eyes, self._height_px = infant, eyes, height_px
+        self._shown: Shown = shown
         self.shot: Shot | None = None
         """Shot of the last frame."""
+        self._open()
+
+    def _open(self) -> None:
+        """Open the cameras in the present model."""
+        env, height_px, vision = self._env, self._height_px, self._env.manifest.senses.vision
+        self._data = env.data
+        self._observed = vision.cameras if self._eyes and vision else ()
+        """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
+        self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), self._shown) if self._eyes and not vision else None
+        roots = [one.manifest.root_body for one in env.simulation.infants.values()]
+        manifest = env.simulation.bundle.manifest
+        view = view_of_scene(FROM_THE_SIDE, manifest, roots, env.data)
+        size_px, beside = (round(SHAPE * height_px), height_px), company(manifest, roots, env.data)
+        self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=self._shown, beside=beside)
+        """The camera outside."""
+        self.camera.turn(env.data)
         self._goal = self.camera.shot(env.data)
         """Shot that the camera is moving to."""
-        self._time_s = 0.0
+        self._time_s = env.data.time
 
     def frame(self, observation: Observation) -> Picture:
         """Return a frame of the current state and observation, shape (height, width, 3)."""
+        if self._env.data is not self._data:  # An infant has grown, or is in another scene.
+            self.close()
+            self._open()
         self.shot = self._followed()
         self._time_s = self._env.data.time
         outside = self.camera.render(self._env.data, shot=self.shot)
@@ -152,47 +159,55 @@ RATE_HZ = 25
 """Default frame rate: four hundredths of a second per frame, which a GIF can represent."""
 HEIGHT_PX = 360
 """Default height of a video."""
-Watch = Callable[[InfantEnv, Observation], None]
-"""Called with an environment and what it observes."""
+Watch = Callable[[Infant, Observation], None]
+"""Called with an infant and what it observes."""
+Filming = Callable[[Mapping[str, Infant], Mapping[str, Observation]], None]
+"""Called with infants and with what they observe, by name."""
 
 
 def record(
-    env: gymnasium.Env[Any, Any],
-    policy: str | PolicyMaker,
+    env: Any,
+    policy: Policies,
     file: str | Path,
     *,
     steps: int = 1000,
     seed: int = 0,
+    infant: str | None = None,
     eyes: bool = False,
     rate_hz: int = RATE_HZ,
     height_px: int = HEIGHT_PX,
     body: Shown = "skin",
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> Summary:
-    """Run an infant under a policy, record a video, and return the summary of the run.
+) -> Any:
+    """Run infants under a policy, record a video, and return the summary of the run.
 
-    The video plays in real time. Of an infant that hears, what reaches its ears is written beside it, as a stereo .wav
-    file of the same name, and is the sound of an .mp4. After Ctrl-C, the video up to that point is kept; after any
-    other error, no file is written.
+    The video plays in real time: all infants of a world are in one picture, and those of a vector environment in rows
+    of pictures. What reaches the ears of an infant that hears is written beside it, as a stereo .wav file of the same
+    name, and is the sound of an .mp4. After Ctrl-C, the video up to that point is kept; after any other error, no file
+    is written.
 
     Args:
-        env: The environment of one infant, which is reset.
+        env: The environment of one infant, a world of several, or a vector environment on the CPU, which is reset.
         policy: `random`, `zero`, `reach` or another name, a sum of names (`general_movements+reflexes`), a trained
-            policy from `mimoc.load_policy`, or a function from an environment to a function from a random generator
-            and an observation to an action.
+            policy from `mimoc.load_policy`, or a function from an infant to a function from a random generator and an
+            observation to an action; or a dictionary with the policy of each infant, by name.
         file: The video file, an .mp4 (which needs `pip install 'mimoc[record]'`) or a .gif.
         steps: Number of control steps.
         seed: Random seed of policy and episodes.
+        infant: Name of the infant whose eyes and ears the video has, of several; by default, the first that has any.
         eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
         rate_hz: Frames per second, at most one per control step.
         height_px: Height of the video.
         body: Whether infants are drawn with their `skin`, or their `solids`.
         progress: Called with the number of steps done and their total.
 
+    Returns:
+        The summary of the only infant, or those of several by name.
+
     Raises:
         OutputError: If the video cannot be written.
         MissingExtraError: If PyAV is not installed, which MP4 needs.
-        UnknownNameError: If there is no such policy.
+        UnknownNameError: If there is no such policy, or no such infant.
         PolicyError: If its name lacks something, or it does not fit the infant.
         RenderingError: If OpenGL is not available, or the infant has no eyes.
         TypeError: If it is no such environment.
@@ -205,17 +220,19 @@ def record(
         8
     """
     check_video(file)
-    infant = infant_of(
-        "record", env, "make one with mimoc.make, or film a world with: mimoc run WORLD.yaml --video FILE"
-    )
-    run = Run(infant, policy, seed)
-    with film_of(file, infant.manifest.step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
-        watch(infant, run.observation)
+    infants = infants_of("record", env)
+    if infant is not None:
+        check_name("name of an infant of this environment", infant, infants)
+    run, step_ms = Run(env, policy, seed), next(iter(infants.values())).manifest.step_ms
+    options: Any = {"eyes": eyes, "rate_hz": rate_hz, "height_px": height_px, "body": body}
+    with film_of(file, step_ms, infant=infant, **options) as film:
+        film(infants, run.observations)
         for done in range(1, steps + 1):
             run.step()
-            watch(infant, run.observation)
+            film(infants, run.observations)
             progress(done, steps)
-    return run.summary()
+    summaries = run.summaries()
+    return summaries.get("", summaries)
 
 
 @contextmanager
@@ -223,38 +240,45 @@ def film_of(
     file: str | Path,
     step_ms: float,
     *,
+    infant: str | None = None,
     eyes: bool = False,
     rate_hz: int = RATE_HZ,
     height_px: int = HEIGHT_PX,
     body: Shown = "skin",
-    roots: Sequence[str] = (),
-) -> Iterator[Watch]:
-    """Record a video of one environment, as `record` does, or of several infants with some root bodies.
+) -> Iterator[Filming]:
+    """Record a video of infants, as `record` does.
 
-    Yield the function to call with the environment and what it observes, at the start and after each step.
+    Yield the function to call with the infants and what they observe, at the start and after each step.
     """
     step_s = Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
     with ExitStack() as opened:
-        film: VideoFrames | None = None
+        frames = dict[str, VideoFrames]()
         video: Video | None = None
         track: SoundTrack | None = None
-        steps = 0
+        seen, steps = dict[str, Observation](), 0
 
-        def watch(env: Infant, observation: Observation) -> None:
+        def film(infants: Mapping[str, Infant], observations: Mapping[str, Observation]) -> None:
             """Capture a frame if one is due."""
-            nonlocal film, video, track, steps
-            if film is None or video is None:
-                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body, roots)))
+            nonlocal video, track, steps
+            if video is None:
+                shown = _shown(infants, infant)
+                cell_px = height_px // len(rows_of(shown))
+                for name in shown:
+                    frames[name] = opened.enter_context(closing(VideoFrames(infants[name], cell_px, eyes, body)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
-                track = _open_track(env, video)
+                if heard := heard_in(infants, infant):
+                    track = SoundTrack(heard)
+                    video.open_sound(track.rate_hz)
             if track:
-                track.hear(env)
+                track.hear()
+            seen.update(observations)
             if steps * step_s * video.rate_hz >= video.pictures:
-                video.add(film.frame(observation))
+                pictures = [one.frame(seen.get(name, {})) for name, one in frames.items()]
+                video.add(in_rows(pictures) if len(pictures) > 1 else pictures[0])
             steps += 1
 
         try:
-            yield watch
+            yield film
         except KeyboardInterrupt:
             _save(video, track)
             raise
@@ -265,13 +289,19 @@ def film_of(
         _save(video, track)
 
 
-def _open_track(env: Infant, video: Video) -> SoundTrack | None:
-    """Return the sound of a video without frames, if its infant hears."""
-    if not hears(env):
-        return None
-    track = SoundTrack(env)
-    video.open_sound(track.rate_hz)
-    return track
+def heard_in(infants: Mapping[str, Infant], infant: str | None) -> Infant | None:
+    """Return the infant whose ears a video of some has: that of a name, or the first that hears; None if none does."""
+    chosen = infants.values() if infant is None else [infants[infant]]
+    return next(filter(hears, chosen), None)
+
+
+def _shown(infants: Mapping[str, Infant], infant: str | None) -> list[str]:
+    """Return the name of one infant of each simulation, whose eyes are shown: that of a name, or the first."""
+    names = dict[int, str]()
+    for name, one in infants.items():
+        if name == infant or id(one.simulation) not in names:
+            names[id(one.simulation)] = name
+    return [*names.values()]
 
 
 def _save(video: Video | None, track: SoundTrack | None) -> None:

@@ -1,26 +1,20 @@
 """Recording of everything that infants do and sense, of one environment or of many."""
 
 import math
-import warnings
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import gymnasium
-from gymnasium.vector import VectorEnv, VectorWrapper
-
-from mimoc.base.classes import described
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.columns import GROUPS, checked_groups
 from mimoc.recording.dictionary import write_dictionary
-from mimoc.recording.folder import EPISODES, digest, open_folder, versions
-from mimoc.recording.observer import RecordingObserver, Writer, spaces_of
+from mimoc.recording.folder import EPISODES, open_folder, versions
+from mimoc.recording.observer import RecordedSimulation, RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
-from mimoc.runtime.batch.vector_env import BatchEnv
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.observer import NO_OBSERVER
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.task import CustomTask
@@ -37,32 +31,34 @@ ROOM_BYTES = 2**28
 
 
 class Recording(AbstractContextManager):
-    """Records the episodes of some infants in a folder until it is closed."""
+    """Records the episodes of some infants, and of all that share a world with them, in a folder until it is closed."""
 
     def __init__(
         self,
-        infants: Sequence[InfantEnv],
+        infants: Sequence[Infant],
         folder: str | Path,
         *,
         states_every: int = STATES_EVERY,
         part_rows: int = PART_ROWS,
         movement: Sequence[str] = tuple(GROUPS),
+        note: str | None = None,
     ):
-        """Begin to record; see `Recorder`."""
+        """Begin to record; see `Recorder`; *note* says why this cannot be replayed, if it cannot."""
         self._movement = checked_groups(movement)
+        self._simulations = [*{id(infant.simulation): infant.simulation for infant in infants}.values()]
+        infants = self._infants = tuple(one for each in self._simulations for one in each.infants.values())
         for infant in infants:
             if infant.observer is not NO_OBSERVER:
                 raise RecordingError("this infant is being recorded already; close that recording first")
         if any(space.dtype == "uint8" for infant in infants for space in spaces_of(infant).values()):
             require_av()
-        bundles = [infant.bundle for infant in infants]
-        self._infants = tuple(infants)
-        self._folder = open_folder(folder, bundles, step_ms=infants[0].manifest.step_ms)
+        self._folder = open_folder(folder, [simulation.bundle for simulation in self._simulations], note=note)
         try:
             for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
                 files.discard(leftover)
             self._writer = Writer()
-            self._observers = self._begun(part_rows, states_every, [digest(bundle) for bundle in bundles])
+            self._recorded = self._begun(part_rows, states_every)
+            self._observers = [observer for one in self._recorded for observer in one.observers]
             write_dictionary(
                 self.path, [column for observer in self._observers for column in observer.movement_columns]
             )
@@ -92,8 +88,8 @@ class Recording(AbstractContextManager):
             observer.end("reset")
         self._writer.drain()
         self._folder.mark(run, steps)
-        for observer, number in zip(self._observers, self._folder.next_numbers(), strict=True):
-            observer.next_number = number
+        for one, number in zip(self._recorded, self._next_numbers(), strict=True):
+            one.next_number = number
 
     def close(self) -> None:
         """Write what is left, or raise an OutputError, and record no more; closing twice is fine."""
@@ -112,25 +108,35 @@ class Recording(AbstractContextManager):
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
 
-    def _begun(self, part_rows: int, states_every: int, digests: Sequence[str]) -> list[RecordingObserver]:
+    def _begun(self, part_rows: int, states_every: int) -> list[RecordedSimulation]:
         """Give each infant its observer, with parts of as many rows as the memory suffices for."""
-        software, observers, folder = versions(), [], self._folder
-        for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
-            about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
+        software, folder = versions(), self._folder
+        pairs = zip(self._simulations, self._next_numbers(), strict=True)
+        recorded = [RecordedSimulation(simulation, first) for simulation, first in pairs]
+        shared = {id(one.simulation): one for one in recorded}
+        for number, (infant, about) in enumerate(zip(self._infants, folder.description.infants, strict=True)):
+            said = {"infant": number, "bundle": about.bundle, "versions": software, "objects": _objects(infant)}
             row_bytes = MOVEMENT_BYTES + sum(
                 math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
             )
-            rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(digests) * row_bytes)))
-            stem_of = partial(folder.stem, number)
+            rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(self._infants) * row_bytes)))
+            stem_of, one = partial(folder.stem, number), shared[id(infant.simulation)]
             infant.observer = RecordingObserver(
-                infant, self._writer, stem_of, first, rows, states_every, about, self._movement
+                infant, one, self._writer, stem_of, rows, states_every, said, self._movement
             )
-            observers.append(infant.observer)
-        return observers
+        return recorded
+
+    def _next_numbers(self) -> list[int]:
+        """Return the number of the next episode of each simulation."""
+        numbers, description = self._folder.next_numbers(), self._folder.description
+        firsts = dict.fromkeys(description.sharing(infant) for infant in range(len(numbers)))
+        return [max(numbers[infant] for infant in sharing) for sharing in firsts]
 
 
-class _Closing(AbstractContextManager):
-    """What both wrappers do: they end the recording before they close what they wrap."""
+class Closing(AbstractContextManager):
+    """What all wrappers do: they end the recording before they close what they wrap."""
+
+    env: Any
 
     def __init__(self, env: Any, recording: Recording):
         """Wrap an environment that is being recorded."""
@@ -142,85 +148,14 @@ class _Closing(AbstractContextManager):
         try:
             self.recording.close()
         finally:
-            super().close(**options)  # pyright: ignore[reportAttributeAccessIssue]
+            self.env.close(**options)
 
     def __exit__(self, *error: object) -> None:
         """Close it."""
         self.close()
 
 
-class EnvRecorder(_Closing, gymnasium.Wrapper[Any, Any, Any, Any]):
-    """The environment of one infant whose episodes are recorded."""
-
-
-class VectorRecorder(_Closing, VectorWrapper):
-    """A vector environment whose infants' episodes are recorded."""
-
-
-def Recorder(  # noqa: N802 - It stands for the classes above.
-    env: Any,
-    folder: str | Path,
-    *,
-    states_every: int = STATES_EVERY,
-    part_rows: int = PART_ROWS,
-    movement: Sequence[str] = tuple(GROUPS),
-) -> Any:
-    """Record every episode of an environment from now on, and return it in a wrapper that ends this when it is closed.
-
-    What is recorded is what the infant itself does and senses, whatever wrappers are around it or are put around it
-    later. `mimoc.read_recording` reads it, and `mimoc replay` does everything again and compares. Its place in the
-    stack of wrappers does not matter, but it must be closed: until then, the latest steps are only in memory.
-
-    Args:
-        env: An environment of mimoc's, or a vector environment of them on the CPU.
-        folder: A new or empty folder, or that of a recording of the same infants, which is continued.
-        states_every: Control steps from one complete state to the next.
-        part_rows: Control steps after which what was recorded is written, which a kill can lose; fewer for large
-            pictures.
-        movement: Groups of movement columns: `keypoints`, `parts`, `gaze`, `contacts`, `joints`, `actuators`; by
-            default all, `()` for none.
-
-    Raises:
-        UnknownNameError: If there is no such group.
-        RecordingError: If this is no such environment, or the folder holds anything else.
-        OutputError: If the folder cannot be written.
-        MissingExtraError: If PyArrow, or for infants that see PyAV, is not installed.
-
-    Example:
-        >>> import mimoc
-        >>> with mimoc.Recorder(mimoc.make("nine_months.yaml"), "recordings/recorder") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     for _ in range(2):
-        ...         _ = env.step(env.action_space.sample())
-        >>> mimoc.read_recording("recordings/recorder")[0].actions.shape
-        (2, 44)
-    """
-    for name, value in (("states_every", states_every), ("part_rows", part_rows)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise RecordingError(f"{name} must be a positive whole number, not {value!r}")
-    recording = Recording(infants_of(env), folder, states_every=states_every, part_rows=part_rows, movement=movement)
-    for note in recording.notes:
-        warnings.warn(note, stacklevel=2)
-    return VectorRecorder(env, recording) if isinstance(env, VectorEnv) else EnvRecorder(env, recording)
-
-
-def infants_of(env: Any) -> tuple[InfantEnv, ...]:
-    """Return the infants of an environment, or raise a RecordingError if it has none in this process and on the CPU."""
-    inside = getattr(env, "unwrapped", None)
-    if isinstance(inside, InfantEnv):
-        return (inside,)
-    if isinstance(inside, BatchEnv):
-        return inside.infants
-    several = [env.unwrapped for env in getattr(inside, "envs", ())]
-    if several and all(isinstance(env, InfantEnv) for env in several):
-        return tuple(several)
-    raise RecordingError(
-        f"cannot record {described(inside or env)}: give an environment of mimoc.make, or one of mimoc.make_vec on"
-        " the CPU"
-    )
-
-
-def _objects(infant: InfantEnv) -> dict[str, str]:
+def _objects(infant: Infant) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
     objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
     classes = {name: type(infant.companions[name]) for name in sorted(infant.companions.custom)}

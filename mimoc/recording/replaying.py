@@ -12,16 +12,22 @@ import numpy.typing as npt
 from mimoc.base.errors import MimocError, RecordingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.physics_state import check_physics, set_physics
+from mimoc.bundle.world import WorldBundle
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.columns import OBSERVATION
+from mimoc.recording.description import Change
 from mimoc.recording.folder import versions
 from mimoc.recording.observer import ACTION, NOTHING_YET, spaces_of
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, AROUSAL, SEED
+from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.observer import NO_OBSERVER, Observer
+from mimoc.runtime.simulation import INFANTS, Simulation
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import Observation
 
 Number = tuple[int, str, int, float, float]
@@ -54,6 +60,7 @@ class Difference:
 
 def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]) -> Difference | None:
     """Compare two complete states; return the first part that differs."""
+    recorded, now = _flat(recorded), _flat(now)
     for part, ours in recorded.items():
         theirs = now.get(part)
         if not is_same(ours, theirs):
@@ -63,6 +70,13 @@ def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]
             name, values = (f"{part} {number[2]}", number[3:]) if number else (part, (np.nan, np.nan))
             return Difference(step, "state", name, *values)
     return None
+
+
+def _flat(state: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the parts of a state, those of the infants of a world by their names and what they are."""
+    of_infants = state.get(INFANTS, {})
+    parts = {f"{name} {what}": part for name, parts in of_infants.items() for what, part in parts.items()}
+    return {name: part for name, part in state.items() if name != INFANTS} | parts
 
 
 def _first(what: str, recorded: Array, now: Array) -> Number | None:
@@ -99,8 +113,10 @@ ROWS = 250
 """Rows that are compared at once."""
 _SHOWN = 300
 """Most characters of an error about what is in a file."""
-Open = Callable[[Bundle, bool], InfantEnv]
-"""Opens the environment of a bundle; the flag says whether it needs scenes of other seeds, too."""
+Open = Callable[[Bundle | WorldBundle, bool], Any]
+"""Opens the environment of a bundle, or the world; the flag says whether it needs scenes of other seeds, too."""
+ALONE = ""
+"""Name of an infant that is alone in its simulation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +126,8 @@ class Replayed:
     episode: Episode
     difference: Difference | None
     """The first number that is different now; None if all are the same."""
+    steps: int
+    """Control steps that were simulated again: of a world that was killed, those that all its infants have."""
 
     @property
     def other_versions(self) -> str:
@@ -122,9 +140,14 @@ class Replayed:
         """Return it in one line."""
         which = f"infant {self.episode.infant}, episode {self.episode.number}"
         if self.difference is None:
-            return f"{which}: all numbers of {self.episode.steps} control steps came out again"
+            return f"{which}: all numbers of {self.steps} control steps came out again"
         changed = self.other_versions
         return f"{which}, {self.difference}" + (f"; recorded with {changed}" if changed else "")
+
+
+def open_recorded(bundle: Bundle | WorldBundle, other_scenes: bool = False) -> Any:
+    """Return the environment of a bundle, or the world, at the ages and in the scene of the bundle."""
+    return WorldEnv(bundle) if isinstance(bundle, WorldBundle) else InfantEnv(bundle)
 
 
 def replay(
@@ -135,96 +158,189 @@ def replay(
     watch: Watch = lambda env, observation: None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Replayed]:
-    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`."""
+    """Simulate episodes again, by default all, and yield what came of each; see `mimoc.replay_recording`.
+
+    The episodes of infants that share a world are simulated together, those that are not chosen as well.
+    """
+    if recording.description.note:
+        raise RecordingError(f"{recording.path}: cannot be replayed: {recording.description.note}")
     chosen = recording.episodes if episodes is None else tuple(episodes)
-    total, done = sum(episode.steps for episode in chosen), 0
-    for infant in dict.fromkeys(episode.infant for episode in chosen):
-        same_infant = [episode for episode in chosen if episode.infant == infant]
-        bundle = recording.bundle(infant)
-        env = open_env(bundle, any(_other_scene(episode, bundle.manifest.seed) for episode in same_infant))
+    by_run = dict[tuple[tuple[int, ...], int], list[Episode]]()
+    for episode in chosen:
+        by_run.setdefault((recording.description.sharing(episode.infant), episode.number), []).append(episode)
+    runs = {key: recording.run_of(wanted[0]) for key, wanted in by_run.items()}
+    total, done = sum(map(_steps_of, runs.values())), 0
+    for sharing in dict.fromkeys(sharing for sharing, _ in sorted(runs)):
+        whole = recording.whole_bundle(sharing[0])
+        numbers = sorted(number for key, number in runs if key == sharing)
+        seed = whole.manifest.seed
+        env = open_env(whole, any(_other_scene(one, seed) for number in numbers for one in runs[sharing, number]))
+        is_world = isinstance(whole, WorldBundle)
+        names = {number: recording.description.infants[number].name if is_world else ALONE for number in sharing}
         try:
-            for episode in same_infant:
-                _check_observations(env, episode)
-                again = _Replay(env, episode, watch, lambda steps, before=done: progress(before + steps, total))
-                yield Replayed(episode, again())
-                done += episode.steps
+            for number in numbers:
+                run, wanted = runs[sharing, number], by_run[sharing, number]
+                again = _Replay(
+                    env, names, run, wanted, watch, lambda steps, before=done: progress(before + steps, total)
+                )
+                differences = again()
+                for episode in wanted:
+                    yield Replayed(episode, differences[episode.infant], min(episode.steps, _steps_of(run)))
+                done += _steps_of(run)
         finally:
             env.close()
 
 
-class _Replay:
-    """One episode that is simulated again."""
+def _steps_of(run: Sequence[Episode]) -> int:
+    """Return for how many control steps the actions of all infants of a run are known."""
+    going_on = [episode.steps for episode in run if episode.ended not in ("terminated", "truncated")]
+    return min(going_on) if going_on else max(episode.steps for episode in run)
 
-    def __init__(self, env: InfantEnv, episode: Episode, watch: Watch, progress: Callable[[int], None]):
-        self._env, self._episode, self._watch, self._progress = env, episode, watch, progress
+
+class _Replay:
+    """A run of one infant, or of a world of several, that is simulated again."""
+
+    def __init__(
+        self,
+        env: Any,
+        names: Mapping[int, str],
+        run: Sequence[Episode],
+        wanted: Sequence[Episode],
+        watch: Watch,
+        progress: Callable[[int], None],
+    ):
+        self._names, self._run, self._wanted = names, run, wanted
+        self._simulation: Simulation = env.simulation
+        self._whole = env if ALONE in self._simulation.infants else env.simulation
+        """Has complete states as they are recorded."""
+        self._infants, self._watch, self._progress = self._simulation.infants, watch, progress
+        if missing := [name for name in names.values() if name not in self._infants]:
+            raise RecordingError(f"{run[0].files.sidecars[0]}: there is no infant '{missing[0]}' in this world")
+        self._compared = {names[one.infant]: _Comparison(self._infants[names[one.infant]], one) for one in run}
+        self._changes = list[tuple[int, int, Episode, Change]]()
+        for episode in run:
+            for change in episode.sidecar.changes:
+                number = episode.infant if change.infant is None else change.infant
+                self._changes.append((change.step, number, episode, change))
+        self._changes.sort(key=itemgetter(0))
+
+    def __call__(self) -> dict[int, Difference | None]:
+        """Return the first difference of each infant, by its number."""
+        first, comparisons = self._run[0], self._compared.values()
+        try:
+            observations, infos = self._begin()
+        except (MimocError, ValueError) as error:
+            raise RecordingError(f"{first.files.sidecars[0]}: cannot be begun again: {_in_a_line(error)}") from None
+        for name, comparison in self._compared.items():
+            comparison.begin(observations[name], infos.get(name, {}))
+            self._infants[name].observer = comparison
+        self._show(0, observations)
+        try:
+            for step in range(_steps_of(self._run)):
+                if all(comparison.difference for comparison in comparisons):
+                    break
+                self._change(step)
+                self._show(step + 1, self._step(step))
+                self._progress(step + 1)
+        finally:
+            for infant in self._infants.values():
+                infant.observer = NO_OBSERVER
+        return {one.infant: self._compared[self._names[one.infant]].end() for one in self._run}
+
+    def _begin(self) -> tuple[Mapping[str, Observation], Mapping[str, Any]]:
+        """Reset the infants as they were, going on from the same random numbers; or restore the state they began in."""
+        first, simulation = self._run[0], self._simulation
+        with _damage_message(first):
+            if (before := first.before) is None:
+                self._whole.set_state(first.start)
+                return simulation.observe(), {}
+            if before[SEED] != simulation.seed:
+                ages = {name: {AGE: age} for name, age in _ages_in(before).items()}
+                simulation.reset(options=ages, scene_seed=before[SEED])
+            self._whole.set_state(_merged(self._whole.get_state(), before))
+            seeds = {self._names[one.infant]: one.seed for one in self._run}
+            options = {self._names[one.infant]: dict(one.options) for one in self._run}
+            scene_seed = first.start[SEED]
+        begun = simulation.reset(seeds, options, None if scene_seed == simulation.seed else scene_seed)
+        return {name: start[0] for name, start in begun.items()}, {name: start[1] for name, start in begun.items()}
+
+    def _step(self, step: int) -> Mapping[str, Observation]:
+        """Make a control step with the recorded actions; those without one, who had ended, command nothing."""
+        actions = {name: comparison.action(step) for name, comparison in self._compared.items()}
+        stepped = self._simulation.step({name: action for name, action in actions.items() if action is not None})
+        return {name: result[0] for name, result in stepped.items()}
+
+    def _show(self, step: int, observations: Mapping[str, Observation]) -> None:
+        """Show the first chosen infant whose episode goes on."""
+        for episode in self._wanted:
+            name = self._names[episode.infant]
+            if step <= episode.steps and name in observations:
+                self._watch(self._infants[name], observations[name])
+                return
+
+    def _change(self, step: int) -> None:
+        """Do again what was done besides control steps before one of them."""
+        while self._changes and self._changes[0][0] <= step:
+            _, number, episode, change = self._changes.pop(0)
+            what, value = episode.change(change)
+            with _damage_message(episode):
+                name = self._names[number]
+                infant = self._infants[name]
+                if what == "age_months":
+                    self._simulation.grow({name: value})
+                elif what == "state":
+                    self._whole.set_state(value)
+                elif what == "expression":
+                    infant.set_expression(value)
+                elif what == "arousal":
+                    infant.set_arousal(value)
+                elif what == "order":
+                    infant.companions[value["companion"]].obey(value["order"])
+                elif what == "physics":
+                    check_physics(value, infant.model)
+                    set_physics(infant.model, infant.data, value)
+                elif what == "action_dtype":
+                    self._compared[name].act_in(value)
+
+
+def _ages_in(state: Mapping[str, Any]) -> dict[str, float]:
+    """Return the age of each infant in a state, by name."""
+    return {name: infant[AGE] for name, infant in state.get(INFANTS, {ALONE: state}).items()}
+
+
+def _merged(state: Mapping[str, Any], kept: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a state with some of its parts, and some of those of its infants, from another."""
+    merged = {**state, **kept}
+    if INFANTS in kept:
+        merged[INFANTS] = {name: {**part, **kept[INFANTS].get(name, {})} for name, part in state[INFANTS].items()}
+    return merged
+
+
+class _Comparison(Observer):
+    """Compares what one infant does and observes with an episode of it."""
+
+    keeps = True
+
+    def __init__(self, infant: Infant, episode: Episode):
+        _check_observations(infant, episode)
+        self._infant, self._episode = infant, episode
+        self.difference: Difference | None = None
+        """The first difference so far."""
         pictures = [reading for reading in episode.described.readings if reading.kind == "picture"]
         self._pictures = {reading.name: _frames(episode, reading) for reading in pictures}
-        self._dtype, self._block = np.dtype(ACTION), self._new_block(0)
+        self._dtype, self._block, self._steps = np.dtype(ACTION), self._new_block(0), 0
 
-    def __call__(self) -> Difference | None:
-        """Return the first difference."""
-        place = self._episode.files.sidecars[0]
-        try:
-            observation, info = self._begin()
-        except (MimocError, ValueError) as error:
-            raise RecordingError(f"{place}: cannot be begun again: {_in_a_line(error)}") from None
-        self._watch(self._env, observation)
-        difference = state_differs(0, self._episode.start, self._env.get_state())
-        difference = self._differs(None, (*NOTHING_YET, info), observation) or difference
-        for step, action in enumerate(self._episode.actions):
-            if difference:
-                return difference
-            for what, value in self._episode.changes.get(step, []):
-                self._change(what, value)
-            action = self._as_given(action)
-            observation, *judged = self._env.step(action)
-            self._watch(self._env, observation)
-            difference = self._differs(action, tuple(judged), observation)
-            if step + 1 in self._episode.states:
-                state = state_differs(step + 1, self._episode.states[step + 1], self._env.get_state())
-                difference = difference or (state and (self._compared() or state))
-            self._progress(step + 1)
-        return difference or self._compared()
+    def begin(self, observation: Observation, info: Mapping[str, Any]) -> None:
+        """Compare how the episode begins."""
+        if self._episode.sidecar.start:
+            self.difference = state_differs(0, self._episode.start, self._infant.get_state())
+        self._put(None, (*NOTHING_YET, info), observation)
 
-    def _begin(self) -> tuple[Observation, dict[str, Any]]:
-        """Reset the infant as it was, going on from the same random numbers; or restore the state it began in."""
-        env, episode = self._env, self._episode
-        with _damage_message(episode):
-            if (before := episode.before) is None:
-                return self._restore(episode.start), {}
-            if before[SEED] != env.manifest.seed:
-                env.reset(options={SEED: before[SEED], AGE: before[AGE]})
-            env.set_state({**env.get_state(), **before})
-        return env.reset(seed=episode.seed, options=dict(episode.options))
-
-    def _restore(self, state: Mapping[str, Any]) -> Observation:
-        """Restore a state; those that were recorded before infants had an arousal lack it."""
-        return self._env.set_state({AROUSAL: self._env.arousal, **state})
-
-    def _change(self, what: str, value: Any) -> None:
-        """Do again what was done besides control steps."""
-        env = self._env
-        with _damage_message(self._episode):
-            if what == "age_months":
-                env.grow(to=value)
-            elif what == "state":
-                self._restore(value)
-            elif what == "expression":
-                env.set_expression(value)
-            elif what == "arousal":
-                env.set_arousal(value)
-            elif what == "order":
-                env.companions[value["companion"]].obey(value["order"])
-            elif what == "physics":
-                check_physics(value, env.model)
-                set_physics(env.model, env.data, value)
-            elif what == "action_dtype":
-                self._dtype = np.dtype(value)
-                if self._dtype.kind not in "biuf":
-                    raise ValueError(f"'{value}' is not a type of numbers")
-
-    def _as_given(self, action: npt.NDArray[np.float64]) -> Any:
-        """Return an action in the type of numbers in which it was given."""
+    def action(self, step: int) -> Any:
+        """Return an action in the type of numbers in which it was given; None after the end of the episode."""
+        if step >= self._episode.steps:
+            return None
+        action = self._episode.actions[step]
         with np.errstate(over="ignore", invalid="ignore"):
             given = action.astype(self._dtype)
         if not np.isfinite(given).all():
@@ -232,10 +348,34 @@ class _Replay:
             raise RecordingError(f"{self._episode.files.sidecars[0]}: {problem}")
         return given
 
-    def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
+    def act_in(self, dtype: str) -> None:
+        """Take actions in a type of numbers from now on."""
+        self._dtype = np.dtype(dtype)
+        if self._dtype.kind not in "biuf":
+            raise ValueError(f"'{dtype}' is not a type of numbers")
+
+    def stepped(
+        self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
+    ) -> None:
+        """Compare a control step."""
+        self._steps += 1
+        if self.difference or self._steps > self._episode.steps:
+            return
+        self._put(action, judged, observation)
+        if self._steps in self._episode.states:
+            state = state_differs(self._steps, self._episode.states[self._steps], self._infant.get_state())
+            self.difference = self.difference or (state and (self._compared() or state))
+
+    def end(self) -> Difference | None:
+        """Compare what is left, and return the first difference."""
+        self.difference = self.difference or self._compared()
+        return self.difference
+
+    def _put(self, action: Any, judged: Any, observation: Observation) -> None:
         """Keep a row, and compare when there are enough."""
-        self._block.put(self._env.data.time, action, judged, observation)
-        return self._compared() if self._block.is_full else None
+        self._block.put(self._infant.data.time, action, judged, observation)
+        if self._block.is_full:
+            self.difference = self._compared() or self.difference
 
     def _compared(self) -> Difference | None:
         """Compare the rows that were kept since the last comparison; return the first difference in time."""
@@ -294,12 +434,12 @@ def _in_a_line(error: Exception) -> str:
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
     with _damage_message(episode):
-        seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
-        seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
-    return any(scene_seed != seed for scene_seed in seeds)
+        states = [episode.start, episode.before or {}]
+        states += [value for changes in episode.changes.values() for what, value in changes if what == "state"]
+        return any(state.get(SEED, seed) != seed for state in states)
 
 
-def _check_observations(env: InfantEnv, episode: Episode) -> None:
+def _check_observations(env: Infant, episode: Episode) -> None:
     """Check that an environment observes what was recorded."""
     observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:

@@ -29,15 +29,15 @@ def hears(env: Infant) -> bool:
 class SoundTrack:
     """What reaches an infant's ears, from the first time that it is asked, whatever its age hears of it."""
 
-    def __init__(self, env: Infant):
+    def __init__(self, infant: Infant):
         """Begin with an infant that hears."""
-        listener = _hearing(env).listener
+        self._infant, listener = infant, _hearing(infant).listener
         self.rate_hz = round(listener.rate_hz)
         self._index, self._blocks = listener.index, list[npt.NDArray[np.float32]]()
 
-    def hear(self, env: Infant) -> None:
+    def hear(self) -> None:
         """Take what has reached the ears since the last time; call this after each control step."""
-        listener = _hearing(env).listener
+        listener = _hearing(self._infant).listener
         count = listener.index - (self._index if listener.index >= self._index else 0)  # Else an episode began.
         self._index = listener.index
         if count:

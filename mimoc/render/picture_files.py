@@ -104,8 +104,13 @@ def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Pict
 
 def in_rows(pictures: Sequence[Picture]) -> Picture:
     """Return pictures of one size in rows as one picture, wider than high."""
-    across = math.ceil(math.sqrt(len(pictures) * 4 / 3))
-    return tile_pictures([pictures[start : start + across] for start in range(0, len(pictures), across)])
+    return tile_pictures(rows_of(pictures))
+
+
+def rows_of(items: Sequence[Any]) -> list[Sequence[Any]]:
+    """Return items in rows, more of them across than down."""
+    across = math.ceil(math.sqrt(len(items) * 4 / 3))
+    return [items[start : start + across] for start in range(0, len(items), across)]
 
 
 def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:

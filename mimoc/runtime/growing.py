@@ -202,8 +202,7 @@ def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
     clip_angles(model, data)
     mujoco.mj_fwdPosition(old.model, old.data)
     depths, fixed = depths_of(old.model, old.data), np.concatenate([after.constraints.fixed_dofs for after in now])
-    for after in now:
-        resolve_penetrations(model, data, after.manifest.root_body, fixed, depths)
+    resolve_penetrations(model, data, [after.manifest.root_body for after in now], fixed, depths)
     mujoco.mj_kinematics(model, data)
     for before, after in pairs:
         after.constraints.carry_on(before.constraints, before.data, data)

@@ -51,7 +51,10 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         """
         if not isinstance(getattr(env, "unwrapped", None), InfantEnv):
             given = described(env)
-            raise MimocError(f"only the environment of an infant can grow; make it with mimoc.make, not {given}")
+            raise MimocError(
+                f"GrowthWrapper: expected the environment of one infant, got {given}; make it with mimoc.make, or call"
+                " grow_by of a world or of many infants on the CPU"
+            )
         super().__init__(env)
         if not callable(schedule):
             schedule = growth_schedule(schedule, ages_months, steps, seed=seed)

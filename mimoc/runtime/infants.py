@@ -25,4 +25,7 @@ def infants_of(function: str, env: Any) -> dict[str, Infant]:
         return dict(inside.infants)
     if isinstance(inside, BatchEnv):
         return {str(number): infant for number, infant in enumerate(inside.infants)}
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(infant, InfantEnv) for infant in several):
+        return {str(number): infant for number, infant in enumerate(several)}
     raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")

@@ -1,6 +1,6 @@
-"""An infant that has just grown, brought out of what its new size makes it reach into."""
+"""Infants that have just grown, brought out of what their new size makes them reach into."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -28,35 +28,36 @@ Depths = Mapping[tuple[int, int], float]
 
 
 def resolve_penetrations(
-    model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: IntArray, before: Depths
+    model: mujoco.MjModel, data: mujoco.MjData, root_bodies: Sequence[str], fixed: IntArray, before: Depths
 ) -> None:
-    """Lift an infant by as much as it sinks into what it is on, and part it from itself and from what it touches.
+    """Lift infants by as much as each sinks into what it is on, and part them from themselves and what they touch.
 
     Joints, and what lies around, give way by as little as needed, weighted by inertia; nothing else is pushed deeper
     into anything than it was.
 
     Args:
-        model: The infant and its world.
+        model: The infants and their world.
         data: Its state; of what is derived from it, the positions are computed anew.
-        root_body: The infant's root, which has a free joint.
+        root_bodies: The root of each infant, which has a free joint.
         fixed: Degrees of freedom that do not give way.
-        before: Penetrations before it grew.
+        before: Penetrations before they grew.
     """
-    root = model.body(root_body).id
-    height = model.jnt_qposadr[model.body_jntadr[root]] + 2
-    infants = model.body_rootid[model.geom_bodyid] == root
+    roots = [model.body(name).id for name in root_bodies]
+    heights = model.jnt_qposadr[model.body_jntadr[roots]] + 2
+    root_of = model.body_rootid[model.geom_bodyid]
     yielding = model.dof_invweight0.copy()
     yielding[fixed] = 0.0
     for _ in range(ROUNDS):
         mujoco.mj_fwdPosition(model, data)
-        ours, depths_m = infants[data.contact.geom], -data.contact.dist
+        touching, depths_m = root_of[data.contact.geom], -data.contact.dist
         pairs = model.geom_bodyid[data.contact.geom].tolist()
-        usual_m = np.where(ours.any(axis=1), 0.0, [before.get((first, second), 0.0) for first, second in pairs])
+        usual_m = [before.get((first, second), 0.0) for first, second in pairs]
+        usual_m = np.where(np.isin(touching, roots).any(axis=1), 0.0, usual_m)
         if not (depths_m > np.maximum(usual_m, TOUCH_M)).any():
             return
-        lift_m = _lift_m(data, ours, depths_m)
-        if lift_m:
-            data.qpos[height] += lift_m
+        lifts_m = [_lift_m(data, touching == root, depths_m) for root in roots]
+        if any(lifts_m):
+            data.qpos[heights] += lifts_m
         else:
             excess_m = np.maximum(depths_m - np.maximum(usual_m, LEFT_M), 0.0)
             _part(model, data, np.flatnonzero(depths_m > 0), excess_m, yielding)
@@ -79,7 +80,7 @@ def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _lift_m(data: mujoco.MjData, is_infants: Mask, depths_m: FloatArray) -> float:
-    """Return how far the infant must be lifted to be out of what it is on."""
+    """Return how far an infant must be lifted to be out of what it is on."""
     alone = is_infants[:, 0] != is_infants[:, 1]
     upwards = data.contact.frame[:, 2] * np.where(is_infants[:, 1], 1.0, -1.0)
     sunk = alone & (upwards > UPWARDS) & (depths_m > TOUCH_M)

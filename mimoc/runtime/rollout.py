@@ -1,18 +1,213 @@
-"""Run an infant under a policy and summarise the run."""
+"""Run the infants of any environment under a policy, step by step, and summarise the run."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from mimoc.base.units import ms_to_s
-from mimoc.policies.named import policy_of
-from mimoc.policies.policy import Policy, PolicyMaker, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.named import Loader, Policies, policies_of
+from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
+from mimoc.policies.starting import check_apart
 from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
-from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.infants import infants_of
+from mimoc.senses.sense import Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One control step of one infant; or the start of its episode, where it has not acted yet."""
+
+    infant: str
+    """Its name: empty for the only infant of an environment, its number in a vector environment."""
+    episode: int
+    """Number of the episode, from 0."""
+    number: int
+    """Control steps of the episode so far, 0 at its start."""
+    observation: Observation
+    """What it observes after the step."""
+    action: np.ndarray | None
+    """What it commanded; None at the start of an episode."""
+    reward: float
+    info: dict[str, Any]
+    ended: bool
+    """Whether this was the last step of the episode."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal is reached."""
+        return bool(self.info["is_success"])
+
+
+def rollout(
+    env: Any,
+    policy: Policies,
+    *,
+    steps: int | None = None,
+    seconds: float | None = None,
+    episodes: int | None = None,
+    seed: int = 0,
+    steps_per_episode: float | None = None,
+    load: Loader | None = None,
+) -> Iterator[Step]:
+    """Reset an environment, and yield the start of each episode and every control step of each infant.
+
+    With *episodes*, episode e is reset with `seed + e`, and its policy draws from a generator of that seed, so that it
+    is the same whatever was before; a vector environment goes through them side by side, episode e in row e % n.
+    Otherwise only the first reset has a seed, and all random numbers go on from there: infant i draws from `seed + i`.
+    A policy is bound to its infant once: before the first of *episodes*, otherwise after the first
+    reset. While a step is looked at, nothing has been reset yet.
+
+    Args:
+        env: The environment of one infant, a world, or a vector environment on the CPU, however it is wrapped; the
+            wrappers are not used, but for `max_episode_steps`. All infants of a world begin their episodes together.
+        policy: A policy for all infants, or policies by infant.
+        steps: Control steps after which it stops.
+        seconds: The same in simulated time.
+        episodes: Episodes after which it stops.
+        seed: The first seed.
+        steps_per_episode: Control steps after which an episode ends, unless its task ends it earlier; by default as the
+            policy says, or `max_episode_steps` of the environment.
+        load: Loads trained policies.
+
+    Raises:
+        UnknownNameError: If there is no such policy or infant.
+        PolicyError: If a policy lacks something, or does not fit its infant.
+        TypeError: If it is no environment of mimoc's on the CPU.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.runtime.rollout import rollout
+        >>> env = mimoc.make("reach.yaml", max_episode_steps=4)
+        >>> [step.number for step in rollout(env, "random", episodes=2)]
+        [0, 1, 2, 3, 4, 0, 1, 2, 3, 4]
+    """
+    run = Rollout(env, policy, seed=seed, episodes=episodes, steps_per_episode=steps_per_episode, load=load)
+    if seconds is not None:
+        steps = round(seconds / ms_to_s(next(iter(run.infants.values())).manifest.step_ms))
+    return run.go(math.inf if steps is None else steps)
+
+
+class Rollout:
+    """Infants under a policy, whose control steps are taken one by one; see `rollout`."""
+
+    def __init__(
+        self,
+        env: Any,
+        policy: Policies,
+        *,
+        seed: int = 0,
+        episodes: int | None = None,
+        steps_per_episode: float | None = None,
+        load: Loader | None = None,
+        function: str = "rollout",
+    ):
+        """Reset the environment; *function* is what a TypeError names."""
+        self.infants: dict[str, Infant] = infants_of(function, env)
+        self.env: Any = getattr(env, "unwrapped", env)
+        self._stage = _stage_of(self.env, self.infants)
+        self._seed, self._episodes = seed, episodes
+        self._groups = list[_Group]()
+        first = 0
+        for number, names in enumerate(self._stage.groups):
+            episode = 0 if episodes is None else number
+            self._groups.append(_Group(names, first, episode, episodes is None or episode < episodes))
+            first += len(names)
+        self._generators = dict[str, np.random.Generator]()
+        self.observations = dict[str, Observation]()
+        """What each infant observes."""
+        seeds = {group.names: self._seed_of(group, is_first=True) for group in self._groups}
+        if episodes is None:
+            observed = self._stage.reset(seeds)  # Policies take their aims from how it starts.
+            self.policies = policies_of(self.infants, policy, load)
+        else:
+            self.policies = policies_of(self.infants, policy, load)
+            observed = self._stage.reset(seeds)
+        around = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
+        for group in self._groups:
+            limits = [episode_limit_of(self.policies[name]) for name in group.names]
+            group.limit = steps_per_episode or min(around, *limits)
+        self.wall_s = 0.0
+        """Wall time of the simulation."""
+        self.started = self._begin([group for group in self._groups if group.goes_on], observed)
+        """The starts of the first episodes."""
+
+    def ends(self, name: str) -> bool:
+        """Return whether something ends the episodes of an infant."""
+        (limit,) = (group.limit for group in self._groups if name in group.names)
+        return limit < math.inf or self.infants[name].max_steps is not None
+
+    def go(self, steps: float = math.inf) -> Iterator[Step]:
+        """Yield the starts of episodes, and so many control steps, or those of all episodes."""
+        yield from self.started
+        done = 0
+        while done < steps and any(group.goes_on for group in self._groups):
+            yield from self.advance()
+            done += 1
+            if done < steps:
+                yield from self.renew()
+
+    def advance(self) -> list[Step]:
+        """Take one control step of all infants whose episode goes on."""
+        going = [group for group in self._groups if group.goes_on]
+        actions = {
+            name: self.policies[name](self._generators[name], self.observations[name])
+            for group in going
+            for name in group.acting
+        }
+        start = perf_counter()
+        stepped = self._stage.step(actions)
+        self.wall_s += perf_counter() - start
+        steps = list[Step]()
+        for group in going:
+            group.taken += 1
+            for name in group.acting:
+                observation, reward, ended, info = stepped[name]
+                ended, self.observations[name] = bool(ended or group.taken >= group.limit), observation
+                action, number = actions[name], group.taken
+                steps.append(Step(name, group.episode, number, observation, action, reward, info, ended))
+            group.acting = [step.infant for step in steps if step.infant in group.acting and not step.ended]
+        return steps
+
+    def renew(self) -> list[Step]:
+        """Begin the next episodes of infants of which all that share a world have ended theirs."""
+        over = [group for group in self._groups if group.goes_on and not group.acting]
+        for group in over:
+            group.episode += 1 if self._episodes is None else len(self._groups)
+            group.goes_on = self._episodes is None or group.episode < self._episodes
+        if not over or not any(group.goes_on for group in self._groups):
+            return []
+        observed = self._stage.reset({group.names: self._seed_of(group, is_first=False) for group in over})
+        return self._begin([group for group in over if group.goes_on], observed)
+
+    def _seed_of(self, group: "_Group", is_first: bool) -> int | None:
+        if self._episodes is not None:
+            return self._seed + group.episode
+        return self._seed + group.first if is_first else None
+
+    def _begin(self, groups: "Sequence[_Group]", observed: "Begun") -> list[Step]:
+        steps = list[Step]()
+        for group in groups:
+            group.taken, group.acting = 0, list(group.names)
+            seed = self._seed + (group.first if self._episodes is None else group.episode)
+            for number, name in enumerate(group.names):
+                if self._episodes is not None or name not in self._generators:
+                    self._generators[name] = np.random.default_rng(seed + number)
+                start_again(self.policies[name])
+        begun = [begin(self.policies[name]) for group in groups for name in group.names]
+        if any(observation is not None for observation in begun):
+            for group in groups:
+                check_apart({name: self.infants[name] for name in group.names})
+            observed = {name: (self.infants[name].observe(), info) for name, (_, info) in observed.items()}
+        for group in groups:
+            for name in group.names:
+                self.observations[name], info = observed[name]
+                steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, ended=False))
+        return steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,31 +268,23 @@ class Summary:
 
 
 class Tally:
-    """What one infant did and earned in a run, step by step."""
+    """What one infant did and earned in a run."""
 
     def __init__(self, infant: Infant):
         """Begin with an infant that has been reset."""
         self._infant, self._measures, self._outcomes = infant, StepMeasures(infant, "run"), list[Outcome]()
-        self._reward, self._steps = 0.0, 0
-        self._earned, self._taken = 0.0, 0
-        """Of this episode."""
+        self._reward, self._steps, self._earned = 0.0, 0, 0.0
 
-    @property
-    def taken(self) -> int:
-        """Control steps of this episode."""
-        return self._taken
-
-    def add(self, reward: float, info: dict[str, Any]) -> None:
+    def add(self, step: Step) -> None:
         """Count a control step."""
-        self._reward, self._steps = self._reward + reward, self._steps + 1
-        self._earned, self._taken = self._earned + reward, self._taken + 1
-        self._measures.add(info)
-
-    def end_episode(self, success: bool) -> None:
-        """Count an episode."""
-        time_s = ms_to_s(self._taken * self._infant.manifest.step_ms)
-        self._outcomes.append(Outcome(self._earned, self._taken, success, time_s if success else None))
-        self._earned, self._taken = 0.0, 0
+        self._reward, self._earned = self._reward + step.reward, self._earned + step.reward
+        self._steps += 1
+        self._measures.add(step.info)
+        if step.ended:
+            time_s = ms_to_s(step.number * self._infant.manifest.step_ms)
+            outcome = Outcome(self._earned, step.number, step.success, time_s if step.success else None)
+            self._outcomes.append(outcome)
+            self._earned = 0.0
 
     def summary(self, wall_s: float, policy: Policy) -> Summary:
         """Return the summary of the steps so far, of which there must be at least one."""
@@ -116,40 +303,153 @@ class Tally:
         )
 
 
-class Run:
-    """A run of an environment under a policy, which is stepped and then summarised."""
+class Run(Rollout):
+    """A rollout that is stepped for as long as the caller wants, and then summarised; see `rollout`."""
 
-    def __init__(self, env: InfantEnv, policy: str | PolicyMaker, seed: int):
-        """Reset the environment.
+    def __init__(self, env: Any, policy: Policies, seed: int = 0, load: Loader | None = None):
+        """Reset the environment."""
+        super().__init__(env, policy, seed=seed, load=load, function="a run")
+        self._tallies = {name: Tally(infant) for name, infant in self.infants.items()}
 
-        Args:
-            env: The environment.
-            policy: Name of a policy, a sum of names, or a function from an environment to a policy; see `policy_of`.
-            seed: Seed of both the policy and the reset.
-
-        Raises:
-            UnknownNameError: If there is no such policy.
-            PolicyError: If its name lacks something, or it does not fit the infant.
-        """
-        self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
-        self.env, self._act = env, policy_of(env, policy)
-        self.observation = begin(self._act) or self.observation
-        self._generator, self._limit = np.random.default_rng(seed), episode_limit_of(self._act)
-        self._tally, self._wall_s = Tally(env), 0.0
+    @property
+    def observation(self) -> Observation:
+        """What the first infant observes."""
+        return next(iter(self.observations.values()))
 
     def step(self) -> None:
-        """Take one control step; start a new episode if this one ends."""
-        action = self._act(self._generator, self.observation)
-        start = perf_counter()
-        self.observation, reward, terminated, truncated, info = self.env.step(action)
-        self._wall_s += perf_counter() - start
-        self._tally.add(reward, info)
-        if terminated or truncated or self._tally.taken >= self._limit:
-            self._tally.end_episode(info["is_success"])
-            self.observation, _ = self.env.reset()
-            start_again(self._act)
-            self.observation = begin(self._act) or self.observation
+        """Take one control step; begin the next episodes of infants whose episodes have ended."""
+        for step in self.advance():
+            self._tallies[step.infant].add(step)
+        self.renew()
 
     def summary(self) -> Summary:
-        """Return the summary of the steps so far, of which there must be at least one."""
-        return self._tally.summary(self._wall_s, self._act)
+        """Return the summary of the first infant's steps so far, of which there must be at least one."""
+        return next(iter(self.summaries().values()))
+
+    def summaries(self) -> dict[str, Summary]:
+        """Return the summary of each infant's steps so far, of which there must be at least one."""
+        return {name: tally.summary(self.wall_s, self.policies[name]) for name, tally in self._tallies.items()}
+
+
+@dataclass(slots=True)
+class _Group:
+    """Infants that begin their episodes together."""
+
+    names: tuple[str, ...]
+    first: int
+    """Number of its first infant among all."""
+    episode: int
+    goes_on: bool
+    """Whether it has an episode."""
+    limit: float = math.inf
+    taken: int = 0
+    """Control steps of this episode."""
+    acting: list[str] = field(default_factory=list)
+    """Infants whose episode goes on."""
+
+
+Begun = Mapping[str, tuple[Observation, dict[str, Any]]]
+"""What infants observe at the start of an episode, and its info, by name."""
+Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
+"""What infants observe after a step, rewards, whether their episodes have ended, and infos, by name."""
+
+
+class _Stage(Protocol):
+    """An environment as it is run: everything by infant."""
+
+    groups: Sequence[tuple[str, ...]]
+    """Names of infants that begin their episodes together."""
+
+    def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
+        """Begin an episode of some groups."""
+        ...
+
+    def step(self, actions: Mapping[str, np.ndarray]) -> Stepped:
+        """Take a control step."""
+        ...
+
+
+class _Alone:
+    """One infant."""
+
+    groups = (("",),)
+
+    def __init__(self, env: Any):
+        self._env = env
+
+    def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
+        return {"": self._env.reset(seed=seeds["",])}
+
+    def step(self, actions: Mapping[str, np.ndarray]) -> Stepped:
+        observation, reward, terminated, truncated, info = self._env.step(actions[""])
+        return {"": (observation, reward, terminated or truncated, info)}
+
+
+class _World:
+    """Infants in one world."""
+
+    def __init__(self, world: Any):
+        self._world, self.groups = world, (tuple(world.infants),)
+
+    def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
+        observations, infos = self._world.reset(seed=seeds[self.groups[0]])
+        return {name: (observations[name], infos[name]) for name in observations}
+
+    def step(self, actions: Mapping[str, np.ndarray]) -> Stepped:
+        observations, rewards, terminated, truncated, infos = self._world.step(actions)
+        return {
+            name: (observations[name], rewards[name], terminated[name] or truncated[name], infos[name])
+            for name in actions
+        }
+
+
+class _Rows:
+    """Infants side by side, each in a world of its own."""
+
+    def __init__(self, envs: Any, infants: Mapping[str, Infant]):
+        self._envs, self._names = envs, tuple(infants)
+        self.groups = tuple((name,) for name in infants)
+        self._rest = np.clip(0.0, envs.action_space.low, envs.action_space.high).astype(np.float32)
+
+    def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
+        rows = [seeds.get((name,)) for name in self._names]
+        mask = np.array([(name,) in seeds for name in self._names])
+        observations, infos = self._envs.reset(seed=rows, options={"reset_mask": mask})
+        return {
+            name: ({sense: readings[row] for sense, readings in observations.items()}, info_of(infos, row))
+            for row, name in enumerate(self._names)
+            if mask[row]
+        }
+
+    def step(self, actions: Mapping[str, np.ndarray]) -> Stepped:
+        joined = self._rest.copy()
+        for row, name in enumerate(self._names):
+            if name in actions:
+                joined[row] = actions[name]
+        observations, rewards, terminated, truncated, infos = self._envs.step(joined)
+        stepped = {}
+        for row, name in enumerate(self._names):
+            info, last = info_of(infos, row), {sense: readings[row] for sense, readings in observations.items()}
+            if "final_info" in info:  # It was reset in the same step.
+                info, last = info["final_info"], info["final_obs"]
+            stepped[name] = last, float(rewards[row]), bool(terminated[row] or truncated[row]), info
+        return stepped
+
+
+def _stage_of(env: Any, infants: Mapping[str, Infant]) -> _Stage:
+    if "" in infants:
+        return _Alone(env)
+    return _Rows(env, infants) if hasattr(env, "num_envs") else _World(env)
+
+
+def info_of(infos: Mapping[str, Any], row: int) -> dict[str, Any]:
+    """Return the info of one row of a vector environment."""
+    return {
+        name: info_of(values, row) if isinstance(values, Mapping) else _item(values[row])
+        for name, values in infos.items()
+        if f"_{name}" in infos and infos[f"_{name}"][row]
+    }
+
+
+def _item(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

@@ -187,8 +187,10 @@ class Simulation:
             if unstable:
                 for reading in observation.values():
                     np.nan_to_num(reading, copy=False)
-            infant.observer.stepped(action, observation, judged)
             stepped[infant.name] = (observation, *judged)
+        for infant in acting:
+            observation, reward, terminated, truncated, info = stepped[infant.name]
+            infant.observer.stepped(actions[infant.name], observation, (reward, terminated, truncated, info))
         self.renderer.show()
         return stepped
 

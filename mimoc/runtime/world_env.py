@@ -19,7 +19,7 @@ from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import OBJECTS, SEED
 from mimoc.runtime.infant import Custom, Infant
-from mimoc.runtime.simulation import Pictures, Simulation
+from mimoc.runtime.simulation import AgeSchedule, Pictures, Simulation
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation
 
@@ -197,6 +197,20 @@ class WorldEnv:
             check_name("name of an infant of this world", name, self.infants)
         self.simulation.grow(to)
         return self._observe()
+
+    def grow_by(self, schedules: Mapping[str, AgeSchedule]) -> None:
+        """Let infants grow by schedules from now on, as by `mimoc.GrowthWrapper`; a reset must follow.
+
+        Args:
+            schedules: By infant, a function from the number of control steps taken so far to the age in months, such as
+                `mimoc.growth_schedule` returns.
+
+        Raises:
+            UnknownNameError: If there is no such infant.
+        """
+        for name in schedules:
+            check_name("name of an infant of this world", name, self.infants)
+        self.simulation.grow_by(schedules)
 
     def step(self, actions: Mapping[str, Any]) -> Stepped:
         """Apply an action of each agent for one control step; values outside the action spaces are clipped.

@@ -2,10 +2,12 @@
 
 import json
 import re
+from dataclasses import replace
 from typing import Any
 
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, check_name
 from mimoc.schema.infant import InfantSpec, healthy
+from mimoc.schema.world import WorldPlan
 
 HEALTHY = "healthy"
 BESIDE = (HEALTHY,)
@@ -30,12 +32,25 @@ def counterpart(spec: InfantSpec, beside: str) -> InfantSpec:
         >>> counterpart(spec, "healthy").impairments is None
         True
     """
-    if beside not in BESIDE:
-        raise UnknownNameError("child to stand beside", beside, list(BESIDE))
+    check_name("child to stand beside", beside, BESIDE)
     other = healthy(spec).with_(actuation={"strength": None})
     if other == spec:
         raise MimocError(f"{spec.name}: nothing impairs this child; give it impairments, or leave --beside out")
     return other
+
+
+def world_counterpart(plan: WorldPlan, beside: str) -> WorldPlan:
+    """Return a world whose infants are the counterparts of those in another, as `counterpart` says.
+
+    Raises:
+        UnknownNameError: If there is no such counterpart.
+        MimocError: If it is the same world, because nothing impairs a child in it.
+    """
+    check_name("child to stand beside", beside, BESIDE)
+    infants = {name: healthy(spec).with_(actuation={"strength": None}) for name, spec in plan.infants.items()}
+    if infants == plan.infants:
+        raise MimocError(f"{plan.spec.name}: nothing impairs a child of this world; leave --beside out")
+    return replace(plan, infants=infants)
 
 
 def exchanged(text: str) -> str:

@@ -1,23 +1,23 @@
 """Evaluation of a policy, episode by episode."""
 
-import math
-from dataclasses import dataclass
+from collections import defaultdict
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
-from mimoc.policies.named import policy_of
-from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, start_again
-from mimoc.runtime.env import InfantEnv, infant_of
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.rollout import Policies, Rollout
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.training.loading import load_policy
 
 
 @dataclass(frozen=True, slots=True)
 class Episode:
-    """The outcome of one episode."""
+    """The outcome of one episode of one infant."""
 
     seed: int
     """Seed of its reset."""
@@ -35,31 +35,37 @@ class Episode:
 
 def evaluate(
     env: Any,
-    policy: str | PolicyMaker,
+    policy: Policies,
     episodes: int,
     seed: int = 0,
     follow: str | None = None,
     steps_per_episode: int | None = None,
-) -> list[Episode]:
+) -> Any:
     """Run a policy for a number of episodes and return their outcomes.
 
     Episode i is reset with `seed + i`, so that all policies start from the same initial states.
 
     Args:
-        env: An environment from `mimoc.make`; it is not closed.
+        env: An environment from `mimoc.make`, `make_parallel` or, on the CPU, `make_vec`; it is not closed. A vector
+            environment runs its episodes side by side, episode i with infant i % n. If its infants are alike, the
+            result is the same, to the bit, as of one infant.
         policy: Name of a policy, such as `random`, the path of a trained one, a sum of these
-            (`policy.zip+reflexes`), or a trained policy from `load_policy`.
+            (`policy.zip+reflexes`), or a trained policy from `load_policy`; in a world also a policy for each infant by
+            name, where those that are not named command nothing.
         episodes: Number of episodes.
         seed: Seed of the first episode.
         follow: Name of a body, such as `right_fingers`, whose path is recorded.
         steps_per_episode: Control steps after which an episode ends, unless the task ends it earlier; by default as in
             the training of the policy, or as `max_episode_steps` of the environment says.
 
+    Returns:
+        A list of `Episode`, one for each seed; of a world, a dictionary with the list of each infant, by its name.
+
     Raises:
-        UnknownNameError: If there is no such policy or body.
-        PolicyError: If the policy does not fit this infant.
-        TrainingError: If nothing ends the episodes of this infant.
-        TypeError: If it is no environment of one infant.
+        UnknownNameError: If there is no such policy, infant or body.
+        PolicyError: If the policy does not fit an infant.
+        TrainingError: If nothing ends the episodes of an infant.
+        TypeError: If it is no environment of mimoc's on the CPU.
 
     Example:
         >>> import mimoc
@@ -68,34 +74,46 @@ def evaluate(
         >>> [episode.steps for episode in episodes]
         [5, 5]
     """
-    infant = infant_of("evaluate", env)
-    bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
-    if follow is not None and follow not in bodies:
-        raise UnknownNameError("body of this infant", follow, bodies)
-    acting = policy_of(infant, policy, load_policy)
-    around = getattr(env.spec, "max_episode_steps", None) or math.inf
-    limit = steps_per_episode or min(around, episode_limit_of(acting))
-    if infant.max_steps is None and limit == math.inf:
-        name = infant.manifest.name
-        raise TrainingError(
-            f"the episodes of '{name}' do not end; give steps_per_episode, or set task.steps in its spec"
-        )
-    return [_run_episode(infant, acting, seed + number, follow, limit) for number in range(episodes)]
+    limit = {"steps_per_episode": steps_per_episode, "load": load_policy}
+    run = Rollout(env, policy, seed=seed, episodes=episodes, function="evaluate", **limit)
+    bodies = {name: _body(infant, follow) if follow else None for name, infant in run.infants.items()}
+    for name, infant in run.infants.items():
+        if not run.ends(name):
+            raise TrainingError(
+                f"the episodes of '{infant.manifest.name}' do not end; give steps_per_episode, or set task.steps in "
+                "its spec"
+            )
+    gathered = defaultdict[tuple[int, str], _Gathered](_Gathered)
+    for step in run.go():
+        course = gathered[step.episode, step.infant]
+        course.total_reward, course.steps, course.success = course.total_reward + step.reward, step.number, step.success
+        if body := bodies[step.infant]:
+            course.path_m.append(run.infants[step.infant].data.body(body).xpos.copy())
+    outcomes = dict[str, list[Episode]]()
+    for (number, name), course in sorted(gathered.items(), key=lambda item: item[0][0]):
+        infant = name if isinstance(run.env, WorldEnv) else ""
+        duration_s = ms_to_s(course.steps * run.infants[name].manifest.step_ms)
+        path_m = np.array(course.path_m) if follow else None
+        episode = Episode(seed + number, course.steps, duration_s, course.total_reward, course.success, path_m)
+        outcomes.setdefault(infant, []).append(episode)
+    return outcomes if isinstance(run.env, WorldEnv) else outcomes.get("", [])
 
 
-def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None, limit: float) -> Episode:
-    generator = np.random.default_rng(seed)
-    observation, _ = env.reset(seed=seed)
-    start_again(policy)
-    path_m, total, steps, ended, success = [_position(env, follow)], 0.0, 0, False, False
-    while not ended:
-        observation, reward, terminated, truncated, info = env.step(policy(generator, observation))
-        path_m.append(_position(env, follow))
-        total, steps = total + reward, steps + 1
-        ended, success = terminated or truncated or steps >= limit, info["is_success"]
-    duration_s = ms_to_s(steps * env.manifest.step_ms)
-    return Episode(seed, steps, duration_s, total, success, np.array(path_m) if follow else None)
+@dataclass(slots=True)
+class _Gathered:
+    """What is gathered of an episode while it goes on."""
+
+    total_reward: float = 0.0
+    steps: int = 0
+    success: bool = False
+    path_m: list[FloatArray] = field(default_factory=list)
 
 
-def _position(env: InfantEnv, body: str | None) -> FloatArray | None:
-    return env.data.body(body).xpos.copy() if body else None
+def _body(infant: Infant, name: str) -> str:
+    """Return the name in the model of a body of an infant, or of what is around it."""
+    model, of_infant = infant.model, infant.manifest.of_infant
+    names = [model.body(index).name for index in range(model.nbody)]
+    bodies = {of_infant(body): body for body in names}
+    if name not in bodies:
+        raise UnknownNameError("body of this infant", name, bodies)
+    return bodies[name]

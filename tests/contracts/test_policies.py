@@ -16,7 +16,6 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.spec import needs_argument
 from mimoc.runtime.rollout import Run
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}, "touch": {"density": 0.3}}
 KIM: dict[str, Any] = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": SENSES, "scene": {"pose": "sitting"}}
@@ -70,7 +69,7 @@ def kim():
 
 
 def assert_same_in_a_world(kim, world, policy, steps):
-    alone, shared = Run(kim, policy, seed=1), WorldRun(world, policy, seed=0)
+    alone, shared = Run(kim, policy, seed=1), Run(world, policy, seed=0)
     for _ in range(steps):
         alone.step()
         shared.step()

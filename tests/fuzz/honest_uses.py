@@ -16,7 +16,7 @@ import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.bundle.provenance import PROVENANCE, unpacked
 from mimoc.compiler.explain import explain
-from mimoc.recording.recorder import Recorder
+from mimoc.recording.wrappers import Recorder
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import in_memory
 

@@ -204,7 +204,8 @@ def replay_to_video(place: Path, file: Path) -> None:
 
     recording = mimoc.read_recording(place)
     if recording:
-        with film_of(file, recording[0].step_ms, height_px=64) as watch:
+        with film_of(file, recording[0].step_ms, height_px=64) as film:
+            watch = lambda one, observation: film({one.name: one}, {one.name: observation})  # noqa: E731
             list(mimoc.replay_recording(recording, watch=watch))
 
 

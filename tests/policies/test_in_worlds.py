@@ -16,8 +16,8 @@ from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.targets import find_target
 from mimoc.policies.named import policies_of, policy_of
 from mimoc.policies.spec import parse_policies
+from mimoc.runtime.rollout import Run
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
 
 NAMES = "anna", "ben", "lean"
 
@@ -78,7 +78,7 @@ def world():
 
 
 def ran(world, policies, steps) -> Any:
-    run = WorldRun(world, policies, seed=0)
+    run = Run(world, policies, seed=0)
     for _ in range(steps):
         run.step()
     return run.summaries()
@@ -155,7 +155,7 @@ def test_a_posture_moves_no_other_infant(world):
 
 def test_what_another_infant_senses_is_from_after_the_beginning(world):
     """Ben's late senses do not tell of where Anna was before her policy put her elsewhere, whatever their order."""
-    run = WorldRun(world, "anna=zero,ben=kick", seed=0)
+    run = Run(world, "anna=zero,ben=kick", seed=0)
     ben = world.infants["ben"]
     sensed = [line.state for delayed in ben.schedule.samples.values() for line in delayed]
     ben.schedule.reset(world.data)
@@ -167,7 +167,7 @@ def test_what_another_infant_senses_is_from_after_the_beginning(world):
 
 def test_infants_that_would_begin_within_each_other_are_an_error(world):
     with pytest.raises(PolicyError, match="put 'anna' and 'ben' within each other; place them further apart"):
-        WorldRun(world, "prone", seed=0)
+        Run(world, "prone", seed=0)
 
 
 def test_a_motion_takes_place_where_the_infant_is(world, tmp_path):

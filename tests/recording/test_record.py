@@ -92,7 +92,7 @@ def test_what_cannot_be_written_is_one_clear_error(env):
 
 
 def test_only_infants_are_filmed(tmp_path):
-    with pytest.raises(TypeError, match="expected an environment of mimoc's, got CartPoleEnv"):
+    with pytest.raises(TypeError, match="record: expected an environment of mimoc's on the CPU, got CartPoleEnv"):
         mimoc.record(gymnasium.make("CartPole-v1"), "zero", tmp_path / "film.gif")
 
 

@@ -20,13 +20,13 @@ def filmed(file, **hearing) -> np.ndarray:
     observed = []
     with closing(mimoc.make(store.built(data)).unwrapped) as env:
         observation, _ = env.reset(seed=0)
-        with film_of(file, env.manifest.step_ms, height_px=48) as watch:
-            watch(env, observation)
+        with film_of(file, env.manifest.step_ms, height_px=48) as film:
+            film({"": env}, {"": observation})
             for number in range(STEPS):
                 if number == 20:
                     env.reset()
                 observation = env.step(np.full(env.action_space.shape, 0.3, np.float32))[0]
-                watch(env, observation)
+                film({"": env}, {"": observation})
                 observed.append(observation["hearing"])
     return np.concatenate(observed, axis=1)
 

@@ -30,12 +30,17 @@ def plan(path: Path) -> WorldPlan:
     return read_world(source.read(path))
 
 
-def placed(infants: dict[str, dict[str, Any]], *places: dict[str, float], **keys: Any) -> WorldBundle:
+def placed(infants: dict[str, dict[str, Any]], *places: dict[str, Any], **keys: Any) -> WorldBundle:
     """Return the bundle of infants by name, each at a place."""
+    return mimoc.build_world(plan_of(infants, *places, **keys))
+
+
+def plan_of(infants: dict[str, dict[str, Any]], *places: dict[str, Any], **keys: Any) -> WorldPlan:
+    """Return the world of infants by name, each at a place."""
     entries = [{"spec": name, "name": name, **place} for name, place in zip(infants, places, strict=True)]
     data = {"mimoc": 1, "name": "placed", "infants": entries, **keys}
     spec = read_keys(WorldSpec, source.in_memory_as_text(data, "<placed>", Path()))
-    return mimoc.build_world(checked_plan(spec, [mimoc.InfantSpec.model_validate(item) for item in infants.values()]))
+    return checked_plan(spec, [mimoc.InfantSpec.model_validate(item) for item in infants.values()])
 
 
 def world(scene: dict[str, Any] | None = None, **infants: dict[str, Any]) -> WorldBundle:

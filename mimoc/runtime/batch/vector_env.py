@@ -74,10 +74,9 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         spaces = [infant.observation_space for infant in self.infants]
         self._describe(self._envs[0].metadata, self.infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
         self._ended = np.zeros(self.num_envs, bool)
-        if schedule:
-            for world in simulations:
-                world.grow_by(dict.fromkeys(world.infants, schedule))
         self.closed = False
+        if schedule:
+            self.grow_by(schedule)
 
     @property
     def infants(self) -> tuple[Infant, ...]:
@@ -220,6 +219,16 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
                 simulation.grow(ages)
         self._batch.refresh()
         return self._batch.observe()
+
+    def grow_by(self, schedule: AgeSchedule) -> None:
+        """Let all infants grow by a schedule from now on, as by `mimoc.GrowthWrapper`; a reset must follow.
+
+        Args:
+            schedule: From the number of control steps that an infant has taken so far to its age in months, such as
+                `mimoc.growth_schedule` returns.
+        """
+        for world in self.simulations:
+            world.grow_by(dict.fromkeys(world.infants, schedule))
 
     def set_arousal(self, levels: float | Sequence[float] | npt.NDArray[Any]) -> None:
         """Change the arousal of infants for the rest of their episodes; see `InfantEnv.set_arousal`.

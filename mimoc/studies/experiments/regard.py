@@ -16,12 +16,12 @@ from mimoc.bundle.model import in_subtrees, load_posed
 from mimoc.compiler.pipeline import build
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.motion.points import SIDES
-from mimoc.policies.named import policy_of
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.rollout import Run
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.vision import VisionEntry
@@ -198,12 +198,11 @@ def watch(case: Case, seed: int) -> Result:
         closing(InfantEnv(lying(case.age_months))) as env,
         closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
     ):
-        observation, _ = env.reset(seed=seed)
-        policy, generator = policy_of(env, POLICIES[case.condition]), np.random.default_rng(seed)
+        run = Run(env, POLICIES[case.condition], seed)
         watcher, step_s = Watcher(env, pictures.entry), env.manifest.step_ms / 1000
         contrasts = list[tuple[float, float]]()
         for step in range(round(case.seconds / step_s)):
-            observation = env.step(policy(generator, observation))[0]
+            run.step()
             watcher.gaze()
             if (step + 1) % round(WATCHED_S / step_s) == 0:
                 watcher.watch()

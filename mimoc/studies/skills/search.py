@@ -19,6 +19,7 @@ import numpy as np
 
 from mimoc.policies.postures import PosturePolicy, Postures
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.rollout import rollout
 from mimoc.senses.sense import FloatArray
 from mimoc.studies.skills.recipes import RECIPES, Form
 
@@ -92,13 +93,10 @@ class Searcher:
 
         That is its reward, weighted by the share of the episode that has passed: what counts is where it leads.
         """
-        observation, _ = self.env.reset(seed=seed)
-        policy, total, generator = PosturePolicy(self.env, movement), 0.0, np.random.default_rng(seed)
-        while True:
-            observation, reward, ended, cut, info = self.env.step(policy(generator, observation))
-            total += reward * self.env.steps / (self.env.max_steps or 1)
-            if ended or cut:
-                return total, bool(info["is_success"])
+        total, success = 0.0, False
+        for step in rollout(self.env, lambda env: PosturePolicy(env, movement), episodes=1, seed=seed):
+            total, success = total + step.reward * step.number / (self.env.max_steps or 1), step.success
+        return total, success
 
     def success(self, movement: Postures, first: int, count: int) -> float:
         """Return in what share of some starts, from a seed on, the infant has the skill."""

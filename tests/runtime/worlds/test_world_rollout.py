@@ -9,8 +9,8 @@ from mimoc.base.errors import UnknownNameError
 from mimoc.environments import open_infant
 from mimoc.policies.interface import interface_of
 from mimoc.policies.named import policy_of
+from mimoc.runtime.rollout import Run
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.runtime.world_rollout import WorldRun
 
 
 @pytest.mark.parametrize("policy", ["random", "zero", "general_movements", "reflexes", "general_movements+reflexes"])
@@ -34,7 +34,7 @@ def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
 
 
 def test_a_run_is_summed_up_for_each_infant():
-    run = WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    run = Run(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
     for _ in range(10):
         run.step()
     summaries = run.summaries()
@@ -47,4 +47,4 @@ def test_a_run_is_summed_up_for_each_infant():
 
 def test_a_policy_that_there_is_not_is_refused():
     with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
-        WorldRun(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+        Run(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
