@@ -28,7 +28,7 @@ from mimoc.cli.terminal import printable
 from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.class_policy import class_or_text
-from mimoc.policies.spec import usage
+from mimoc.policies.spec import parse_policies, usage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -203,8 +203,7 @@ def _chosen(
 
     by_infant = dict[str, str]()
     for text in texts:
-        name, _, policy = text.partition("=")
-        by_infant |= {name: policy} if name and name in infants else dict.fromkeys(infants, text)
+        by_infant |= parse_policies(text, infants)
     follows = {name: text.partition(":") for name, text in by_infant.items() if "+" not in text}
     motions = {name: folder for name, (kind, _, folder) in follows.items() if kind == MOTION}
     if root and not motions:

@@ -62,7 +62,6 @@ def test_it_is_drawn_and_filmed(invoke, folder, tmp_path):
         assert getattr(filmed, "n_frames", 1) >= 2
 
 
-<<<<<<< HEAD
 def test_it_is_drawn_in_another_pose_with_the_points_of_all_skins(invoke, folder, tmp_path):
     pictures = {}
     for name, options in {"as it is": [], "standing": ["--pose", "standing"], "skin": ["--skin"]}.items():
@@ -82,24 +81,18 @@ def test_it_is_built_in_the_scene_of_another_seed(invoke, folder, tmp_path):
     assert bundle.manifest.toys != mimoc.build_world(path).manifest.toys
     again = mimoc.build_world(bundle.path / "resolved.yaml")
     assert again.files["scene.xml"] == bundle.files["scene.xml"]
-=======
+
+
 def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
     done = invoke("run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3")
     assert done.code == 0
     assert "Error of the gaze" in done.out
->>>>>>> P
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
-<<<<<<< HEAD
-        (["run", "--policy", "sit"], "'sit' reads a model with one infant only"),
-=======
         (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
-        (["build", "-o", "out", "--seed", "3"], "--seed is for a single infant"),
->>>>>>> P
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "crawling"], "'crawling' is not a pose of 'anna'"),
         (["render", "-o", "a.png", "--crop", "head"], "--crop head draws the head of one infant"),
