@@ -16,10 +16,13 @@ import gymnasium
 import numpy as np
 import pytest
 from contracts.kinds import KIM, MANY, NAMES, ON_DEVICE, ONE, WORLD, WORLDS, Driven, Kind
+from PIL import Image
 from support.same import assert_same
 
 import mimoc
+from mimoc.movement.simulated import film_recording
 from mimoc.runtime.expression import expression_of
+from mimoc.runtime.infants import infants_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "environments.md"
 Fact = Callable[[Kind, Path], None]
@@ -401,3 +404,145 @@ def acts_by_policies(kind: Kind, folder: Path) -> None:
             alone = opened.enter_context(ONE.open())
             policy = mimoc.policy_vec("general_movements+reflexes", alone.env)
             assert action == pytest.approx(policy(np.random.default_rng(row), alone.reset(seed=row)[0]), abs=1e-5)
+
+
+def has_policies_by_infant(kind: Kind, folder: Path) -> None:
+    with kind.open() as here:
+        *_, last = infants_of("test", here.env)
+        act = mimoc.policy_vec({last: "random"}, here.env)
+        generators = [np.random.default_rng(row) for row in range(here.count)]
+        actions = here.rows(act(here.joined(generators), here.joined(here.reset(seed=0))))
+        assert [bool(action.any()) for action in actions] == [False] * (here.count - 1) + [True]
+
+
+def is_evaluated(kind: Kind, folder: Path) -> None:
+    """Each infant earns what it earns alone."""
+    options: dict[str, Any] = {"episodes": 2, "seed": 4, "steps_per_episode": 3}
+    with kind.open(task=HeadUp(steps=3)) as here, ONE.open(task=HeadUp(steps=3)) as alone:
+        outcomes = mimoc.evaluate(here.env, "random", **options)
+        wanted = mimoc.evaluate(alone.env, "random", **options)
+        if kind is WORLD:
+            assert outcomes.keys() == set(NAMES)
+            outcomes = outcomes[NAMES[0]]
+        assert [episode.steps for episode in outcomes] == [3, 3]
+        if kind is not WORLDS:
+            returns = [episode.total_reward for episode in wanted]
+            assert [episode.total_reward for episode in outcomes] == pytest.approx(returns, rel=10 * kind.tolerance)
+
+
+def recorded(kind: Kind, folder: Path, steps: int = 3, **options: Any) -> Path:
+    """Return the folder of a recording of some control steps of each infant."""
+    with kind.open(**options) as here:
+        recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
+        recorder.reset(seed=1)
+        recorder.flail(steps)
+        recorder.env.close()
+    return folder / "recording"
+
+
+def is_recorded(kind: Kind, folder: Path) -> None:
+    """A recording has what all infants did and observed."""
+    with kind.open() as here:
+        recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
+        started, ended = recorder.reset(seed=1), recorder.flail(3)
+        recorder.env.close()
+    recording = mimoc.read_recording(folder / "recording")
+    assert len(recording) == recording.infants == len(started)
+    for number, (first, last) in enumerate(zip(started, ended, strict=True)):
+        (episode,) = recording.of_infant(number)
+        assert episode.actions.shape[0] == 3
+        for name, readings in episode.observations.items():
+            assert np.array_equal(readings[0], first[name])
+            assert np.array_equal(readings[-1], last[name])
+
+
+def is_replayed(kind: Kind, folder: Path) -> None:
+    """Everything comes out again, with growth and restored states in between."""
+    with kind.open() as here:
+        recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
+        recorder.reset(seed=1)
+        recorder.flail(2)
+        if kind is not ON_DEVICE:
+            here.restore(here.env.unwrapped.get_state())
+            here.grow(9.5)
+        recorder.flail(2)
+        recorder.reset(seed=2, age_months=10)
+        recorder.flail(2)
+        recorder.env.close()
+    replayed = list(mimoc.replay_recording(folder / "recording"))
+    assert [one.difference for one in replayed] == [None] * len(mimoc.read_recording(folder / "recording"))
+
+
+def is_measured(kind: Kind, folder: Path) -> None:
+    table = mimoc.measure_recordings(recorded(kind, folder), ["right_hand_path_m"])
+    assert len(table["right_hand_path_m"]) == mimoc.read_recording(folder / "recording").infants
+    assert all(0 < path_m < 1 for path_m in table["right_hand_path_m"])
+
+
+def has_its_movement_measured(kind: Kind, folder: Path) -> None:
+    """From points of the body in a recording that is simulated again."""
+    path = recorded(kind, folder, steps=330)
+    films = list(film_recording(path))
+    assert len(films) == mimoc.read_recording(path).infants
+    assert all(mimoc.measure_movement(film.seen)["kicks_per_min"] >= 0 for film in films)
+
+
+def is_exported(kind: Kind, folder: Path) -> None:
+    path = recorded(kind, folder)
+    mimoc.export_recording(path, "csv", folder / "tables")
+    files = [*(folder / "tables").rglob("*.csv")]
+    assert len(files) >= mimoc.read_recording(path).infants
+
+
+def is_filmed(kind: Kind, folder: Path) -> None:
+    with kind.open() as here:
+        mimoc.record(here.env, "random", folder / "film.gif", steps=8, height_px=64)
+    with Image.open(folder / "film.gif") as film:
+        assert film.n_frames >= 2
+
+
+def has_a_page(kind: Kind, folder: Path) -> None:
+    with kind.open() as here:
+        here.reset(seed=0)
+        page = mimoc.view(here.env)
+    assert "<html" in page.html
+
+
+def has_a_report(kind: Kind, folder: Path) -> None:
+    with kind.open() as here:
+        bundles = {id(infant.simulation.bundle): infant.simulation.bundle for infant in here.infants}
+        for number, bundle in enumerate(bundles.values()):
+            page = mimoc.report(bundle, folder / f"{number}.html", check=False)
+            assert page.stat().st_size > 10_000
+
+
+# Learning.
+
+
+def learns_with_stable_baselines(kind: Kind, folder: Path) -> None:
+    from stable_baselines3 import PPO
+
+    task: dict[str, Any] = {"max_episode_steps": 4}
+    if kind is WORLD:
+        with kind.open() as here:
+            envs = mimoc.world_vec_env(here.env)
+            assert PPO("MultiInputPolicy", envs, n_steps=8, batch_size=16).learn(16).num_timesteps == 16
+        return
+    source = kind.source(KIM)
+    envs = mimoc.sb3_vec_env(source, **kind.options, **task)
+    assert PPO("MultiInputPolicy", envs, n_steps=8, batch_size=16).learn(16).num_timesteps >= 16
+    assert len(envs.get_attr("age_months")) == envs.num_envs
+    envs.close()
+
+
+def learns_with_rsl_rl(kind: Kind, folder: Path) -> None:
+    env = mimoc.rsl_rl_env(kind.source(KIM), **kind.options)
+    assert env.get_observations()["policy"].shape[0] == env.num_envs
+    env.close()
+
+
+def is_trained(kind: Kind, folder: Path) -> None:
+    source = kind.source(KIM)
+    build = mimoc.build if isinstance(source, mimoc.InfantSpec) else mimoc.build_world
+    mimoc.train(build(source), folder / "run", steps=64, envs=kind.options.get("num_envs", 1), steps_per_episode=8)
+    assert (folder / "run" / "policy.zip").exists()
