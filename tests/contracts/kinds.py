@@ -155,7 +155,7 @@ class DrivenMany(Driven):
         return np.stack(rows) if isinstance(rows[0], np.ndarray) else list(rows)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of environments."""
 
