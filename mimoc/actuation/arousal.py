@@ -9,13 +9,16 @@ and of a muscle, what it adds to the stiffness k of its hinge and to k q with th
 """
 
 import math
+from collections.abc import Callable, Sequence
 from numbers import Real
 from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.senses.sense import IntArray
 
 OF_BIAS, OF_HINGE = 3, 2
 """Number of parameters that tone changes."""
@@ -25,28 +28,70 @@ FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"
 """Arrays of the model that arousal changes: of motors, and of hinges with muscles."""
 
 
+Tone = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+"""Of all motors, shape (actuators, 3), and of all hinges with muscles, shape (joints, 2)."""
+
+
+class ToneInModels:
+    """The muscle tone of k infants in the fields of their models, on the CPU and on a device."""
+
+    def __init__(
+        self, tones: Sequence[Tone], fields: Sequence[Any], angles: IntArray, put: Callable[[Any], Any] = np.asarray
+    ):
+        """Find what arousal changes.
+
+        Args:
+            tones: Of each infant.
+            fields: Those of `FIELDS` as they are built, shape (k, ...), which are written to.
+            angles: Address of the angle of each joint, which is the same of all.
+            put: Moves arrays to where the fields are.
+        """
+        of_motors, of_hinges = (np.stack(tone) for tone in zip(*tones, strict=True))
+        motors, hinges = (np.flatnonzero(tone.any(axis=(0, 2))) for tone in (of_motors, of_hinges))
+        self.fields = (*(FIELDS[:1] if len(motors) else ()), *(FIELDS[1:] if len(hinges) else ()))
+        """Names of the fields that it changes."""
+        self._of_motors, self._of_hinges = put(of_motors[:, motors]), put(of_hinges[:, hinges])
+        self._motors, self._hinges, self._angles = put(motors), put(hinges), put(angles[hinges])
+        self._bias, self._stiffness, self._rest_rad = fields
+        self._as_built = [self._bias[:, self._motors, :OF_BIAS]]
+        self._as_built += [self._stiffness[:, self._hinges], self._rest_rad[:, self._angles]]
+
+    def write(self, more: Any) -> None:
+        """Let infants have so much more arousal than they are built for, shape (k,)."""
+        bias, stiffness, rest_rad = self._as_built
+        if len(self._motors):
+            self._bias[:, self._motors, :OF_BIAS] = bias + more[:, None, None] * self._of_motors
+        if len(self._hinges):
+            stiffer, moment = self._of_hinges[..., 0], self._of_hinges[..., 1]
+            now = stiffness + more[:, None] * stiffer
+            self._stiffness[:, self._hinges] = now
+            self._rest_rad[:, self._angles] = rest_rad + more[:, None] * (moment - stiffer * rest_rad) / now
+
+
+def tone_of(entry: ActuationEntry, model: mujoco.MjModel) -> Tone:
+    """Return the tone of all actuators and of all joints."""
+    of_motors, of_hinges = np.zeros((model.nu, OF_BIAS)), np.zeros((model.njnt, OF_HINGE))
+    for actuator in entry.actuators:
+        if len(actuator.tone) == OF_BIAS:
+            of_motors[model.actuator(actuator.name).id] = actuator.tone
+        elif actuator.tone:
+            of_hinges[model.joint(actuator.joint).id] = actuator.tone
+    return of_motors, of_hinges
+
+
 class Arousal:
-    """The muscle tone of an infant, in its model."""
+    """The arousal of an infant, in its model."""
 
     def __init__(self, entry: ActuationEntry, model: mujoco.MjModel):
         """Find the actuators of *entry* with muscle tone in *model*, in which no episode has changed anything yet."""
-        self._model, self.as_built, self._level = model, entry.arousal, entry.arousal
-        self.of_motors, self.of_hinges = np.zeros((model.nu, OF_BIAS)), np.zeros((model.njnt, OF_HINGE))
-        """Tone of all actuators and of all joints."""
-        for actuator in entry.actuators:
-            if len(actuator.tone) == OF_BIAS:
-                self.of_motors[model.actuator(actuator.name).id] = actuator.tone
-            elif actuator.tone:
-                self.of_hinges[model.joint(actuator.joint).id] = actuator.tone
-        self._motors, self._hinges = (np.flatnonzero(tone.any(axis=1)) for tone in (self.of_motors, self.of_hinges))
-        self._angles = model.jnt_qposadr[self._hinges]
-        self._bias = model.actuator_biasprm[self._motors, :OF_BIAS]
-        self._relaxed = model.jnt_stiffness[self._hinges], model.qpos_spring[self._angles]
+        self.as_built, self._level = entry.arousal, entry.arousal
+        fields = [getattr(model, name)[None] for name in FIELDS]
+        self._tone = ToneInModels([tone_of(entry, model)], fields, model.jnt_qposadr)
 
     @property
     def fields(self) -> tuple[str, ...]:
         """Names of the arrays of the model that it changes."""
-        return (*(FIELDS[:1] if self._motors.size else ()), *(FIELDS[1:] if self._hinges.size else ()))
+        return self._tone.fields
 
     @property
     def level(self) -> float:
@@ -56,21 +101,7 @@ class Arousal:
     @level.setter
     def level(self, level: float) -> None:
         self._level = checked_arousal(level)
-        more = np.array([self._level - self.as_built])
-        self._model.actuator_biasprm[self._motors, :OF_BIAS] = more_bias(self._bias, self.of_motors[self._motors], more)
-        stiffness, rest_rad = more_spring(*self._relaxed, self.of_hinges[self._hinges], more)
-        self._model.jnt_stiffness[self._hinges], self._model.qpos_spring[self._angles] = stiffness, rest_rad
-
-
-def more_bias(bias: Any, tone: Any, more: Any) -> Any:
-    """Return bias parameters, shape (..., n, 3), of motors with so much more arousal, shape (..., 1)."""
-    return bias + more[..., None] * tone
-
-
-def more_spring(stiffness: Any, rest_rad: Any, tone: Any, more: Any) -> tuple[Any, Any]:
-    """Return stiffness and angle at rest, shape (..., n), of hinges with so much more arousal, shape (..., 1)."""
-    now = stiffness + more * tone[..., 0]
-    return now, rest_rad + more * (tone[..., 1] - tone[..., 0] * rest_rad) / now
+        self._tone.write(np.array([self._level - self.as_built]))
 
 
 def checked_arousal(level: Any) -> float:

@@ -6,7 +6,7 @@ Signals on their way keep their content and their order while the delays of a gr
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,79 +18,20 @@ from mimoc.base.state_form import check_form, checked_list, demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import out_of_memory
 from mimoc.companions.companion import Companions
-from mimoc.delays.jittered import JitteredCommands, JitteredSamples
-from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
-from mimoc.delays.timing import Commands, Samples, Timing, within
+from mimoc.delays.signals import DelayedCommands, DelayedSamples, carry_on
+from mimoc.delays.timing import Timing, within
 from mimoc.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
 from mimoc.senses.contract import check_sense
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
-
-Item = TypeVar("Item")
-
-
-def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
-    """Put the samples of a sense that are on their way into those with the delays of another age.
-
-    The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
-    there is room for more, the oldest is observed for longer. The former are left as they are.
-    """
-    plain = [group for group in former if isinstance(group, DelayedSamples)]
-    history = _history(plain) if len(plain) == len(former) else []
-    for index, group in enumerate(groups):
-        before = former[min(index, len(former) - 1)]
-        if isinstance(group, DelayedSamples) and history:
-            group.state = _resized(history, group.length + 1, history[0])
-        elif isinstance(group, JitteredSamples) and isinstance(before, JitteredSamples):
-            group.state = before.state
-        else:  # One delay varies and the other does not.
-            group.reset(before.arrived)
-
-
-def transfer_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
-    """Put the commands that are on their way into those with the delays of another age; see `transfer_samples`.
-
-    Where there is room for more, actuators keep their controls for longer.
-    """
-    for index, group in enumerate(groups):
-        before = former[min(index, len(former) - 1)]
-        if isinstance(group, DelayedCommands) and isinstance(before, DelayedCommands):
-            group.state = _resized(before.state, group.length, None)
-        elif isinstance(group, JitteredCommands) and isinstance(before, JitteredCommands):
-            group.state = before.state
-        else:
-            group.reset()
-
-
-def _resized(items: Sequence[Item], length: int, oldest: Item) -> list[Item]:
-    """Return the newest items, which are last, preceded by *oldest* as often as some are missing."""
-    kept = items[max(len(items) - length, 0) :]
-    return [*[oldest] * (length - len(kept)), *kept]
-
-
-def _history(groups: Sequence[DelayedSamples]) -> list[Sample]:
-    """Return the samples of a sense from the oldest to the newest, each number with the delay of its own group."""
-    longest = max(group.length for group in groups) + 1
-    lines = [(group.part, _resized(group.state, longest, group.arrived)) for group in groups]
-    return [_merged([(part, line[at]) for part, line in lines]) for at in range(longest)]
-
-
-def _merged(samples: Sequence[tuple[Mask | None, Sample]]) -> Sample:
-    """Return the parts of a sample together."""
-    if len(samples) == 1:
-        return samples[0][1]
-    merged = samples[0][1].copy()
-    for part, sample in samples[1:]:
-        merged[part] = sample[part]
-    return merged
 
 
 @dataclass(frozen=True)
 class Segment:
     """A part of a control step: commands are applied, physics steps are made, senses are sampled."""
 
-    commands: tuple[Commands, ...]
+    commands: tuple[DelayedCommands, ...]
     physics_steps: int
-    samples: tuple[tuple[str, tuple[Samples, ...]], ...]
+    samples: tuple[tuple[str, tuple[DelayedSamples, ...]], ...]
     """The senses to be sampled at the end, each once, by name, with the delays that the sample goes into."""
 
 
@@ -136,10 +77,8 @@ class Schedule:
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._is_checked = False
-        self._jittered = [
-            line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
-        ]
-        is_jittered = self._jittered or any(isinstance(commands, JitteredCommands) for commands in self._commands)
+        self._jittered = [line for delayed in self._samples.values() for line in delayed if line.delay.jitter]
+        is_jittered = self._jittered or any(commands.delay.jitter for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
@@ -212,7 +151,7 @@ class Schedule:
             else:
                 commands.apply(noise.commanded if noise else data.ctrl)
         if noise:
-            noise(data, bool(segment.commands))
+            noise(data)
         if self.companions:
             self.companions.before_step(data)
 
@@ -226,7 +165,7 @@ class Schedule:
                 line.send(sample)
 
     @property
-    def samples(self) -> Mapping[str, Sequence[Samples]]:
+    def samples(self) -> Mapping[str, Sequence[DelayedSamples]]:
         """The samples of each sense on their way, by their delays."""
         return self._samples
 
@@ -293,8 +232,8 @@ class Schedule:
     def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
         """Go on with the signals on their way in the same infant at another age, whose schedule is left as it is."""
         for name, delayed in self._samples.items():
-            transfer_samples(delayed, former._samples[name])
-        transfer_commands(self._commands, former._commands)
+            carry_on(delayed, former._samples[name])
+        carry_on(self._commands, former._commands)
         if self._voice and former._voice:
             self._voice.commanded = former._voice.commanded.copy()
         for name, noise in self._noisy.items():
@@ -325,8 +264,11 @@ class Schedule:
         )
 
 
-def arrived(delayed: Sequence[Samples]) -> Sample:
+def arrived(delayed: Sequence[DelayedSamples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
-    if len(delayed) == 1:
-        return delayed[0].arrived
-    return _merged([(line.part, line.arrived) for line in delayed])
+    sample = delayed[0].arrived
+    if len(delayed) > 1:
+        sample = sample.copy()
+        for line in delayed[1:]:
+            sample[line.part] = line.arrived[line.part]
+    return sample

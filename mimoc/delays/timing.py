@@ -9,8 +9,7 @@ import numpy as np
 from mimoc.base.units import to_steps
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.delays.jittered import DelayRandomWalk, JitteredCommands, JitteredSamples
-from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
+from mimoc.delays.signals import Delay, DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry
 from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
@@ -20,8 +19,6 @@ from mimoc.senses.sense import IntArray, Sense
 NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
 Within = Callable[[Sequence[str]], Mask]
 """Returns which of n numbers belong to some bodies or to what hangs on them, shape (n,)."""
-Samples = DelayedSamples | JitteredSamples
-Commands = DelayedCommands | JitteredCommands
 
 
 def within(model: mujoco.MjModel, bodies: IntArray) -> Within:
@@ -52,32 +49,25 @@ class Timing:
         """Physics steps in a control step."""
         return to_steps(self.step_ms, self.timestep_ms)
 
-    def samples(self, sense: str, within: Within | None, streams: NoiseStreams) -> list[Samples]:
+    def samples(self, sense: str, within: Within | None, streams: NoiseStreams) -> list[DelayedSamples]:
         """Return the samples of a sense on their way, by their delay; *within* says which of its n numbers are where.
 
         None is for a sense that is of no part of the body.
         """
-        return [
-            JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
-            for steps, part, wander in self._jittered(sense, within, streams)
-        ]
+        return [DelayedSamples(delay, self.period, part) for delay, part in self._of(sense, within, streams)]
 
-    def commands(self, within: Within, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
+    def commands(self, within: Within, actuators: IntArray, streams: NoiseStreams) -> list[DelayedCommands]:
         """Return the n commands on their way to some actuators, shape (n,), by their delay."""
-        delayed: list[Commands] = []
-        for steps, part, wander in self._jittered(MOTOR, within, streams):
+        delayed = list[DelayedCommands]()
+        for delay, part in self._of(MOTOR, within, streams):
             which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
-            way = steps, self.period, which, actuators[which]
-            delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
+            delayed.append(DelayedCommands(delay, self.period, which, actuators[which]))
         return delayed
 
-    def further_commands(self, first: int, count: int, streams: NoiseStreams) -> list[Commands]:
+    def further_commands(self, first: int, count: int, streams: NoiseStreams) -> list[DelayedCommands]:
         """Return some commands from the one with an index on, which move no joint, with the delay of commands."""
-        delayed: list[Commands] = []
-        for steps, _, wander in self._jittered(MOTOR, None, streams):
-            way = steps, self.period, np.arange(first, first + count), np.arange(count)
-            delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
-        return delayed
+        part, numbers = np.arange(first, first + count), np.arange(count)
+        return [DelayedCommands(delay, self.period, part, numbers) for delay, _ in self._of(MOTOR, None, streams)]
 
     def groups(self, signal: str, within: Within | None) -> list[tuple[str, int, Mask | None]]:
         """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all.
@@ -110,12 +100,10 @@ class Timing:
         """Return by how many physics steps a delay of some varies at most: never by more than there are."""
         return min(to_steps(self.noise.delay_jitter_ms, self.timestep_ms), delay_steps)
 
-    def _jittered(
-        self, signal: str, within: Within | None, streams: NoiseStreams
-    ) -> list[tuple[int, Mask | None, DelayRandomWalk | None]]:
-        """Return the delays of a signal in physics steps, the numbers that have them, and the jitter; see `groups`."""
+    def _of(self, signal: str, within: Within | None, streams: NoiseStreams) -> list[tuple[Delay, Mask | None]]:
+        """Return the delays of a signal, with the numbers that have them; see `groups`."""
         return [
-            (late, part, DelayRandomWalk(most, streams, f"jitter.{name}") if (most := self.jitter(late)) else None)
+            (Delay(late, self.jitter(late), streams, f"jitter.{name}"), part)
             for name, late, part in self.groups(signal, within)
         ]
 

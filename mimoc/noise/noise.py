@@ -23,11 +23,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import Actuation
+from mimoc.actuation.binding import Actuation, as_slice
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.base.units import ms_to_s
-from mimoc.delays.signals import as_slice
 from mimoc.delays.spec import MOTOR
 from mimoc.noise.spec import NoiseEntry, low_pass_key, noise_keys
 from mimoc.runtime.array_library import NUMPY
@@ -124,13 +123,6 @@ class SignalNoise:
         self.state = [time_s, state]
         return noisy[0]
 
-    def __call__(self, elapsed_s: float, sample: Sample) -> Sample:
-        """Return a sample with noise, as a new array, some time after the last one; infinite begins an episode."""
-        former_s, state = self.state if elapsed_s < math.inf else (self.state[0], None)
-        noisy, state = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
-        self.state = [former_s, state]
-        return noisy[0]
-
     def _normals(self, shape: Sequence[int], where: npt.NDArray[np.bool_] | None = None) -> FloatArray:
         generator = self._streams[self._channel]
         if where is None:
@@ -203,21 +195,6 @@ class LowPass:
             return drawn
         kept = math.exp(-elapsed_s / self.time_constant_s)
         return kept * values + math.sqrt(1 - kept * kept) * drawn
-
-    def series(self, values: FloatArray, step_s: float, drawn: FloatArray) -> FloatArray:
-        """Return the values after each of t equal times, shape (t, k, n), as if each was asked for by itself.
-
-        Args:
-            values: Those before, shape (k, n).
-            step_s: From one time to the next.
-            drawn: Random numbers, shape (t, k, n).
-        """
-        kept = math.exp(-step_s / self.time_constant_s)
-        series, faded = math.sqrt(1 - kept * kept) * drawn, np.empty_like(drawn[0])
-        for now in series:
-            np.add(now, np.multiply(values, kept, out=faded), out=now)
-            values = now
-        return series
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,7 +300,7 @@ def bind_motor_noise(entry: NoiseEntry, actuation: Actuation) -> MotorNoise | Ba
 class NoisyMotors:
     """The commands of one infant, and the noise with which they drive its actuators.
 
-    The noise of all physics steps of a control step is drawn at its beginning: the same numbers as one after the other.
+    The random numbers of all physics steps of a control step are drawn at its beginning: the same as one after another.
     """
 
     def __init__(
@@ -335,52 +312,43 @@ class NoisyMotors:
         streams: NoiseStreams,
     ):
         """Disturb the commands of control steps of some *physics_steps*."""
-        self._streams, self._steps, self._timestep_s = streams, physics_steps, timestep_s
-        self._actuators, self._count = as_slice(actuation.actuators), len(actuation.actuators)
-        self._noise = noise.noise if isinstance(noise, BandLimited) else noise
-        self._kept = np.exp(-timestep_s * noise.cut_off_rad_s) if isinstance(noise, BandLimited) else None
-        self._commands: FloatArray | None = None
-        self._disturbed = np.empty((1, self._count))
+        self._noise: Noise = stack_terms([noise])
+        self._streams, self._steps, self._count = streams, physics_steps, len(actuation.actuators)
+        self._actuators, self._draw = as_slice(actuation.actuators), Draw(NUMPY, timestep_s, self._next)
 
     def reset(self, data: mujoco.MjData) -> None:
         """Begin anew, with the controls of now as commands."""
         self.commanded = data.ctrl.copy()
         """Control of each actuator of the model without noise, shape (nu,)."""
-        self._level = self._drawn(1)[0]
-        commands = self._in_range()
-        self._filters = () if self._kept is None else (commands, commands)
+        self._level: Any = None
+        self._prepare(1)
+        self._disturbed()
 
     def begin(self) -> None:
-        """Draw the noise of the next control step."""
-        levels = self._noise.low_pass.series(self._level, self._timestep_s, self._drawn(self._steps))
-        self._level, self._factors, self._commands = levels[-1], iter(self._noise.share * levels + 1), None
+        """Draw the random numbers of the next control step."""
+        self._prepare(self._steps)
 
-    def __call__(self, data: mujoco.MjData, have_arrived: bool = True) -> None:
-        """Set the controls for the next physics step; *have_arrived* says whether there are new commands."""
-        if have_arrived or self._commands is None:
-            self._commands = self._in_range()
-        commands = self._commands
-        if self._kept is not None:
-            self._filters = passed(self._kept, commands, *self._filters)
-            commands = self._noise.in_range(NUMPY, self._filters[1])
-        np.multiply(commands, next(self._factors), out=self._disturbed)
-        data.ctrl[self._actuators] = self._disturbed[0]
+    def __call__(self, data: mujoco.MjData) -> None:
+        """Set the controls for the next physics step."""
+        data.ctrl[self._actuators] = self._disturbed()
 
-    def _drawn(self, count: int) -> FloatArray:
-        """Return random numbers for some physics steps, shape (count, 1, n)."""
-        return self._streams[MOTOR].standard_normal((count, 1, self._count))
+    def _disturbed(self) -> FloatArray:
+        """Return the commands of now with noise, shape (1, n)."""
+        controls, self._level = self._noise(self._draw, self.commanded[self._actuators][None], self._level)
+        return controls
 
-    def _in_range(self) -> FloatArray:
-        """Return the commands of the noisy actuators within their range, shape (1, n)."""
-        return self._noise.in_range(NUMPY, self.commanded[self._actuators][None])
+    def _prepare(self, count: int) -> None:
+        """Draw random numbers for some physics steps, shape (1, n) each."""
+        self._numbers = iter(self._streams[MOTOR].standard_normal((count, 1, self._count)))
+
+    def _next(self, shape: Sequence[int]) -> FloatArray:
+        return next(self._numbers)
 
     @property
     def state(self) -> list[Any]:
-        """The commands, and the present noise, before or after a control step."""
-        return [self.commanded, [-math.inf, np.concatenate([self._level, *self._filters], axis=1)]]
+        """The commands, and the state of the noise."""
+        return [self.commanded, self._level]
 
     @state.setter
     def state(self, state: list[Any]) -> None:
-        self.commanded, (_, kept) = state
-        self._level, *filters = np.split(kept, 1 if self._kept is None else 3, axis=1)
-        self._filters = tuple(filters)
+        self.commanded, self._level = state

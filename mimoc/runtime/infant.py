@@ -40,7 +40,6 @@ from mimoc.tasks.judgement import NO_REWARD, check_judgement, reward_of
 from mimoc.tasks.task import Task, bind_task
 
 if TYPE_CHECKING:  # Touch needs SciPy, which most environments do without.
-    from mimoc.runtime.simulation import Simulation
     from mimoc.senses.touch.run import SkinState
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -99,8 +98,8 @@ class Infant:
     closed = False
     name = ""
     """Its name in a world; empty if it is alone."""
-    simulation: "Simulation"
-    """The simulation that it is in."""
+    simulation: Any
+    """The `Simulation` that it is in."""
     bundle: Bundle
     render_mode: Any = None
     """Gymnasium's render mode of its simulation."""

@@ -2,13 +2,13 @@
 
 from hypothesis import given, strategies as st
 
-from mimoc.delays.signals import DelayedSamples
+from mimoc.delays.signals import Delay, DelayedSamples
 
 PERIOD = 2
 
 
 def line(length, sample):
-    samples = DelayedSamples(length * PERIOD, PERIOD)
+    samples = DelayedSamples(Delay(length * PERIOD), PERIOD)
     samples.reset(sample)
     return samples
 
@@ -36,5 +36,5 @@ def test_a_line_goes_on_from_what_another_held(length, before, after):
 
 def test_a_state_is_a_list_of_its_own():
     samples = line(2, "rest")
-    samples.state.clear()
-    assert samples.state == ["rest"] * 3
+    samples.state[0].clear()
+    assert samples.state[0] == ["rest"] * 3

@@ -17,7 +17,6 @@ from mimoc.noise.noise import (
     Noise,
     NoiseStreams,
     NoisyMotors,
-    SignalNoise,
     Smooth,
     bind_motor_noise,
 )
@@ -187,19 +186,20 @@ def test_the_noise_of_a_control_step_is_that_of_its_physics_steps_one_after_the_
     """To the bit; new commands arrive in the middle of control steps, and the state between two of them is the same."""
     env = mimoc.InfantEnv(built(actuation={"bandwidth_hz": bandwidth_hz}))
     noise = bind_motor_noise(NoiseEntry(motor=0.2), env.actuation)
-    motors = NoisyMotors(noise, 4, 0.005, env.actuation, NoiseStreams(1))
-    alone, generator, data = SignalNoise(noise, "motor", NoiseStreams(1)), np.random.default_rng(0), env.data
+    motors, actuators = NoisyMotors(noise, 4, 0.005, env.actuation, NoiseStreams(1)), env.actuation.actuators
+    term, drawn = stack_terms([noise]), NoiseStreams(1)["motor"].standard_normal
+    generator, data = np.random.default_rng(0), env.data
     motors.reset(data)
-    alone(np.inf, motors.commanded[env.actuation.actuators])
+    _, state = term(Draw(NUMPY, np.inf, drawn), motors.commanded[actuators][None], None)
     for _ in range(3):
         motors.begin()
         for step in range(4):
-            if has_arrived := step % 2 == 1:
+            if step % 2 == 1:
                 motors.commanded[:] = generator.uniform(-2, 2, len(motors.commanded))
-            motors(data, has_arrived)
-            expected = alone(0.005, motors.commanded[env.actuation.actuators])
-            assert data.ctrl[env.actuation.actuators].tobytes() == expected.tobytes()
-        assert motors.state[1][1].tobytes() == alone.state[1].tobytes()
+            motors(data)
+            expected, state = term(Draw(NUMPY, 0.005, drawn), motors.commanded[actuators][None], state)
+            assert data.ctrl[actuators].tobytes() == expected.tobytes()
+        assert motors.state[1].tobytes() == state.tobytes()
         motors.state = copy.deepcopy(motors.state)
 
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from mimoc.delays.merging import MergedSegment
 from mimoc.delays.schedule import Segment, arrived
-from mimoc.delays.timing import Samples
+from mimoc.delays.signals import DelayedSamples
 from mimoc.runtime.batch.physics import ThreadedPhysics
 from mimoc.runtime.batch.senses import BatchSense, Read
 from mimoc.runtime.control_step import ControlStep
@@ -32,7 +32,7 @@ class Sampling:
     name: str
     infants: tuple[int, ...]
     read: Read
-    delayed: Sequence[tuple[Samples, ...]]
+    delayed: Sequence[tuple[DelayedSamples, ...]]
     """The delays that the sample of each infant goes into."""
     is_noisy: bool
 
@@ -199,7 +199,7 @@ class BatchStep(ControlStep[int]):
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
         """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""
-        parts: defaultdict[tuple[str, int], dict[int, tuple[Samples, ...]]] = defaultdict(dict)
+        parts: defaultdict[tuple[str, int], dict[int, tuple[DelayedSamples, ...]]] = defaultdict(dict)
         for row, segment in due:
             for name, delayed in segment.samples:
                 parts[name, self._senses[name].kinds[row]][row] = delayed

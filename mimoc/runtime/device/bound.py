@@ -1,5 +1,6 @@
 """What infants on a device sense, are commanded and are judged by, bound to the bodies that live in the worlds now."""
 
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -54,7 +55,7 @@ class Bound:
         lines = {name: sense.line for name, sense in self.senses.items()} | {MOTOR: self.commands}
         memory = {name: in_place(values) for name, values in self.task.memory.items()}
         sent = {name: line.slot(clock) for name, line in lines.items()}
-        deviations = {name: attribute(line, "deviations") for name, line in lines.items()}
+        deviations = {name: Slot(partial(getattr, line, "deviations"), line.deviate) for name, line in lines.items()}
         noise = {name: attribute(noise, "state") for name, noise in self.noises.items()}
         return {
             **dict(nested(memory, "task")),

@@ -33,8 +33,6 @@ class CounterRandom:
     def __init__(self, seeds: torch.Tensor):
         """Begin with some seeds, shape (worlds,)."""
         self.seeds = seeds.int()
-        self.is_used = False
-        """Whether any noise draws from them."""
         self.steps = torch.zeros_like(self.seeds)
         """How often each world has gone on to other numbers since it was seeded."""
 
@@ -50,7 +48,6 @@ class CounterRandom:
 
     def uniforms_of(self, number: int) -> Uniforms:
         """Return what draws numbers from 0 to less than 1, of shape (worlds, ...), for a signal with some number."""
-        self.is_used = True
         return lambda shape: self._drawn(_draw_uniforms, (CHANNELS + number) * PLACES, shape)
 
     def _drawn(self, kernel: wp.Kernel, first: int, shape: Sequence[int]) -> torch.Tensor:
@@ -67,7 +64,6 @@ class DeviceNoise:
         """Disturb a signal by the noise of the body in each world; each signal draws random numbers of its own."""
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
         draws = [*noise_keys(), MOTOR]
-        chance.is_used = chance.is_used or signal in draws
         self._first = draws.index(signal) * 2 * PLACES if signal in draws else 0  # Others only have filters.
         self.state: torch.Tensor | None = None
         """The state of the noise in each world, shape (worlds, ...), if it has any."""
@@ -93,24 +89,18 @@ def noise_of(
 ) -> DeviceNoise | None:
     """Return the noise of a sense, or of the commands, of some different bodies, or None if none has any."""
 
-    def bind(infant: InfantEnv) -> Noise:
-        entry = infant.manifest.noise
+    def noise(infant: InfantEnv, force: bool) -> Noise | None:
+        entry, actuation = infant.manifest.noise, infant.actuation
         if signal == MOTOR:
-            return bind_motor_noise(entry, infant.actuation)
-        noise = processing_of(signal, infant.senses[signal], entry, force=True)
-        if noise is None:
-            raise mixture_error("some", f"whether sense '{signal}' has a filter")
-        return noise
+            return bind_motor_noise(entry, actuation) if force or is_disturbed(entry, actuation) else None
+        return processing_of(signal, infant.senses[signal], entry, force)
 
-    def is_noisy(infant: InfantEnv) -> bool:
-        entry = infant.manifest.noise
-        if signal == MOTOR:
-            return is_disturbed(entry, infant.actuation)
-        return processing_of(signal, infant.senses[signal], entry) is not None
-
-    if not any(map(is_noisy, infants)):
+    if not any(noise(infant, force=False) for infant in infants):
         return None
-    return DeviceNoise(signal, [bind(infant) for infant in infants], body, chance)
+    noises = [bound for infant in infants if (bound := noise(infant, force=True))]
+    if len(noises) < len(infants):
+        raise mixture_error("some", f"whether sense '{signal}' has a filter")
+    return DeviceNoise(signal, noises, body, chance)
 
 
 @wp.func

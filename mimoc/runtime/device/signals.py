@@ -17,7 +17,7 @@ from mimoc.base.units import ms_to_s, to_steps
 from mimoc.delays.spec import MOTOR
 from mimoc.delays.timing import timing_of, within
 from mimoc.runtime.device.arrays import put, term_of_worlds
-from mimoc.runtime.device.lines import Delays, JitteredLine, Line
+from mimoc.runtime.device.lines import DelayLine, Delays
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.worlds import Worlds
@@ -112,16 +112,14 @@ def line_of(
     chance: CounterRandom,
     bodies: Sequence[IntArray | None],
     is_picture: bool = False,
-) -> Line:
-    """Return the delay line of a signal of all infants, whose delays vary where those of any do; see `delays_of`."""
+) -> DelayLine:
+    """Return the delay line of a signal of all infants; see `delays_of`."""
     infants, manifest = setup.infants, setup.infants[0].manifest
     delays = [delays_of(infant, signal, count, where) for infant, where in zip(infants, bodies, strict=True)]
     together = Delays(*map(np.stack, zip(*delays, strict=True)))
     kind, period = torch.uint8 if is_picture else torch.float32, to_steps(manifest.step_ms, manifest.timestep_ms)
-    if not any(infant.manifest.noise.delay_jitter_ms for infant in infants):
-        return Line(together, period, setup.body, kind)
-    signals = [*infants[0].senses, MOTOR]
-    return JitteredLine(together, period, setup.body, chance.uniforms_of(signals.index(signal)), kind)
+    uniforms = chance.uniforms_of([*infants[0].senses, MOTOR].index(signal))
+    return DelayLine(together, period, setup.body, uniforms, signal == MOTOR, kind)
 
 
 def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> Delays:

@@ -10,7 +10,6 @@ import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
-from mimoc.actuation.arousal import Arousal
 from mimoc.base.units import ms_to_s, to_steps
 from mimoc.runtime.device.arousal import DeviceArousal
 from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
@@ -125,9 +124,7 @@ class DeviceSimulation:
 
     def _aroused(self) -> DeviceArousal:
         """Return the arousal of all worlds, whose models are as built."""
-        infants, model = self.bound.infants, self.bound.infants[0].model
-        arousals = [Arousal(infant.manifest.actuation, infant.model) for infant in infants]
-        return DeviceArousal(arousals, self.bound.body, model.jnt_qposadr, self.model)
+        return DeviceArousal(self.bound.infants, self.bound.body, self.model)
 
     def starts(self, options: StartOptions) -> InitialStates:
         """Return the starts of all bodies with some options."""
@@ -237,8 +234,7 @@ class DeviceSimulation:
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
-        if self.chance.is_used:
-            self.chance.steps += 1
+        self.chance.steps += 1
         self.bound.commands.advance(1)
         commands = self.bound.commands.receive(self.clock, index)
         if self.bound.motor_noise:

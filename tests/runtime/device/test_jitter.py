@@ -2,13 +2,16 @@
 
 import numpy as np
 import torch
+from hypothesis import given, settings, strategies as st
 from support import store
 from support.devices import DEVICE
 
 import mimoc
 from mimoc.base.random_streams import stream
+from mimoc.delays.signals import Delay, DelayedCommands, DelayedSamples
+from mimoc.noise.noise import NoiseStreams
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.lines import Delays, JitteredLine, Line
+from mimoc.runtime.device.lines import DelayLine, Delays
 from mimoc.runtime.device.noise import CounterRandom
 
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
@@ -19,7 +22,7 @@ def jittered(age_months: float) -> mimoc.Bundle:
     return store.built({"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys})
 
 
-def drawn_as_on_the_cpu(line: JitteredLine, signal: str, streams: list) -> object:
+def drawn_as_on_the_cpu(line: DelayLine, signal: str, streams: list) -> object:
     """Return random numbers from the streams of the CPU: one when an episode begins, then one for each physics step."""
 
     def draw(shape):
@@ -41,13 +44,21 @@ def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_d
     bundles = [jittered(1), jittered(20)]
     ours, theirs = mimoc.make_vec(bundles, device=DEVICE), mimoc.make_vec(bundles, threads=1)
     streams = [{}, {}]
-    lines = {name: sense.line for name, sense in ours.worlds.bound.senses.items()}
-    for name, line in {**lines, "motor": ours.worlds.bound.commands}.items():
-        line._uniforms = drawn_as_on_the_cpu(line, name, streams)
+
+    def draw_as_on_the_cpu() -> dict[str, DelayLine]:
+        lines = {name: sense.line for name, sense in ours.worlds.bound.senses.items()}
+        for name, line in {**lines, "motor": ours.worlds.bound.commands}.items():
+            line._uniforms = drawn_as_on_the_cpu(line, name, streams)
+        return lines
+
+    lines = draw_as_on_the_cpu()
     ours.reset(seed=0), theirs.reset(seed=0)
     generator, deviations = np.random.default_rng(1), set()
     angles = [name.endswith("[rad]") for name in theirs.infants[0].layout("proprioception")]
-    for _ in range(20):
+    for step in range(20):
+        if step == 12:  # To ages with the same delays.
+            ours.grow([1.2, 19.8]), theirs.grow([1.2, 19.8])
+            lines = draw_as_on_the_cpu()
         action = generator.uniform(-1, 1, theirs.action_space.shape).astype(np.float32)
         seen, expected = ours.step(action)[0], theirs.step(action)[0]
         errors = np.abs(seen["proprioception"] - expected["proprioception"])
@@ -58,11 +69,103 @@ def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_d
     ours.close(), theirs.close()
 
 
-def a_line(worlds: int) -> JitteredLine:
+def line_of(delay: int, jitter: int, period: int, uniforms: object, are_commands: bool = False) -> DelayLine:
+    """Return a line of one number in one world."""
+    delays = Delays(*(np.array([[number]]) for number in (delay, jitter, 0)))
+    return DelayLine(delays, period, put(np.zeros(1, int)), uniforms, are_commands)
+
+
+def drawn_by(streams: NoiseStreams) -> object:
+    """Return random numbers of 64 bits from a stream of the CPU."""
+    return lambda shape: put(streams["jitter.x"].random(shape)).double()
+
+
+def arriving(line: DelayLine, clock: int, period: int) -> float:
+    """Return when the sample was taken that arrives at the end of a control step."""
+    line.advance(period)
+    for rest in sorted(line.rests, reverse=True):
+        line.send(put(clock), put(np.full((1, 1), float(clock * period - rest))), int(rest))
+    return line.receive(put(clock)).item()
+
+
+DELAYS = st.integers(1, 5), st.integers(0, 12), st.integers(0, 4), st.integers(0, 2**32)
+"""The control step, a delay and its jitter, in physics steps, and a seed."""
+
+
+@settings(max_examples=30)
+@given(*DELAYS)
+def test_samples_arrive_as_on_the_cpu(period, delay, jitter, seed):
+    most, (ours, theirs) = min(jitter, delay), (NoiseStreams(seed), NoiseStreams(seed))
+    line, samples = (
+        line_of(delay, most, period, drawn_by(ours)),
+        DelayedSamples(Delay(delay, most, theirs, "jitter.x"), period),
+    )
+    line.fill(put(np.ones(1, bool)), put(np.zeros((1, 1))))
+    samples.reset(0.0)
+    for clock in range(1, 25):
+        if most:
+            samples.begin()
+        for after in samples.sampled_after:
+            samples.send(float((clock - 1) * period + after))
+        assert max(arriving(line, clock, period), 0) == samples.arrived
+
+
+@settings(max_examples=30)
+@given(*DELAYS)
+def test_commands_arrive_as_on_the_cpu(period, delay, jitter, seed):
+    most, (ours, theirs) = min(jitter, delay), (NoiseStreams(seed), NoiseStreams(seed))
+    line = line_of(delay, most, period, drawn_by(ours), are_commands=True)
+    one = np.arange(1)
+    commands, controls = DelayedCommands(Delay(delay, most, theirs, "jitter.x"), period, one, one), np.zeros(1)
+    line.fill(put(np.ones(1, bool)), put(np.zeros((1, 1))))
+    commands.reset()
+    for clock in range(1, 25):
+        line.send(put(clock), put(np.full((1, 1), float(clock))))
+        commands.begin(np.full(1, float(clock)))
+        for after in range(period):
+            line.advance(1)
+            if after in commands.applied_after:
+                commands.apply(controls)
+            assert line.receive(put(clock), after).item() == controls
+
+
+@settings(max_examples=20)
+@given(*DELAYS[:3], st.booleans())
+def test_a_delay_that_could_vary_and_does_not_is_a_plain_one(period, delay, jitter, are_commands):
+    lines = [line_of(delay, most, period, lambda shape: put(np.full(shape, 0.5)), are_commands) for most in (0, jitter)]
+    for line in lines:
+        line.fill(put(np.ones(1, bool)), put(np.zeros((1, 1))))
+    for clock in range(1, 20):
+        if are_commands:
+            for line in lines:
+                line.send(put(clock), put(np.full((1, 1), float(clock))))
+            for after in range(period):
+                plain, varying = (line.receive(put(clock), after).item() for line in lines)
+                assert plain == varying
+        else:
+            plain, varying = (max(arriving(line, clock, period), 0) for line in lines)
+            assert plain == varying
+
+
+@settings(max_examples=30)
+@given(st.integers(1, 4), st.integers(1, 12), st.integers(1, 12), st.integers(1, 4), st.integers(0, 2**32))
+def test_nothing_is_overtaken_when_delays_change_in_the_midst_of_an_episode(period, first, then, jitter, seed):
+    uniforms = drawn_by(NoiseStreams(seed))
+    before, after = (line_of(delay, min(jitter, delay), period, uniforms) for delay in (first, then))
+    before.fill(put(np.ones(1, bool)), put(np.zeros((1, 1))))
+    told = [arriving(before, clock, period) for clock in range(1, 12)]
+    after.restore(put(11), before.history(put(11)))
+    after.deviate(before.deviations)
+    told += [after.receive(put(11)).item(), *(arriving(after, clock, period) for clock in range(12, 40))]
+    assert (np.diff(told) >= 0).all()
+    assert 0 <= 39 * period - told[-1] - then + min(jitter, then) <= 2 * min(jitter, then)
+
+
+def a_line(worlds: int) -> DelayLine:
     """Return a line of two numbers that vary by up to 3 and 1 physics steps."""
     delays = Delays(np.array([[4, 1]]), np.array([[3, 1]]), np.array([[0, 1]]))
     chance = CounterRandom(put(np.arange(worlds)))
-    line = JitteredLine(delays, 2, put(np.zeros(worlds, int)), chance.uniforms_of(0))
+    line = DelayLine(delays, 2, put(np.zeros(worlds, int)), chance.uniforms_of(0))
     line.chance = chance
     return line
 
@@ -103,8 +206,9 @@ def test_a_history_goes_into_lines_with_other_delays_in_order():
     """The newest stay on their way; where there is room for more, the oldest is there for longer."""
     body = put(np.zeros(2, int))
 
-    def line_with(delay: int) -> Line:
-        return Line(Delays(np.array([[delay]]), np.zeros((1, 1), int), np.zeros((1, 1), int)), 2, body)
+    def line_with(delay: int) -> DelayLine:
+        delays = Delays(np.array([[delay]]), np.zeros((1, 1), int), np.zeros((1, 1), int))
+        return DelayLine(delays, 2, body, CounterRandom(body).uniforms_of(0))
 
     line = line_with(6)
     for clock in range(10):
