@@ -28,7 +28,7 @@ from mimoc.cli.terminal import printable
 from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.class_policy import class_or_text
-from mimoc.policies.spec import usage
+from mimoc.policies.spec import parse_policies, usage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -208,7 +208,6 @@ def policies_by_infant(
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
-    from mimoc.policies.spec import parse_policies
 
     by_infant = dict[str, str]()
     for text in texts or ["random"]:
