@@ -68,10 +68,10 @@ USES: dict[str, str | Callable[[Any], Any]] = {
 """What each public name does with an environment, or that it gets none."""
 
 WORKS: set[tuple[str, str]] = {
-    *(("one", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
-    *(("wrapped", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "record")),
+    *(("one", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "policy_vec", "record")),
+    *(("wrapped", name) for name in ("GrowthWrapper", "Recorder", "evaluate", "policy_vec", "record")),
     *(("many", name) for name in ("Recorder", "evaluate", "policy_vec", "record")),
-    *(("a world", name) for name in ("Recorder", "evaluate", "record", "world_vec_env")),
+    *(("a world", name) for name in ("Recorder", "evaluate", "policy_vec", "record", "world_vec_env")),
     ("closed", "GrowthWrapper"),
     ("many that are closed", "policy_vec"),
 }

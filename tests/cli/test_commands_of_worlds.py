@@ -87,7 +87,9 @@ def test_it_is_built_in_the_scene_of_another_seed(invoke, folder, tmp_path):
 
 
 def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
-    done = invoke("run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3")
+    done = invoke(
+        "run", str(folder / "world.yaml"), "--policy", "anna=look_at:ben,ben=general_movements", "--steps", "3"
+    )
     assert done.code == 0
     assert "Error of the gaze" in done.out
 
@@ -114,6 +116,28 @@ def test_from_a_file_to_a_recording_a_table_of_contacts_and_gaze_and_a_film(invo
     assert (tmp_path / "tables" / "0001-000000.csv").is_file()
 
 
+def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own_task.py").write_text(
+        "class Height:\n    def judge(self, data, action, effort):\n        return float(data.qpos[2])\n"
+    )
+    weak = {**BEN, "impairments": {"weakness": {"right_arm": 0.1}}}
+    path = str(written(tmp_path, PAIR, anna=ANNA, ben=weak))
+    run = ["run", path, "--policy", "anna=random", "--policy", "ben=zero", "--steps", "3", "--task", "own_task:Height"]
+    done = invoke(*run, "--beside", "healthy", "--eyes", "--video", "both.gif", "--size", "64")
+    assert done.code == 0, done.err
+    assert [name.strip() for name in done.out.splitlines()[2].strip("┃").split("┃")][1:] == [
+        "anna",
+        "ben",
+        "anna, healthy",
+        "ben, healthy",
+    ]
+    evaluated = invoke("evaluate", path, "--policy", "ben=random", "--episodes", "2", "--steps-per-episode", "3")
+    assert evaluated.code == 0, evaluated.err
+    assert "2 episodes, seeds 0 to 1" in evaluated.out
+    assert invoke("run", path, "--policy", "bne=zero").err == "'bne' is not a name of an infant of this world; did you mean 'ben'?\n"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -122,8 +146,10 @@ def test_from_a_file_to_a_recording_a_table_of_contacts_and_gaze_and_a_film(invo
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "crawling"], "'crawling' is not a pose of 'anna'"),
         (["render", "-o", "a.png", "--crop", "head"], "--crop head draws the head of one infant"),
-        (["view", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
-        (["report", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
+        (["view", "-o", "a.html", "--physics"], "--physics is for a single infant"),
+        (["see", "-o", "a.png", "--infant", "bob"], "'bob' is not a name of an infant of this world"),
+        (["rooms", "-o", "a.png"], "'flat' without toys is the same for every seed"),
+        (["train", "-o", "out", "--device", "warp:cpu"], "worlds with several infants are simulated on the CPU"),
     ],
 )
 def test_what_is_for_single_infants_is_refused_in_one_line(invoke, folder, tmp_path, monkeypatch, arguments, message):
