@@ -12,7 +12,7 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
-from mimoc.runtime.world_env import WorldEnv
+from mimoc.runtime.simulation import Simulation
 from mimoc.viewer.appearance import describe_materials, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
@@ -27,9 +27,9 @@ Place = tuple[FloatArray, FloatArray]
 
 
 def page_of_world(
-    world: WorldBundle, env: WorldEnv | None = None, progress: Progress = lambda done, total: None
+    world: WorldBundle, simulation: Simulation | None = None, progress: Progress = lambda done, total: None
 ) -> str:
-    """Return the page of a world as all start there, or as they are now in an environment of it.
+    """Return the page of a world as all start there, or as they are now in a simulation of it.
 
     Each infant is shown where it is alone, and the others are around it as they are around it in the world.
 
@@ -37,7 +37,7 @@ def page_of_world(
         BundleError: If the bundle does not contain the specs of its infants.
         MimocError: If an infant has other parts at other ages.
     """
-    model, data = (env.model, env.data) if env else _start(world)
+    model, data = (simulation.model, simulation.data) if simulation else _start(world)
     packed, infants = EncodedArrays(), dict[str, Any]()
     for number, (name, infant) in enumerate(world.infants.items()):
         count, first = len(world.infants), number
@@ -45,7 +45,7 @@ def page_of_world(
         def report(done: int, total: int, first: int = first, count: int = count) -> None:
             progress(first * total + done, count * total)
 
-        infants[name] = _describe(infant, model, data, packed, report, is_now=env is not None) | {"name": name}
+        infants[name] = _describe(infant, model, data, packed, report, is_now=simulation is not None) | {"name": name}
     return fill({"name": world.manifest.name, "bounds": "", "physics": None, "infants": infants}, packed)
 
 
