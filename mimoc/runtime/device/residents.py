@@ -50,6 +50,14 @@ class StartingInfant(InfantEnv):
         """Return senses that are kept when it is bound: its vision, which sees nothing."""
         return {VISION: NoVision(), **super()._former_senses()}
 
+    def set_expression(self, expression: str) -> None:
+        """Refuse it.
+
+        Raises:
+            MimocError: Always.
+        """
+        raise MimocError("infants on a device keep the expression of their spec; leave out set_expression, or device")
+
     @property
     def has_other_scenes(self) -> bool:
         """Whether it can be in the scene of another seed."""
