@@ -86,17 +86,17 @@ def starts_at_an_age(kind: Kind, folder: Path) -> None:
 
 
 ROOM = {"kind": "room", "toys": {"subset": ["ball"], "count": [1, 1]}}
+EMPTY = {"kind": "room", "toys": {"count": [0, 0]}}
+"""All scenes of infants on a device must have as many things."""
 
 
 def starts_in_another_scene(kind: Kind, folder: Path) -> None:
-    with kind.open(scene=ROOM, is_of_spec=True) as here:
-        places_m = []
-        for options in ({}, {"scene_seed": 7}):
-            here.reset(seed=0, **options)
-            here.rest(1)
-            places_m.append(place_m(here, "toy1_ball"))
+    with kind.open(scene=EMPTY if kind is ON_DEVICE else ROOM, is_of_spec=True) as here:
+        here.reset(seed=0)
+        before = here.infants[0].bundle
+        here.reset(seed=0, scene_seed=7)
         assert {infant.manifest.seed for infant in here.infants} == {7}
-        assert np.linalg.norm(places_m[0] - places_m[1]) > 0.02
+        assert here.infants[0].bundle.files != before.files
 
 
 BALL = {"name": "ball", "radius_cm": 3, "at": {"x_cm": 100, "y_cm": 0}}
@@ -169,20 +169,28 @@ def is_aroused(kind: Kind, folder: Path) -> None:
     as_alone(kind, do=arouse)
 
 
-def tells_of_itself(kind: Kind, folder: Path) -> None:
-    """Keypoints, effort, skin, layouts and spaces of each infant."""
-    with kind.open({**KIM, "senses": {"proprioception": {}, "touch": {"density": 0.2}}}) as here:
-        here.reset(seed=0)
-        here.flail(1)
-        for infant in here.infants:
-            assert infant.keypoints().shape == (25, 3)
-            assert infant.effort() > 0
-            assert len(infant.layout("proprioception")) == infant.observation_space["proprioception"].shape[0]
-            assert infant.observation_space.contains(infant.observe())
+def says_what_it_is(kind: Kind, folder: Path) -> None:
+    """Manifest, layouts, spaces, limits and age of each infant."""
+    with kind.open() as here:
+        for row, infant in zip(here.reset(seed=0), here.infants, strict=kind is not ON_DEVICE):
+            assert infant.observation_space.contains(row)
+            assert len(infant.layout("proprioception")) == len(row["proprioception"])
             assert infant.action_space.contains(infant.rest)
-            assert infant.skin.positions.shape[1] == 3
-            assert infant.model.body(infant.manifest.root_body).id >= 1
-            assert (infant.max_steps, infant.steps, infant.age_months, infant.arousal) == (None, 1, 9.0, 1.0)
+            assert infant.manifest.of_infant(infant.manifest.root_body) == "hip"
+            assert (infant.max_steps, infant.age_months) == (None, 9.0)
+
+
+def says_how_it_is(kind: Kind, folder: Path) -> None:
+    """Keypoints, effort, skin and arousal of each infant change."""
+    with kind.open({**KIM, "senses": {"touch": {"density": 0.2}}}) as here:
+        here.reset(seed=0)
+        starts_m = [infant.keypoints() for infant in here.infants]
+        here.flail(4)
+        for infant, start_m in zip(here.infants, starts_m, strict=True):
+            assert np.nanmax(np.abs(infant.keypoints() - start_m)) > 1e-4
+            assert infant.effort() > 0
+            assert infant.skin.positions.shape == infant.skin.forces.shape
+            assert (infant.steps, infant.arousal) == (4, 1.0)
 
 
 # States and copies.
@@ -566,15 +574,18 @@ ON_CPU = {"device": "expected an environment of mimoc's on the CPU"}
 NOT_COPIED = {"device": "infants on a device cannot be copied or pickled; keep what get_state returns"}
 NOT_REPLAYED = {"device": "cannot be replayed: recorded on a device, without states"}
 RSL_RL = "rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out"
-READABLE = (
-    "infants model data bundle manifest senses task actuation companions layout keypoints effort skin observe"
-    " max_steps steps age_months arousal rest voice observation_space action_space state state_space get_attr call"
+WHAT_IT_IS = (
+    "infants model bundle manifest senses task actuation companions layout max_steps age_months rest voice"
+    " observation_space action_space state_space get_attr call"
 )
+STANDS_FOR_OTHERS = {"device": "those in 'infants' stand for them, as they start"}
 
 
-def on_cpu(what: str) -> Mapping[str, str]:
-    """Return that a device refuses something that has to act at each physics step."""
-    return {"device": f"{what} on the CPU only: leave"}
+OUT = "on the CPU only: leave {} out, or leave out device"
+SILENT = {"device": "a voice sounds " + OUT.format("actuation.voice")}
+NO_COMPANIONS = {"device": "companions act " + OUT.format("them")}
+NO_CAREGIVER = {"device": "companion 'caregiver' acts " + OUT.format("it")}
+NO_WATER = {"device": "companion 'water' acts " + OUT.format("it")}
 
 
 CAPABILITIES: Mapping[str, Sequence[Capability]] = {
@@ -595,16 +606,17 @@ CAPABILITIES: Mapping[str, Sequence[Capability]] = {
         ),
     ),
     "Infants": (
-        Capability("what can be read of an infant", tells_of_itself, READABLE),
+        Capability("manifest, layouts, limits and spaces", says_what_it_is, WHAT_IT_IS),
         Capability(
-            "`set_expression`",
-            has_expressions,
-            "set_expression",
-            refusals={"device": "infants on a device keep the expression of their spec; leave out set_expression"},
+            "`keypoints`, `effort`, `skin` and `data`",
+            says_how_it_is,
+            "data keypoints effort skin observe steps arousal state",
+            refusals=STANDS_FOR_OTHERS,
         ),
+        Capability("`set_expression`", has_expressions, "set_expression", refusals=STANDS_FOR_OTHERS),
         Capability("`set_arousal`", is_aroused, "set_arousal"),
         Capability("eyes", sees),
-        Capability("voice and ears", speaks_and_hears, "play", refusals=on_cpu("a voice sounds")),
+        Capability("voice and ears", speaks_and_hears, "play", refusals=SILENT),
     ),
     "States": (
         Capability("`get_state` and `set_state`", keeps_states, "get_state set_state"),
@@ -614,10 +626,10 @@ CAPABILITIES: Mapping[str, Sequence[Capability]] = {
     "Around infants": (
         Capability("a task of your own", has_a_task_of_a_script),
         Capability("a sense of your own", has_a_sense_of_a_script),
-        Capability("a companion of your own", has_a_companion_of_a_script, refusals=on_cpu("companions act")),
-        Capability("a caregiver", has_a_caregiver, "caregiver", refusals=on_cpu("companion 'caregiver' acts")),
+        Capability("a companion of your own", has_a_companion_of_a_script, refusals=NO_COMPANIONS),
+        Capability("a caregiver", has_a_caregiver, "caregiver", refusals=NO_CAREGIVER),
         Capability("a mobile with a ribbon", has_a_ribbon),
-        Capability("water", is_in_water, refusals=on_cpu("companion 'water' acts")),
+        Capability("water", is_in_water, refusals=NO_WATER),
         Capability("furniture to start at", starts_at_furniture),
     ),
     "Policies": (
