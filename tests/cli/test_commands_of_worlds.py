@@ -110,7 +110,9 @@ def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke,
     evaluated = invoke("evaluate", path, "--policy", "ben=random", "--episodes", "2", "--steps-per-episode", "3")
     assert evaluated.code == 0, evaluated.err
     assert "2 episodes, seeds 0 to 1" in evaluated.out
-    assert invoke("run", path, "--policy", "bne=zero").err == "'bne=zero' is not a policy; did you mean 'zero'?\n"
+    assert invoke("run", path, "--policy", "bne=zero").err == (
+        "'bne' is not a name of an infant of this world; did you mean 'ben'?\n"
+    )
 
 
 @pytest.mark.parametrize(

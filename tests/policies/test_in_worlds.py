@@ -201,7 +201,7 @@ def test_a_controller_takes_the_names_of_an_infant_that_is_alone(world):
 def test_behaviours_go_on_while_infants_grow():
     kim = mimoc.InfantSpec.model_validate(SITTING)
     with closing(mimoc.make_parallel({"anna": kim, "ben": kim})) as world:
-        run = WorldRun(world, "anna=sit+look_at(ben_right_hand),ben=sit+reach_for(anna_head)", seed=0)
+        run = Run(world, "anna=sit+look_at(ben_right_hand),ben=sit+reach_for(anna_head)", seed=0)
         for step in range(30):
             if step == 10:
                 run.observations = world.grow({"ben": 12.0})
