@@ -129,7 +129,7 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} motion plots rollout policies recording opening worlds",
         "mujoco scipy PIL",
     ),
-    "worlds": layer("parallel", f"{BUILDING} compiler {RUNNING} multi training", ""),
+    "worlds": layer("parallel", f"{BUILDING} compiler {RUNNING} multi training", "gymnasium"),
     "retargeting": layer(
         "retargeting", f"{BUILDING} compiler {RUNNING} motion rollout policies recording opening", "mujoco scipy"
     ),

@@ -28,7 +28,7 @@ from mimoc.cli.terminal import printable
 from mimoc.columns import ALL, GROUPS, groups_named
 from mimoc.policies import POLICIES
 from mimoc.policies.class_policy import class_or_text
-from mimoc.policies.spec import usage
+from mimoc.policies.spec import parse_policies, usage
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -132,6 +132,8 @@ def run(
     env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
+        if filmed is not None and len(infants) == 1:
+            raise MimocError("--infant chooses one of several infants, and there is only one here; leave it out")
         if filmed is not None:
             check_name("name of an infant here", filmed, infants)
         chosen = policies_by_infant(policy, infant, root, infants)
@@ -206,7 +208,6 @@ def policies_by_infant(
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
-    from mimoc.policies.spec import parse_policies
 
     by_infant = dict[str, str]()
     for text in texts or ["random"]:

@@ -54,6 +54,7 @@ from mimoc.mjcf import printing
 from mimoc.mjcf.mimo import find_target
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.build_presets import trace_noise
+from mimoc.scenes.footprint import footprint
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_document import dump
 from mimoc.tasks.build_setup import TaskSetup
@@ -83,6 +84,12 @@ class Builder:
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
     has_skin: bool
+
+    @cached_property
+    def covered(self) -> npt.NDArray[np.float64]:
+        """The floor that the infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+        discs = footprint(self.tree, [pose.qpos for pose in self.infant.keyframes])
+        return np.concatenate([discs, np.reshape(self.task_setup.taken, (-1, 3))])
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:

@@ -123,7 +123,7 @@ def test_noise_jitter_and_growth_come_out_again(disturbed, tmp_path):
     env.step(ACTIONS[11])
     growing.close()
     first, second = mimoc.read_recording(tmp_path / "grown")
-    assert first.infos["age_months"][[0, 5, 9, 10]].tolist() == [18, 18.25, 18.5, 18.5]
+    assert first.infos["age_months"][[0, 5, 9, 10]].tolist() == [18, 18.25, 18.5, 6]
     assert second.options == {"age_months": 9.5}
     assert replayed(tmp_path / "grown") == []
 
