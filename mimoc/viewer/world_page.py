@@ -69,22 +69,25 @@ def _describe(
     """Return what a page knows of one infant, with the rest of its world around it."""
     alone = build(spec_of(infant))
     about: dict[str, Any] = packed.put(describe(alone, progress=progress))
-    own, alone_from_world = own_parts(model, infant.manifest), _move(alone, infant, model)
+    own, alone_from_world = own_parts(model, infant.manifest), move_home(alone, infant, model)
     around = describe_surroundings(model, data, own)
     _add_skins(around, model, data, own.bodies)
-    bodies, moved = around["bodies"], []
-    for pos_m, quat in zip(bodies["pos"], bodies["quat"], strict=True):
-        moved.append(_composed(alone_from_world, (pos_m, quat)))
-    bodies["pos"], bodies["quat"] = (np.array(parts) for parts in zip(*moved, strict=True))
-    about |= _with_materials(about, around, model)
+    move_bodies(around["bodies"], alone_from_world)
+    about |= with_surroundings(about, around, model)
     if is_now:
         qpos = data.qpos[own.qpos]
-        qpos[:3], qpos[3:7] = _composed(alone_from_world, (qpos[:3].copy(), qpos[3:7].copy()))
+        qpos[:3], qpos[3:7] = composed(alone_from_world, (qpos[:3].copy(), qpos[3:7].copy()))
         about = with_posture(about, packed, qpos, infant.manifest.child.length_cm)
     return about
 
 
-def _move(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
+def move_bodies(bodies: dict[str, Any], move: Place) -> None:
+    """Move the bodies of surroundings."""
+    moved = [composed(move, place) for place in zip(bodies["pos"], bodies["quat"], strict=True)]
+    bodies["pos"], bodies["quat"] = (np.array(parts) for parts in zip(*moved, strict=True))
+
+
+def move_home(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
     """Return what brings an infant from where it starts in its world to where it starts alone."""
     bare = load_model(alone)
     starts = [
@@ -99,7 +102,7 @@ def _move(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
     return to_m - offset_m, turn
 
 
-def _composed(move: Place, place: Place) -> Place:
+def composed(move: Place, place: Place) -> Place:
     """Return a place after a move."""
     offset_m, turned = np.empty(3), np.empty(4)
     mujoco.mju_rotVecQuat(offset_m, place[0], move[1])
@@ -142,7 +145,7 @@ def _skin_meshes(
         yield np.array([*colour, 255]) / 255, verts_m[used], renumbered.reshape(-1, 3).astype(np.uint32)
 
 
-def _with_materials(about: Mapping[str, Any], around: dict[str, Any], model: mujoco.MjModel) -> dict[str, Any]:
+def with_surroundings(about: Mapping[str, Any], around: dict[str, Any], model: mujoco.MjModel) -> dict[str, Any]:
     """Return surroundings with materials and pictures of their own, behind those of the infant."""
     described, numbers = describe_materials(model), around["geoms"]["material"]
     used = sorted({int(number) for number in numbers if number >= 0})
