@@ -76,7 +76,7 @@ WORKS: set[tuple[str, str]] = {
     ("many that are closed", "policy_vec"),
 }
 """What works where the libraries are that it needs; all else says why it does not."""
-SLOW = {(kind, "view") for kind in ("one", "wrapped", "closed")}
+SLOW = {(kind, "view") for kind in ("one", "wrapped", "closed", "many", "many that are closed", "a world")}
 """What works, too, and is tried where pages are tested."""
 MISSING = "a library is missing"
 

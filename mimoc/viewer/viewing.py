@@ -16,13 +16,14 @@ from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.compiler.world_sources import world_of
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infants import infants_of
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.page import Progress, describe, fill, page_of, with_posture
-from mimoc.viewer.world_page import page_of_world
+from mimoc.viewer.world_page import page_of_infants, page_of_world
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
@@ -90,7 +91,8 @@ def view(
     Args:
         shown: A bundle or its folder, a spec or its file (.yaml, .yml); a recording or its folder; or an
             environment, whose infant is shown as it is now. Or a world of several infants, in any form that
-            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time.
+            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time. Of a vector
+            environment it shows the first eight infants.
         path: Also write the page to this file, which ends in .html.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
         infant: Which of several recorded infants; the first one if it is not said.
@@ -119,10 +121,13 @@ def view(
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         made = View(_page_of_env(shown.unwrapped, physics))
-    elif (world := shown.bundle if isinstance(shown, WorldEnv) else world_of(shown)) is not None:
-        if physics:
-            raise MimocError("physics on a page is that of a single infant, and this is a world with several")
-        made = View(page_of_world(world, shown if isinstance(shown, WorldEnv) else None, progress))
+    elif (inside := getattr(shown, "unwrapped", None)) is not None and hasattr(inside, "infants"):
+        _refuse(physics)
+        name = inside.bundle.manifest.name if isinstance(inside, WorldEnv) else "infants"
+        made = View(page_of_infants(name, infants_of("view", inside), progress))
+    elif (world := world_of(shown)) is not None:
+        _refuse(physics)
+        made = View(page_of_world(world, progress))
     elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
         source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
         made = View(page_of(compiled(source), physics, progress))
@@ -132,6 +137,11 @@ def view(
     if place:
         made.save(place)
     return made
+
+
+def _refuse(physics: bool) -> None:
+    if physics:
+        raise MimocError("physics on a page is that of a single infant, and here are several")
 
 
 def is_recording(path: str | Path) -> bool:
