@@ -15,6 +15,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.compiler.world_sources import world_of
+from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of
 from mimoc.runtime.world_env import WorldEnv
@@ -121,7 +122,7 @@ def view(
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         made = View(_page_of_env(shown.unwrapped, physics))
-    elif (inside := getattr(shown, "unwrapped", None)) is not None and hasattr(inside, "infants"):
+    elif isinstance(inside := getattr(shown, "unwrapped", shown), (WorldEnv, BatchEnv)):
         _refuse(physics)
         name = inside.bundle.manifest.name if isinstance(inside, WorldEnv) else "infants"
         made = View(page_of_infants(name, infants_of("view", inside), progress))
